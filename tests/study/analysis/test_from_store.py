@@ -128,32 +128,27 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
     assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
     programs = from_contents(mixed, design, SIMULATED)
     assert set(programs.rows["participant"]) == {first.sub} and any("not of people" in note for note in programs.notes)
-    with pytest.raises(
-        InputError, match="no session of a pilot to analyse: it holds sessions of people: leave out --pilot"
-    ):
-        from_contents(contents, design, PILOT)
 
 
-def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
-    """Nobody reads numbers made up by a program for those of people.
-
-    Analysis and export refuse in the same words.
-    """
-    programs = attrs.evolve(
-        contents, sessions=tuple(attrs.evolve(session, origin=SIMULATED) for session in contents.sessions)
-    )
-    told = "no session of a person to {}: it holds simulated ones: use --simulated"
-    with pytest.raises(InputError, match=told.format("analyse")):
-        from_contents(programs, design)
-    with pytest.raises(InputError, match=told.format("export")):
-        export(programs, design, tmp_path / "out")
-    with pytest.raises(InputError, match="no session of a person to analyse: run one first"):
-        from_contents(attrs.evolve(contents, sessions=()), design)
-    with pytest.raises(InputError, match="no session of a pilot to analyse: it holds simulated ones: use --simulated"):
-        from_contents(programs, design, PILOT)
-    with pytest.raises(InputError, match="no session of a pilot to analyse: run one with --pilot first"):
-        from_contents(attrs.evolve(contents, sessions=()), design, PILOT)
-    assert from_contents(programs, design, SIMULATED).origin == SIMULATED
+@pytest.mark.parametrize(
+    ("held", "origin", "says"),
+    [
+        (PERSON, PILOT, "no session of a pilot to {}: it holds sessions of people: leave out --pilot"),
+        (SIMULATED, PERSON, "no session of a person to {}: it holds simulated ones: use --simulated"),
+        (SIMULATED, PILOT, "no session of a pilot to {}: it holds simulated ones: use --simulated"),
+        ("", PERSON, "no session of a person to {}: run one first"),
+        ("", PILOT, "no session of a pilot to {}: run one with --pilot first"),
+    ],
+)
+def test_sessions_of_others_count_only_on_request(contents, design, tmp_path, held, origin, says):
+    """Nobody reads numbers made up by a program for those of people."""
+    sessions = tuple(attrs.evolve(session, origin=held) for session in contents.sessions if held)
+    others = attrs.evolve(contents, sessions=sessions)
+    with pytest.raises(InputError, match=says.format("analyse")):
+        from_contents(others, design, origin)
+    with pytest.raises(InputError, match=says.format("export")):
+        export(others, design, tmp_path / "out", ExportOptions(origin=origin))
+    assert not held or from_contents(others, design, held).origin == held
 
 
 def test_conditions_stand_in_the_order_of_the_plan(contents, design):

@@ -35,12 +35,8 @@ def read(text: str, path: str = "study.toml") -> Design:
 def test_everything_comes_out_as_it_was_written():
     design = read(WHOLE)
     assert (design.name, design.title, design.seed, design.blind, design.order) == (
-        "whole",
-        "Everything at once",
-        7,
-        BOTH,
-        WILLIAMS,
-    )
+        "whole", "Everything at once", 7, BOTH, WILLIAMS,
+    )  # fmt: skip
     assert (design.seconds, design.repeats, design.practice_seconds) == (20, 2, 60)
     assert [scale.name for scale in design.scales] == ["grade", "acr"]
     assert [scale.name for scale in design.before] == ["ssq"] and [scale.name for scale in design.after] == [
@@ -62,12 +58,8 @@ def test_everything_comes_out_as_it_was_written():
     assert reference.reference
     assert design.practice is not None
     assert design.practice.settings == {
-        "scene": "planes",
-        "size": "96x120",
-        "latency": 10,
-        "warp": "none",
-        "fill": "none",
-    }
+        "scene": "planes", "size": "96x120", "latency": 10, "warp": "none", "fill": "none",
+    }  # fmt: skip
     assert [family.comparisons for family in design.families] == [
         (Comparison("run-1", "late-200", "warped-200"), Comparison("run-1", "late-200", "reference"))
     ]
@@ -90,13 +82,8 @@ def test_the_practice_takes_over_how_it_looks_and_not_how_late_it_is():
     practice = read(text.replace("\nlatency = 10\n", "\n").replace("latency = 0\n", "latency = 60\n")).practice
     assert practice is not None
     assert practice.settings == {
-        "lens": "none",
-        "scene": "planes",
-        "size": "96x120",
-        "latency": 0,
-        "warp": "none",
-        "fill": "none",
-    }
+        "lens": "none", "scene": "planes", "size": "96x120", "latency": 0, "warp": "none", "fill": "none",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", study_names())
@@ -145,16 +132,10 @@ def test_the_thesis_differs_from_how_it_was_only_in_what_its_head_lists():
     """
     now, was = load_design("thesis"), load_design("thesis-as-was")
     point_of = {
-        "order": "Order",
-        "seconds": "Time",
-        "until_done": "Time",
-        "blind": "Blinding",
-        "breaks": "Well-being",
-        "sickness": "Well-being",
-        "before": "Well-being",
-        "after": "Well-being",
+        "order": "Order", "seconds": "Time", "until_done": "Time", "blind": "Blinding", "breaks": "Well-being",
+        "sickness": "Well-being", "before": "Well-being", "after": "Well-being",
         "consent": "Well-being",  # its text says what is asked
-    }
+    }  # fmt: skip
     names = {field.name for field in attrs.fields(Design)} - {"name", "title", "text", "path"}
     assert {name for name in names if getattr(now, name) != getattr(was, name)} == set(point_of)
     head = now.text.partition("schema")[0]

@@ -100,15 +100,8 @@ def test_all_of_a_panel_is_seen_at_full_size_in_a_headset(scale):
 
 def test_numbers_at_the_line_do_not_touch():
     for least, most, step in (
-        (1, 6, 0.25),
-        (0, 20, 1),
-        (0, 100, 1),
-        (0, 1, 0.01),
-        (0, 10000, 1),
-        (-3, 3, 1),
-        (0, 7, 0.1),
-        (0, 97, 1),
-    ):
+        (1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1),
+    ):  # fmt: skip
         layout = layout_of(ScaleForm(float(least), float(most), float(step)))
         xs = sorted(width_of(f"{label:g}", 24) / 2 + 36 for label in layout._labels)
         assert {float(least), float(most)} <= set(layout._labels), "both ends have their numbers"

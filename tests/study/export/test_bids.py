@@ -100,15 +100,8 @@ def test_poses_are_as_they_were_recorded(tree, store):
             assert len(channels) == data.shape[1] == len(CHANNELS)
             assert [channel["type"] for channel in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
             assert [channel["component"] for channel in channels] == [
-                "n/a",
-                "x",
-                "y",
-                "z",
-                "quat_x",
-                "quat_y",
-                "quat_z",
-                "quat_w",
-            ]
+                "n/a", "x", "y", "z", "quat_x", "quat_y", "quat_z", "quat_w",
+            ]  # fmt: skip
             count += 1
     assert count == 4 + 3 + 4
 
@@ -164,16 +157,9 @@ def test_no_date_and_no_code_is_in_any_byte(tree):
     for path in tree.parent.rglob("*"):
         data = path.read_bytes() if path.is_file() else b""
         for word in (
-            b"2031-0",
-            b"16:41",
-            b"16:42",
-            b"Alpha-1",
-            b"Beta-2",
-            b"Gamma-3",
-            b"Pilot-4",
-            b"secret-of",
+            b"2031-0", b"16:41", b"16:42", b"Alpha-1", b"Beta-2", b"Gamma-3", b"Pilot-4", b"secret-of",
             b"Recorder of",
-        ):
+        ):  # fmt: skip
             assert word not in data and word.decode() not in path.name, (
                 path.name,
                 word,

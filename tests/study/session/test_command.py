@@ -70,9 +70,8 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert [showing.complete for showing in stored.showings] == [False]
 
 
-def test_a_session_answered_at_the_console_line_by_line(tmp_path):
+def test_a_session_answered_at_the_console_line_by_line(path):
     """By an experimenter who types what the participant says, as each question comes."""
-    path = study(tmp_path)
     program = begun(path, *REHEARSAL)
     watchdog = threading.Timer(PATIENCE_S, program.kill)
     watchdog.start()
@@ -122,8 +121,7 @@ def test_a_quiet_session_prints_nothing(tmp_path):
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],
 )
-def test_contradictory_options_are_refused_in_one_line(tmp_path, words, status, told):
-    path = study(tmp_path)
+def test_contradictory_options_are_refused_in_one_line(path, words, status, told):
     done = run(path, *words)
     assert done.returncode == status, done.stderr
     assert told in done.stderr

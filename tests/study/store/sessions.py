@@ -33,26 +33,13 @@ every = 1
 stop_at = 15
 [[part]]
 name = "one"
-[[part.condition]]
-name = "a"
-latency = 0
-[[part.condition]]
-name = "b"
-latency = 200
-[[part.condition]]
-name = "c"
-latency = 400
-[[part.condition]]
-name = "d"
-latency = 800
+condition = [
+  { name = "a", latency = 0 }, { name = "b", latency = 200 },
+  { name = "c", latency = 400 }, { name = "d", latency = 800 },
+]
 [[part]]
 name = "two"
-[[part.condition]]
-name = "a"
-latency = 0
-[[part.condition]]
-name = "b"
-latency = 200
+condition = [{ name = "a", latency = 0 }, { name = "b", latency = 200 }]
 """
 
 

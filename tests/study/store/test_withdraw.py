@@ -212,17 +212,10 @@ def check_finished(folder, subs) -> None:
 @pytest.mark.parametrize(
     ("step", "count"),
     [
-        ("_erase_traces", 0),
-        ("overwrite", 0),
-        ("overwrite", 2),
-        ("_erase_rows", 0),
-        ("_clean", 0),
-        ("erase_copies", 0),
-        ("_empty_log", 0),
-        ("_empty_log", 1),
-        ("_check_bytes", 0),
+        ("_erase_traces", 0), ("overwrite", 0), ("overwrite", 2), ("_erase_rows", 0), ("_clean", 0),
+        ("erase_copies", 0), ("_empty_log", 0), ("_empty_log", 1), ("_check_bytes", 0),
     ],
-)
+)  # fmt: skip
 def test_killed_before_each_step(tmp_path, step, count):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(3))
