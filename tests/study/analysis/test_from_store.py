@@ -16,7 +16,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import SourceOptions, from_contents, from_csv
-from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
+from hmdwarp.study.design import design_from_text
 from hmdwarp.study.export.export_rows import declined
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
@@ -24,6 +24,7 @@ from hmdwarp.study.scales import load_scale, scored
 from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
 from ..made_up import LATE_OR_WARPED
+from ..store.sessions import go_through
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
@@ -36,34 +37,19 @@ MEANS = {"late": 5.0, "warped": 3.0, "reference": 1.5}
 
 def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete", reference=1.5):
     """A session whose grades are known: the condition's own and a quarter for each seed."""
-    session = store.begin(design, None, code, origin)
-    showing, condition = None, ""
-    for step in steps_of(design, session.order, session.part):
-        if getattr(step, "trial", 0) > until:
-            break
-        if isinstance(step, Show):
-            showing, condition = (
-                store.begin_showing(session, step, dict(step.condition.settings), recorded=False),
-                step.condition.name,
-            )
-            showing = store.end_showing(
-                session, showing, {"hole_share_mean": 0.1 * MEANS.get(condition, 0)}, complete=True
-            )
-        elif isinstance(step, Ask) and step.scale.name == "grade":
-            grade = (MEANS | {"reference": reference})[condition] + 0.25 * (seed % 3)
-            store.answer(session, step, 6.0, 0.5, "participant", showing)  # corrected at once
-            store.answer(
-                session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing
-            )
-        elif isinstance(step, Ask):
-            store.answer(
-                session,
-                step,
-                float({"fms": step.trial, "ipq": seed}.get(step.scale.name, step.phase == "after")),
-                1.0,
-                "participant",
-                showing if step.about else None,
-            )
+    session, means = store.begin(design, None, code, origin), MEANS | {"reference": reference}
+
+    def values(step):
+        if step.scale.name != "grade":
+            return float({"fms": step.trial, "ipq": seed}.get(step.scale.name, step.phase == "after"))
+        condition = session.order[0][step.trial - 1]
+        grade = None if (seed, condition) == (2, "late") else means[condition] + 0.25 * (seed % 3)
+        return 6.0, grade  # corrected at once
+
+    def actual(step):
+        return {"hole_share_mean": 0.1 * MEANS.get(step.condition.name, 0)}
+
+    go_through(store, session, values, of=design, until=until, actual=actual)
     return store.end(session, status)
 
 

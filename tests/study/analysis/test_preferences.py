@@ -97,11 +97,9 @@ def simulated(design, model, study: int, people: int = PEOPLE) -> Ratings:
 
 @pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
 def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
-    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer
-    than the bound come once in 1000 times at that rate, and so do more.
-
-    Case V counts what differs between people as noise: a score of q is then one of q / sqrt(1 + 2
-    (taste / JOD_SPREAD)^2).
+    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer than
+    the bound come once in 1000 times at that rate, and so do more. Case V counts what differs
+    between people as noise: a score of q is then one of q / sqrt(1 + 2 (taste / JOD_SPREAD)^2).
     """
     design = design_of(scale, repeats=2)
     text = MODEL.format(scale=scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)

@@ -88,28 +88,18 @@ def test_a_quiet_console_only_answers(capfd, monkeypatch):
     assert line.startswith("console: 'dance' is no command")
 
 
-def test_a_console_whose_stdin_is_closed_asks_for_nothing(monkeypatch):
-    monkeypatch.setattr(sys, "stdin", None)
-    with LineConsole("a study") as console:
-        console.tell(SHOWING)
-        assert console.commands() == ()
+class Broken:
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+    flush = write
 
 
-def test_an_unread_stderr_blocks_nothing(monkeypatch):
-    class Broken:
-        def write(self, text: str) -> int:
-            raise BrokenPipeError
-
-        flush = write
-
-    monkeypatch.setattr(sys, "stdin", None)
+@pytest.mark.parametrize("kind", ["lines", "none"])
+def test_a_console_without_stdin_or_an_unread_stderr_blocks_nothing(monkeypatch, kind):
+    monkeypatch.setattr(sys, "stdin", None if kind == "lines" else sys.stdin)
     monkeypatch.setattr(sys, "stderr", Broken())
-    with LineConsole("a study") as console:
-        console.say("a line")
-
-
-def test_no_console_asks_for_nothing():
-    with LineConsole("a study", kind="none") as console:
+    with LineConsole("a study", kind=kind) as console:
         console.tell(SHOWING)
         console.say("a line")
         assert console.commands() == ()

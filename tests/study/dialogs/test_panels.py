@@ -28,7 +28,7 @@ from hmdwarp.study.dialogs.dialog_panels import (
     trial_panel,
 )
 
-from .made_scales import SHIPPED, any_scale, asked_of, said
+from .made_scales import SHIPPED, any_scale, asked_of, place_of, said
 
 BOTH_HINTS = pytest.mark.parametrize("hints", [KEYS, CONTROLLERS], ids=["keys", "controllers"])
 EVERY = pytest.mark.parametrize("scale", SHIPPED, ids=lambda one: one.name)
@@ -131,13 +131,12 @@ def _half(one) -> float:
 
 def test_the_buttons_of_a_panel_are_where_they_are_drawn():
     asked = asked_of(SHIPPED[0])
-    place = (0.85, _up(asked.panel(), "skip"))
-    asked.handle(said(("press", place)))
+    asked.handle(said(("press", place_of(asked.panel(), "skip"))))
     assert asked.panel().skipping and not asked.confirmed
-    asked.handle(said(("press", (0.25, _up(asked.panel(), "back")))))
+    asked.handle(said(("press", place_of(asked.panel(), "back"))))
     assert not asked.panel().skipping
     asked.handle(said("skip"))
-    asked.handle(said(("press", (0.75, _up(asked.panel(), "yes")))))
+    asked.handle(said(("press", place_of(asked.panel(), "yes"))))
     assert asked.skipped
 
 
@@ -154,14 +153,6 @@ def test_a_button_s_text_keeps_clear_of_its_edges():
                 inks.append(canvas.ink().copy())
             at = np.flatnonzero((inks[0] != inks[1]).any(axis=0))
             assert len(at) and at.min() >= 10 + 7 and at.max() <= right - 7
-
-
-def _up(panel, name: str) -> float:
-    """The middle of that button's height, by trying."""
-    across = {"skip": 0.85, "back": 0.25, "yes": 0.75}[name]
-    found = [v for v in np.linspace(0, 1, 200) if panel.button_at(across, v) == name]
-    assert found, name
-    return float(np.mean(found))
 
 
 def test_a_press_on_the_scale_answers():

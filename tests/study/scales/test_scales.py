@@ -1,7 +1,5 @@
-"""Scales.
-
-The shipped ones are as published, one's own is checked line by line, scores are what the papers
-say.
+"""Scales. The shipped ones are as published, one's own is checked line by line, scores are what the
+papers say.
 """
 
 from __future__ import annotations

@@ -57,10 +57,8 @@ def test_answers_are_those_that_were_given_about_what_was_shown(one):
 
 
 def test_every_trial_shows_its_planned_condition(one):
-    """A frame is shown at the first refresh at or after its latency.
-
-    A refresh is shown two periods after it is asked for. So a frame's age lies within one period
-    above the larger of the two.
+    """A frame is shown at the first refresh at or after its latency. A refresh is shown two periods
+    after it is asked for. So a frame's age lies within one period above the larger of the two.
     """
     path, _ = one
     planned = {**dict(zip(NAMES, LATENCIES_MS, strict=True)), "practice": 0.0}

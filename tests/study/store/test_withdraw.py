@@ -1,7 +1,5 @@
-"""Who withdraws is gone.
-
-From what is read, from the bytes of every file, and after a kill in the middle; the code alone
-stays.
+"""Who withdraws is gone. From what is read, from the bytes of every file, and after a kill in the
+middle; the code alone stays.
 """
 
 from __future__ import annotations
