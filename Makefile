@@ -35,7 +35,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-quick test-jod check check-lint check-format check-types check-shaders test-openxr test-kill test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick test-jod check check-lint check-format check-types check-shaders test-openxr test-kill test-statistics test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -87,6 +87,9 @@ test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root a
 test-kill: setup  ## kill sessions of a study at 500 random moments, damage 500 stores, kill sweeps (KILLS=, SEED=): ten minutes
 	@STUDY_KILLS=$(KILLS) STUDY_DAMAGES=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py tests/study/store/test_damage.py -q $(OPTIONS)
 	@SWEEP_KILLS=$$(($(KILLS) / 12)) SWEEP_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/experiments/sweep/test_kill.py -q $(OPTIONS)
+
+test-statistics: setup  ## how often the intervals and tests of a study's analysis are right, over 400 simulated studies: a minute
+	@.venv/bin/python -m pytest tests/study/coverage.py -q $(OPTIONS)
 
 test-requests: setup  ## 100,000 random requests to a server of the feed, all drawn (REQUESTS=, SEED=): an hour or two
 	@FEED_REQUESTS=$(REQUESTS) FEED_SEED=$(SEED) .venv/bin/python -m pytest tests/sources/feed/test_any_request.py -q -k within $(OPTIONS)

@@ -2,6 +2,7 @@
 whose effects are known.
 
 python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
+make test-statistics                            checks it over 400 studies
 
 Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose
 order goes to the next), sickness, answers nobody could give, a scale with steps and ends. The true
@@ -15,6 +16,7 @@ from collections.abc import Iterator
 
 import attrs
 import numpy as np
+import pytest
 from scipy.stats import binom, t
 
 from hmdwarp.study.design import Comparison, Design, load_design
@@ -24,7 +26,7 @@ from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, holm, 
 
 from .made_up import differences, unlimited
 
-PART, MANY, LEVEL = "run-1", 20_000, 0.95
+PART, MANY, LEVEL, STUDIES = "run-1", 20_000, 0.95, 400
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
 SURE = 0.999  # that a right method stays within the bounds of a test
 
@@ -185,6 +187,41 @@ def table(studies: int) -> Iterator[str]:
         each = ", ".join(f"{share:.1%}" for share in (null.p <= 1 - LEVEL).mean(axis=0))
         anything = f"anything after Holm in {null.any_found.mean():.1%} (5 % allowed)"
         yield f"No effect, {n} people: one test finds one in {each}; {anything}."
+
+
+@pytest.mark.parametrize("n", [12, 24])
+def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
+    found = coverage(*designed(), n, STUDIES, seed=1)
+    assert found.dropped > 0.05  # with people who leave among them
+    for k, _ in enumerate(found.comparisons):
+        least, most = bounds(found.promised[:, k].mean(), STUDIES)
+        # Exact where differences are continuous and symmetric; steps make many pairwise means equal
+        # to the true one, which only adds.
+        assert least <= found.latent_shift[:, k].mean() <= most
+        assert found.shift[:, k].mean() >= least
+        # The bootstrap of so few is short by a known amount, and by no more: what is promised is
+        # what theory says, not 95 %.
+        least, most = bounds(expected_bca(found.pairs[:, k]), STUDIES)
+        assert least <= found.mean[:, k].mean() <= most
+
+
+def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
+    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t.
+
+    None is left with many people.
+    """
+    assert expected_bca(np.array([12])) == pytest.approx(0.913, abs=0.001)
+    assert expected_bca(np.array([24])) == pytest.approx(0.932, abs=0.001)
+    assert expected_bca(np.array([10_000])) == pytest.approx(LEVEL, abs=1e-4)
+
+
+@pytest.mark.parametrize("n", [12, 24])
+def test_no_effect_is_found_where_there_is_none(n):
+    found = without_effect(*designed(), n, STUDIES, seed=2)
+    most = bounds(1 - LEVEL, STUDIES)[1]
+    assert found.any_found.mean() <= most  # Holm over three
+    for level in (0.01, 0.05, 0.1, 0.2):
+        assert ((found.p <= level).mean(axis=0) <= bounds(level, STUDIES)[1]).all()
 
 
 if __name__ == "__main__":

@@ -83,18 +83,13 @@ def _rows(design: Design, cohort: Cohort, person: int) -> list[dict]:
             value = cohort.answers[scale.name][person, trial]
             rows.append(
                 {
-                    "participant": _name(cohort, person),
-                    "part": cohort.part.name,
-                    "condition": condition.name,
-                    "scale": scale.name,
-                    "value": None if np.isnan(value) else float(value),
+                    "participant": _name(cohort, person), "part": cohort.part.name, "condition": condition.name,
+                    "scale": scale.name, "value": None if np.isnan(value) else float(value),
                     "why_missing": _why(cohort, person, trial) if np.isnan(value) else "",
-                    "reference": condition.reference,
-                    "repeat": trial // len(cohort.part.conditions) + 1,
-                    "place": trial + 1,
-                    "previous": names[trial - 1].name if trial else "",
+                    "reference": condition.reference, "repeat": trial // len(cohort.part.conditions) + 1,
+                    "place": trial + 1, "previous": names[trial - 1].name if trial else "",
                 }
-            )
+            )  # fmt: skip
     return rows
 
 

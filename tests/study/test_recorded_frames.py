@@ -18,22 +18,16 @@ PLAN = """
 schema = 1
 name = "recorded"
 title = "Frames of a camera"
+condition = [
+  { name = "late", latency = 100, warp = "none", fill = "none" },
+  { name = "warped", latency = 100, warp = "iterative", fill = "pyramid" },
+]
 [common]
 frames = "walk-past"
 guard = 1.5
 [trial]
 seconds = 0.3
 scales = ["grade"]
-[[condition]]
-name = "late"
-latency = 100
-warp = "none"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 100
-warp = "iterative"
-fill = "pyramid"
 """
 
 
@@ -75,7 +69,7 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
     ("old", "new", "told"),
     [
         ('"walk-past"', '"nowhere"', "no such file or folder"),
-        ("latency = 100\nwarp", "guard = 2\nlatency = 100\nwarp", "is the same for all conditions"),
+        ("latency = 100, warp", "guard = 2, latency = 100, warp", "is the same for all conditions"),
         ("[trial]", 'lens = "radial"\n[trial]', "lens radial with frames"),
     ],
 )

@@ -21,6 +21,12 @@ STUDY = """schema = 1
 name = "tiny"
 title = "Little of everything"
 seed = 5
+condition = [
+  { name = "late", latency = 200, warp = "none", fill = "none" },
+  { name = "turned", latency = 200, warp = "rotation", fill = "none" },
+  { name = "warped", latency = 200, warp = "forward", fill = "interpolate" },
+  { name = "reference", latency = 0, warp = "none", fill = "none", reference = true },
+]
 [common]
 scene = "planes"
 samples = 1
@@ -44,27 +50,6 @@ after = ["vrsq"]
 [consent]
 version = "1"
 text = "You may stop at any time."
-[[condition]]
-name = "late"
-latency = 200
-warp = "none"
-fill = "none"
-[[condition]]
-name = "turned"
-latency = 200
-warp = "rotation"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 200
-warp = "forward"
-fill = "interpolate"
-[[condition]]
-name = "reference"
-latency = 0
-warp = "none"
-fill = "none"
-reference = true
 [[family]]
 name = "any warp against none"
 pairs = [["late", "turned"], ["late", "warped"]]

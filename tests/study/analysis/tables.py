@@ -23,17 +23,12 @@ def ratings_of(
     """values: by condition, a rating of each participant (called a, b, c, ..)."""
     rows = [
         {
-            "participant": chr(ord("a") + k),
-            "part": part,
-            "condition": name,
-            "scale": measure.name,
-            "value": value,
-            "why_missing": "" if value is not None else "not answered",
-            "reference": name == reference,
+            "participant": chr(ord("a") + k), "part": part, "condition": name, "scale": measure.name, "value": value,
+            "why_missing": "" if value is not None else "not answered", "reference": name == reference,
         }
         for name, column in values.items()
         for k, value in enumerate(column)
-    ]
+    ]  # fmt: skip
     return Ratings(rows, {measure.name: measure})
 
 

@@ -58,14 +58,9 @@ def test_it_prints_what_it_found_in_80_columns(done):
 def test_it_writes_the_page_the_numbers_and_the_tables(done):
     _, out = done
     assert sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()) == [
-        "analysis.json",
-        "report.html",
-        "tables/comparisons.csv",
-        "tables/conditions.csv",
-        "tables/differences.csv",
-        "tables/missing.csv",
-        "tables/ratings.csv",
-    ]
+        "analysis.json", "report.html", "tables/comparisons.csv", "tables/conditions.csv", "tables/differences.csv",
+        "tables/missing.csv", "tables/ratings.csv",
+    ]  # fmt: skip
     data = json.loads((out / "analysis.json").read_text())
     assert {"commit", "numpy", "moderngl"} <= data["made_with"].keys()
     with (out / "tables" / "comparisons.csv").open() as file:
@@ -98,12 +93,9 @@ def test_the_page_holds_everything_and_asks_the_network_for_nothing(done):
     page = Page((out / "report.html").read_text())
     assert page.fetched == [] and "script" not in page.tags and page.tags.count("svg") == 3
     for text in (
-        "In 5 of 9 rows of run 2",
-        "does not follow",
-        "nothing was rated at 600 ms",
-        "+1.00 .. +2.05",
+        "In 5 of 9 rows of run 2", "does not follow", "nothing was rated at 600 ms", "+1.00 .. +2.05",
         "participant 9: none, 400 ms",
-    ):
+    ):  # fmt: skip
         assert text in " ".join(page.text.split())
 
 

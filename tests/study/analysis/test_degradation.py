@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from scipy import stats
+from together import together
 
-from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.findings import condition_rows
 from hmdwarp.study.analysis.full_analysis import analyse
@@ -13,11 +13,12 @@ from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.design.outline import session_phases
 from hmdwarp.study.export.export_rows import answer_rows, long_rows
-from hmdwarp.study.respondents import Simulated, load_model, person_of
 from hmdwarp.study.respondents.response_model import model_from_text
-from hmdwarp.study.store import COMPLETE, SIMULATED, Store
+from hmdwarp.study.store import SIMULATED, Store
 
 from ..made_up import simulate_study
+from ..refusals import check_refused, table
+from .test_preferences import fill
 
 STUDY = """schema = 1
 name = "impaired"
@@ -71,19 +72,17 @@ def test_a_trial_shows_the_reference_and_then_the_condition():
     assert trials.seconds == 3 * (2 * 2 + 6)
 
 
-@pytest.mark.parametrize(
-    ("found", "put", "says"),
-    [
-        ("reference = true", "", r'trial.shows is "reference first", and no \[\[condition\]\] has reference = true'),
-        ('"dcr"', '"acr"', "has 'acr', which asks nothing about the reference: expected dcr"),
-        ('shows = "reference first"', "", r'has \'dcr\', .*: it needs shows = "reference first"'),
-        ('"dcr"', '"preference"', "has 'preference', a preference"),
-    ],
-)
-def test_incompatible_settings_are_refused(found, put, says):
-    assert found in STUDY
-    with pytest.raises(InputError, match=says):
-        design_from_text(STUDY.replace(found, put), "impaired.toml", checked=False)
+WRONG = r"""
+reference = true ->  => trial.shows is "reference first", and no [[condition]] has reference = true @ shows
+"dcr" -> "acr" => has 'acr', which asks nothing about the reference: expected dcr
+shows = "reference first" ->  => shown right before: it needs shows = "reference first" @ scales
+"dcr" -> "preference" => has 'preference', a preference
+"""
+
+
+@together("entry", table(WRONG))
+def test_incompatible_settings_are_refused(entry):
+    check_refused(entry, STUDY, lambda wrong: design_from_text(wrong, "impaired.toml", checked=False), "impaired.toml")
 
 
 def test_from_the_store_to_the_page(tmp_path):
@@ -91,22 +90,9 @@ def test_from_the_store_to_the_page(tmp_path):
     design = design_from_text(STUDY, "impaired.toml", checked=False)
     with Store(tmp_path / "data", create=True, study=design.name) as store:
         for person in range(6):
-            session = store.begin(design, None, f"P{person}", SIMULATED)
-            respondent = Simulated(load_model("quick"), design, "main", 1, person_of(f"P{person}"), session.order)
-            for step in steps_of(design, session.order, "main"):
-                if isinstance(step, Show):
-                    showing = store.begin_showing(session, step, dict(step.condition.settings), recorded=False)
-                    store.end_showing(session, showing, {}, complete=True)
-                elif isinstance(step, Ask):
-                    store.answer(session, step, respondent.answer(step, step.trial), 1.0, "simulated")
-            store.end(session, COMPLETE)
+            fill(store, design, f"P{person}")
         contents = store.contents()
     ratings = from_contents(contents, design, SIMULATED)
-    orders = {session.sub: session.order[0] for session in contents.sessions}
-    for row in ratings.rows.itertuples():
-        order = orders[row.participant]
-        assert row.condition == order[row.place - 1]
-        assert row.previous == (order[row.place - 2] if row.place > 1 else "")
     columns = ["participant", "condition", "value"]
     tables = frame(long_rows(answer_rows(contents, design))), ratings.rows
     exported, own = (table[columns].sort_values(columns) for table in tables)

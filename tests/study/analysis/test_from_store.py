@@ -16,7 +16,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import SourceOptions, from_contents, from_csv
-from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
+from hmdwarp.study.design import design_from_text
 from hmdwarp.study.export.export_rows import declined
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
@@ -24,6 +24,7 @@ from hmdwarp.study.scales import load_scale, scored
 from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
 from ..made_up import LATE_OR_WARPED
+from ..store.sessions import go_through
 
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
@@ -36,34 +37,19 @@ MEANS = {"late": 5.0, "warped": 3.0, "reference": 1.5}
 
 def sit(store, design, code, origin=PERSON, until=99, seed=0, status="complete", reference=1.5):
     """A session whose grades are known: the condition's own and a quarter for each seed."""
-    session = store.begin(design, None, code, origin)
-    showing, condition = None, ""
-    for step in steps_of(design, session.order, session.part):
-        if getattr(step, "trial", 0) > until:
-            break
-        if isinstance(step, Show):
-            showing, condition = (
-                store.begin_showing(session, step, dict(step.condition.settings), recorded=False),
-                step.condition.name,
-            )
-            showing = store.end_showing(
-                session, showing, {"hole_share_mean": 0.1 * MEANS.get(condition, 0)}, complete=True
-            )
-        elif isinstance(step, Ask) and step.scale.name == "grade":
-            grade = (MEANS | {"reference": reference})[condition] + 0.25 * (seed % 3)
-            store.answer(session, step, 6.0, 0.5, "participant", showing)  # corrected at once
-            store.answer(
-                session, step, None if (seed, condition) == (2, "late") else grade, 1.0, "participant", showing
-            )
-        elif isinstance(step, Ask):
-            store.answer(
-                session,
-                step,
-                float({"fms": step.trial, "ipq": seed}.get(step.scale.name, step.phase == "after")),
-                1.0,
-                "participant",
-                showing if step.about else None,
-            )
+    session, means = store.begin(design, None, code, origin), MEANS | {"reference": reference}
+
+    def values(step):
+        if step.scale.name != "grade":
+            return float({"fms": step.trial, "ipq": seed}.get(step.scale.name, step.phase == "after"))
+        condition = session.order[0][step.trial - 1]
+        grade = None if (seed, condition) == (2, "late") else means[condition] + 0.25 * (seed % 3)
+        return 6.0, grade  # corrected at once
+
+    def actual(step):
+        return {"hole_share_mean": 0.1 * MEANS.get(step.condition.name, 0)}
+
+    go_through(store, session, values, of=design, until=until, actual=actual)
     return store.end(session, status)
 
 
@@ -128,32 +114,27 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
     assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
     programs = from_contents(mixed, design, SIMULATED)
     assert set(programs.rows["participant"]) == {first.sub} and any("not of people" in note for note in programs.notes)
-    with pytest.raises(
-        InputError, match="no session of a pilot to analyse: it holds sessions of people: leave out --pilot"
-    ):
-        from_contents(contents, design, PILOT)
 
 
-def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
-    """Nobody reads numbers made up by a program for those of people.
-
-    Analysis and export refuse in the same words.
-    """
-    programs = attrs.evolve(
-        contents, sessions=tuple(attrs.evolve(session, origin=SIMULATED) for session in contents.sessions)
-    )
-    told = "no session of a person to {}: it holds simulated ones: use --simulated"
-    with pytest.raises(InputError, match=told.format("analyse")):
-        from_contents(programs, design)
-    with pytest.raises(InputError, match=told.format("export")):
-        export(programs, design, tmp_path / "out")
-    with pytest.raises(InputError, match="no session of a person to analyse: run one first"):
-        from_contents(attrs.evolve(contents, sessions=()), design)
-    with pytest.raises(InputError, match="no session of a pilot to analyse: it holds simulated ones: use --simulated"):
-        from_contents(programs, design, PILOT)
-    with pytest.raises(InputError, match="no session of a pilot to analyse: run one with --pilot first"):
-        from_contents(attrs.evolve(contents, sessions=()), design, PILOT)
-    assert from_contents(programs, design, SIMULATED).origin == SIMULATED
+@pytest.mark.parametrize(
+    ("held", "origin", "says"),
+    [
+        (PERSON, PILOT, "no session of a pilot to {}: it holds sessions of people: leave out --pilot"),
+        (SIMULATED, PERSON, "no session of a person to {}: it holds simulated ones: use --simulated"),
+        (SIMULATED, PILOT, "no session of a pilot to {}: it holds simulated ones: use --simulated"),
+        ("", PERSON, "no session of a person to {}: run one first"),
+        ("", PILOT, "no session of a pilot to {}: run one with --pilot first"),
+    ],
+)
+def test_sessions_of_others_count_only_on_request(contents, design, tmp_path, held, origin, says):
+    """Nobody reads numbers made up by a program for those of people."""
+    sessions = tuple(attrs.evolve(session, origin=held) for session in contents.sessions if held)
+    others = attrs.evolve(contents, sessions=sessions)
+    with pytest.raises(InputError, match=says.format("analyse")):
+        from_contents(others, design, origin)
+    with pytest.raises(InputError, match=says.format("export")):
+        export(others, design, tmp_path / "out", ExportOptions(origin=origin))
+    assert not held or from_contents(others, design, held).origin == held
 
 
 def test_conditions_stand_in_the_order_of_the_plan(contents, design):

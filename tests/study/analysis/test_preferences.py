@@ -13,13 +13,15 @@ from hmdwarp.study.analysis.findings import Resampling, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, from_contents
 from hmdwarp.study.analysis.sentences import said_of_preferences
-from hmdwarp.study.design import Ask, Show, design_from_text, pair_of, steps_of
+from hmdwarp.study.design import design_from_text, pair_of
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.respondents import Population, Simulated, load_model, person_of
 from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.scales import NEITHER
 from hmdwarp.study.statistics import JOD_SPREAD
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store
+
+from ..store.sessions import go_through
 
 STUDY = """schema = 1
 name = "pairs"
@@ -95,11 +97,9 @@ def simulated(design, model, study: int, people: int = PEOPLE) -> Ratings:
 
 @pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
 def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
-    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer
-    than the bound come once in 1000 times at that rate, and so do more.
-
-    Case V counts what differs between people as noise: a score of q is then one of q / sqrt(1 + 2
-    (taste / JOD_SPREAD)^2).
+    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer than
+    the bound come once in 1000 times at that rate, and so do more. Case V counts what differs
+    between people as noise: a score of q is then one of q / sqrt(1 + 2 (taste / JOD_SPREAD)^2).
     """
     design = design_of(scale, repeats=2)
     text = MODEL.format(scale=scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)
@@ -156,12 +156,7 @@ def fill(store: Store, design, code: str) -> None:
     """A session of a simulated person, whose trials are shown in words only."""
     session = store.begin(design, None, code, SIMULATED)
     respondent = Simulated(load_model("quick"), design, "main", design.seed, person_of(code), session.order)
-    for step in steps_of(design, session.order, "main"):
-        if isinstance(step, Show):
-            showing = store.begin_showing(session, step, dict(step.condition.settings), recorded=False)
-            store.end_showing(session, showing, {}, complete=True)
-        elif isinstance(step, Ask):
-            store.answer(session, step, respondent.answer(step, step.trial), 1.0, "simulated")
+    go_through(store, session, lambda step: respondent.answer(step, step.trial), of=design)
     store.end(session, COMPLETE)
 
 

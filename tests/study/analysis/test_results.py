@@ -19,7 +19,7 @@ from hmdwarp.report.study import comparison_lines, render_study_report
 from hmdwarp.study.analysis.findings import copied_rows, load_claims, order_effects
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
-from hmdwarp.study.analysis.sentences import sentence_of_copied, sentence_of_reference, sentences_of_order
+from hmdwarp.study.analysis.sentences import sentence_of_copied, sentences_of_order
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
@@ -43,12 +43,6 @@ def test_positive_means_better_whichever_way_the_scale_goes():
     assert low["differences"] == high["differences"]
 
 
-def test_a_shown_difference_is_stated_plainly():
-    said = first(ratings_of({"late": LATE, "warped": WARPED}))["sentence"]
-    assert said.startswith("8 of 8 rated 'warped' better than 'late', 0 worse; mean difference +1.56 grades (95 % ")
-    assert said.endswith("By the exact test p = .0078: 'warped' was rated better.")
-
-
 @pytest.mark.parametrize(("late", "warped", "way"), [(5, 4, "better"), (4, 5, "worse")])
 def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way):
     """Seven pairs one way, nineteen alike.
@@ -61,35 +55,32 @@ def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way)
 
 
 def test_too_many_people_for_the_exact_test_are_refused():
-    with pytest.raises(
-        InputError, match="1001 participants rated both of two conditions: the exact test takes 1000 at most"
-    ):
-        compared_many(1001)
+    many = ratings_of({"late": [3.0] * 1001, "warped": [3.0] * 1001})
+    with pytest.raises(InputError, match="1001 participants rated both of two conditions: the exact test takes 1000"):
+        first(many)
 
 
-def compared_many(people: int) -> None:
-    analyse(attrs.evolve(ratings_of({"late": [3.0] * people, "warped": [3.0] * people}), families=PAIR))
+ALIKE, NOT_SHOWN, SIMILAR = [4] * 8, [4, 3, 5, 4, 3.5, 4, 5, 3], [3, 4, 4, 4.5, 3, 5, 4, 3]
+SAID = [  # ratings of `late` and of `warped`; what their sentence says
+    (LATE, WARPED, "8 of 8 rated 'warped' better than 'late', 0 worse; mean difference +1.56 grades (95 % "),
+    (LATE, WARPED, "By the exact test p = .0078: 'warped' was rated better."),
+    (ALIKE, [4] * 7 + [3], "1 unequal pair cannot give a p below 1.000, so this comparison shows nothing either way."),
+    (NOT_SHOWN, SIMILAR, "no difference is shown, "),
+    (NOT_SHOWN, SIMILAR, "which does not mean that there is none"),
+    (NOT_SHOWN, SIMILAR, "the ratings fit anything from a loss of"),
+    (NOT_SHOWN, SIMILAR, "to a gain of"),
+    ([5, 5, 6, 5], [1, 2, 1, 1.5], "4 unequal pairs cannot give a p below .125, so this comparison shows nothing"),
+    ([5, 5, 6, 5], [1, 2, 1, 1.5], "either way, whatever the ratings."),
+    ([5, None], [None, 3], "cannot be compared"),
+]
 
 
-def test_pairs_that_are_alike_are_not_too_few_people():
-    said = first(ratings_of({"late": [4] * 8, "warped": [4] * 7 + [3]}))["sentence"]
-    assert "1 unequal pair cannot give a p below 1.000" in said and "whatever the ratings" not in said
-
-
-def test_a_difference_that_is_not_shown_is_not_called_none():
-    said = first(ratings_of({"late": [4, 3, 5, 4, 3.5, 4, 5, 3], "warped": [3, 4, 4, 4.5, 3, 5, 4, 3]}))["sentence"]
-    assert "no difference is shown, which does not mean that there is none" in said
-    assert "the ratings fit anything from a loss of" in said and "to a gain of" in said
-
-
-def test_too_few_people_show_nothing_either_way():
-    said = first(ratings_of({"late": [5, 5, 6, 5], "warped": [1, 2, 1, 1.5]}))["sentence"]
-    assert "4 unequal pairs cannot give a p below .125" in said and "nothing either way" in said
-
-
-def test_a_pair_without_common_raters_is_stated():
-    row = first(ratings_of({"late": [5, None], "warped": [None, 3]}))
-    assert row["n"] == 0 and row["holm"] is None and "cannot be compared" in row["sentence"]
+@pytest.mark.parametrize(("late", "warped", "said"), SAID, ids=[said[:30] for *_, said in SAID])
+def test_a_comparison_says_what_was_found_and_no_more(late, warped, said):
+    """A difference that is not shown is not called none; alike pairs are not too few people."""
+    row = first(ratings_of({"late": late, "warped": warped}))
+    assert said in row["sentence"]
+    assert (row["n"] == 0) == (row["holm"] is None) == ("cannot be compared" in row["sentence"])
 
 
 def test_unrated_parts_show_no_order_and_no_p():
@@ -156,21 +147,17 @@ def test_any_ratings_give_json_without_nan(a, b, c):
     json.dumps(analyse(ratings), allow_nan=False)
 
 
-# --- order --------------------------------------------------------------------------------------
-# ------------------------
+# --- order
 
 
-def test_a_drift_is_found_with_its_size():
+def test_a_drift_is_found_with_its_size_and_carry_over_too():
     found = order_effects(in_order(effect=0.2))
     # 96 ratings, noise 0.3, places of variance 1.25: the slope's standard error is about 0.3 /
     # sqrt(96 * 1.25) = 0.03.
     assert found["place"]["p"] < 0.001 and found["place"]["slope"] == pytest.approx(0.2, abs=0.12)
     assert found["place"]["low"] <= 0.2 <= found["place"]["high"]
-
-
-def test_carry_over_is_found():
-    found = order_effects(in_order(carry=0.4))
-    assert found["previous"]["p"] < 0.001 and found["previous"]["df"] == 4
+    carried = order_effects(in_order(carry=0.4))["previous"]
+    assert carried["p"] < 0.001 and carried["df"] == 4
 
 
 def test_without_an_effect_p_is_uniform():
@@ -237,13 +224,10 @@ def test_confounded_effects_are_named():
 def test_one_order_for_all_is_confounded_with_the_conditions():
     rows = in_order()
     rows = rows[rows["participant"].isin(("p0", "p4", "p8", "p12"))]  # the square has four rows
-    found = order_effects(rows)
-    assert "all participants saw them in the same order" in found["place"]["why_not"]
-    assert "all participants saw them in the same order" in found["previous"]["why_not"]
+    assert all("all participants saw them in the same order" in one["why_not"] for one in order_effects(rows).values())
 
 
-# --- doubles ------------------------------------------------------------------------------------
-# ------------------------
+# --- doubles
 
 
 def joined(*made: Ratings) -> Ratings:
@@ -288,8 +272,7 @@ def test_equal_rows_on_a_coarse_scale_are_called_likely():
     assert "no sign of copying" in sentence_of_copied(found) and "most likely" not in sentence_of_copied(found)
 
 
-# --- claims -------------------------------------------------------------------------------------
-# ------------------------
+# --- claims
 
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
@@ -324,10 +307,6 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     assert both.rated_scales() == ["grade", "acr"]
 
 
-def test_an_unrated_reference_is_not_praised():
-    assert sentence_of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
-
-
 REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the best grade
     (
         {"late": [1] * 8, "warped": [4] * 8, "other": [4] * 8, "best": [4] * 8},  # tied for worst
@@ -344,6 +323,7 @@ REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the
         "their other ratings. 1 of them gave everything the same rating, which shows nothing. Worse: c. Their ratings "
         "are kept; the comparisons without them are listed as well.",
     ),
+    ({"late": [5], "warped": [4], "best": [None]}, "The hidden reference was not rated."),
     (
         {"late": [5], "warped": [4], "best": [1]},
         "The only participant who rated the hidden reference rated it better than the median of their other ratings.",
@@ -351,10 +331,10 @@ REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the
 ]
 
 
-@pytest.mark.parametrize(("values", "says"), REFERENCE, ids=["tied for worst", "flat", "mixed", "one"])
+@pytest.mark.parametrize(("values", "says"), REFERENCE, ids=["tied for worst", "flat", "mixed", "unrated", "one"])
 @pytest.mark.parametrize("turned", [False, True], ids=["low is good", "high is good"])
 def test_a_tie_with_the_reference_is_a_tie(values, says, turned):
     scale = attrs.evolve(GRADE, low_is_good=not turned)
-    values = {name: [7 - value if turned else value for value in column] for name, column in values.items()}
+    values = {name: [7 - v if turned and v is not None else v for v in column] for name, column in values.items()}
     (part,) = analyse(ratings_of(values, reference="best", measure=scale))["scales"][0]["parts"]
     assert part["reference_sentence"] == says

@@ -37,13 +37,8 @@ def test_a_wrong_answer_is_refused_with_what_is_wanted(text, words):
 
 def test_times():
     assert [clock(s) for s in (-1, 0, 59.99, 65, 3600, 3723.5)] == [
-        "0:00",
-        "0:00",
-        "0:59",
-        "1:05",
-        "1:00:00",
-        "1:02:03",
-    ]
+        "0:00", "0:00", "0:59", "1:05", "1:00:00", "1:02:03",
+    ]  # fmt: skip
 
 
 def test_lines_as_commands():

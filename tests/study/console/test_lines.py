@@ -51,11 +51,6 @@ def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp
     assert asked == [("pause", None)]
 
 
-def test_no_console_is_silent(tmp_path):
-    asked, said = told(tmp_path, "stop\n", "--console", "none", "--seconds", "0.2")
-    assert asked == [] and said == ""
-
-
 def test_news_are_what_an_experimenter_should_know():
     assert news(ConsoleState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
     assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9)) == []
@@ -93,28 +88,18 @@ def test_a_quiet_console_only_answers(capfd, monkeypatch):
     assert line.startswith("console: 'dance' is no command")
 
 
-def test_a_console_whose_stdin_is_closed_asks_for_nothing(monkeypatch):
-    monkeypatch.setattr(sys, "stdin", None)
-    with LineConsole("a study") as console:
-        console.tell(SHOWING)
-        assert console.commands() == ()
+class Broken:
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+    flush = write
 
 
-def test_an_unread_stderr_blocks_nothing(monkeypatch):
-    class Broken:
-        def write(self, text: str) -> int:
-            raise BrokenPipeError
-
-        flush = write
-
-    monkeypatch.setattr(sys, "stdin", None)
+@pytest.mark.parametrize("kind", ["lines", "none"])
+def test_a_console_without_stdin_or_an_unread_stderr_blocks_nothing(monkeypatch, kind):
+    monkeypatch.setattr(sys, "stdin", None if kind == "lines" else sys.stdin)
     monkeypatch.setattr(sys, "stderr", Broken())
-    with LineConsole("a study") as console:
-        console.say("a line")
-
-
-def test_no_console_asks_for_nothing():
-    with LineConsole("a study", kind="none") as console:
+    with LineConsole("a study", kind=kind) as console:
         console.tell(SHOWING)
         console.say("a line")
         assert console.commands() == ()

@@ -75,8 +75,3 @@ pairs = [
   ["late-200", "reference"],
 ]
 """
-
-
-def line_of(text: str, part: str) -> int:
-    """Where that part begins, from 1; it may go over several lines."""
-    return text[: text.index(part)].count("\n") + 1

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
+from together import together
 
-from hmdwarp.errors import InputError
 from hmdwarp.study.design import Design, design_from_text
 
-from .test_plan_command import run
+from ..refusals import check_refused, table
 
 PLAN = """schema = 1
 name = "s"
@@ -67,27 +66,18 @@ def test_a_condition_s_own_name_comes_first_and_values_become_plain_words():
     assert names(design) == [a, b, "reference"]
 
 
-def test_the_plan_prints_them(tmp_path):
-    path = tmp_path / "s.toml"
-    path.write_text(PLAN, encoding="utf-8")
-    told = run(path)
-    assert all(name in told for name in NAMES)
+WRONG = r"""
+[200, 400] -> [200, 400, 200] => makes a second condition 'latency200-forward'
+name = "reference" -> name = "latency400-none" => a second time
+[200, 400] -> [] => is an empty list
+[200, 400] -> MANY
+    => makes 118 combinations: expected 100 conditions at most
+"forward", "none"] -> "forward", "nnone"] => nnone
+"forward", "none"] -> "forward", [1]] => has [1]: expected texts, numbers
+fill = "none"⏎[[c -> reference = true⏎[[c => expected one hidden reference
+"""
 
 
-@pytest.mark.parametrize(
-    ("change", "line", "told"),
-    [
-        (("[200, 400]", "[200, 400, 200]"), 10, "makes a second condition 'latency200-forward'"),
-        (('name = "reference"', 'name = "latency400-none"'), 14, "a second time"),
-        (("[200, 400]", "[]"), 10, "is an empty list"),
-        (("[200, 400]", str(list(range(1, 60)))), 10, "makes 118 combinations: expected 100 conditions at most"),
-        (('"forward", "none"]', '"forward", "nnone"]'), 11, "nnone"),
-        (('"forward", "none"]', '"forward", [1]]'), 11, "has [1]: expected texts, numbers"),
-        (('fill = "none"\n[[c', 'reference = true\n[[c'), 12, "expected one hidden reference"),
-    ],
-)  # fmt: skip
-def test_impossible_combinations_are_refused_with_their_line(change, line, told):
-    with pytest.raises(InputError) as error:
-        read(change)
-    assert f"study.toml:{line}" in str(error.value) or f"line {line}" in str(error.value), error.value
-    assert told in str(error.value)
+@together("entry", table(WRONG.replace("MANY", str([*range(1, 60)]))))
+def test_impossible_combinations_are_refused_with_their_line(entry):
+    check_refused(entry, PLAN, lambda wrong: design_from_text(wrong, "study.toml"), "study.toml")

@@ -23,12 +23,8 @@ def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
     design = load_design("mine.toml")
     assert design.name == "mine"
     assert [condition.name for condition in design.parts[0].conditions] == [
-        "latency200-none",
-        "latency200-forward",
-        "latency400-none",
-        "latency400-forward",
-        "reference",
-    ]
+        "latency200-none", "latency200-forward", "latency400-none", "latency400-forward", "reference",
+    ]  # fmt: skip
     assert {condition.settings["view"] for condition in design.parts[0].conditions} == {"flat"}
     assert all("odd number" in note for note in notes(design)), notes(design)
 

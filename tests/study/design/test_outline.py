@@ -37,12 +37,8 @@ def test_a_session_is_all_its_steps_and_their_time():
     steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
     told = session_phases(plan, "run-1")
     assert [part.name for part in told] == [
-        "consent",
-        "before",
-        "practice",
-        "trials",
-        "after",
-    ]  # 6 trials: no break after the last
+        "consent", "before", "practice", "trials", "after",
+    ]  # 6 trials: no break after the last  # fmt: skip
     assert sum(part.steps for part in told) == len(steps)
     shown = sum(step.seconds for step in steps if isinstance(step, Show | Pause))
     assert shown == 60 + 6 * 20

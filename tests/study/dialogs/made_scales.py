@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from hypothesis import strategies as st
 
 from hmdwarp.display import Command
@@ -31,6 +32,13 @@ any_scale = st.one_of(st.sampled_from(SHIPPED), scales())
 def asked_of(scale: Scale, hints: InputHints = KEYS, now_s=lambda: 0.0) -> QuestionDialog:
     """A question of its first item, after the first trial."""
     return QuestionDialog(Ask("trial/1/x", scale, scale.items[0], "trial", 1), now_s, hints)
+
+
+def place_of(panel, name: str) -> tuple[float, float]:
+    """The middle of that button, by trying."""
+    found = [(u, v) for u in np.linspace(0, 1, 40) for v in np.linspace(0, 1, 120) if panel.button_at(u, v) == name]
+    assert found, name
+    return tuple(float(part) for part in np.mean(found, axis=0))
 
 
 def said(*names: str | tuple[str, object]) -> list[Command]:

@@ -21,7 +21,7 @@ from hmdwarp.study.dialogs.choice_dialogs import (
     MenuDialog,
 )
 
-from .made_scales import said
+from .made_scales import place_of, said
 
 LONG = "This study asks how good pictures are that come late. " * 40
 commands = st.lists(
@@ -33,13 +33,6 @@ commands = st.lists(
     ),
     max_size=30,
 )
-
-
-def pressed(panel, name: str) -> tuple[float, float]:
-    """The middle of that button, by trying."""
-    found = [(u, v) for u in np.linspace(0, 1, 40) for v in np.linspace(0, 1, 120) if panel.button_at(u, v) == name]
-    assert found, name
-    return tuple(float(part) for part in np.mean(found, axis=0))
 
 
 @pytest.mark.parametrize(("steps", "chosen"), [(0, CONTINUE), (1, BREAK), (2, AGAIN), (9, "")])
@@ -62,12 +55,12 @@ def test_the_end_is_confirmed_twice():
 
 def test_the_mouse_chooses():
     menu = MenuDialog((CONTINUE, BREAK, SKIP, STOP))
-    menu.handle(said(("point", pressed(menu.panel(), SKIP))))
+    menu.handle(said(("point", place_of(menu.panel(), SKIP))))
     assert menu.panel().marked == 2 and menu.chosen == ""
     menu.handle(said(("press", (0.5, 0.999))))
     assert menu.chosen == ""  # beside the buttons
-    menu.handle(said(("press", pressed(menu.panel(), STOP))))
-    menu.handle(said(("press", pressed(menu.panel(), "yes"))))
+    menu.handle(said(("press", place_of(menu.panel(), STOP))))
+    menu.handle(said(("press", place_of(menu.panel(), "yes"))))
     assert menu.chosen == STOP
 
 
@@ -129,8 +122,8 @@ def test_not_agreeing_is_as_easy_and_confirmed_once():
     reading.handle(said("left", "confirm", "right", "confirm"))
     assert reading.refused and not reading.agreed
     reading = ConsentDialog("A short text.")
-    reading.handle(said(("press", pressed(reading.panel(), "refuse"))))
-    reading.handle(said(("press", pressed(reading.panel(), "yes"))))
+    reading.handle(said(("press", place_of(reading.panel(), "refuse"))))
+    reading.handle(said(("press", place_of(reading.panel(), "yes"))))
     assert reading.refused
 
 
@@ -144,22 +137,17 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     seen += "".join(reading.panel().lines)
     assert "".join(seen.split()) == "".join(LONG.split()) and pages >= 3
     assert reading.panel().title == f"Before we begin ({pages + 1} of {pages + 1})"
-    reading.handle(said(("press", pressed(reading.panel(), "back")), "confirm"))
+    reading.handle(said(("press", place_of(reading.panel(), "back")), "confirm"))
     assert not reading.agreed and "agree" in dict(reading.panel().choices)  # back, and on again
     reading.handle(said("right", "confirm"))
     assert reading.agreed
 
 
-def test_the_experimenter_agrees_for_the_participant():
+@pytest.mark.parametrize(("command", "agrees"), [("agree", True), ("decline", False)])
+def test_the_experimenter_agrees_or_declines_for_the_participant(command, agrees):
     reading = ConsentDialog(LONG)
-    reading.handle(said("agree"))
-    assert reading.agreed and not reading.refused
-
-
-def test_the_console_declines_for_the_participant():
-    reading = ConsentDialog(LONG)
-    reading.handle(said("decline"))
-    assert reading.refused and not reading.agreed
+    reading.handle(said(command))
+    assert (reading.agreed, reading.refused) == (agrees, not agrees)
 
 
 @given(commands)

@@ -28,7 +28,7 @@ from hmdwarp.study.dialogs.dialog_panels import (
     trial_panel,
 )
 
-from .made_scales import SHIPPED, any_scale, asked_of, said
+from .made_scales import SHIPPED, any_scale, asked_of, place_of, said
 
 BOTH_HINTS = pytest.mark.parametrize("hints", [KEYS, CONTROLLERS], ids=["keys", "controllers"])
 EVERY = pytest.mark.parametrize("scale", SHIPPED, ids=lambda one: one.name)
@@ -100,15 +100,8 @@ def test_all_of_a_panel_is_seen_at_full_size_in_a_headset(scale):
 
 def test_numbers_at_the_line_do_not_touch():
     for least, most, step in (
-        (1, 6, 0.25),
-        (0, 20, 1),
-        (0, 100, 1),
-        (0, 1, 0.01),
-        (0, 10000, 1),
-        (-3, 3, 1),
-        (0, 7, 0.1),
-        (0, 97, 1),
-    ):
+        (1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1),
+    ):  # fmt: skip
         layout = layout_of(ScaleForm(float(least), float(most), float(step)))
         xs = sorted(width_of(f"{label:g}", 24) / 2 + 36 for label in layout._labels)
         assert {float(least), float(most)} <= set(layout._labels), "both ends have their numbers"
@@ -138,13 +131,12 @@ def _half(one) -> float:
 
 def test_the_buttons_of_a_panel_are_where_they_are_drawn():
     asked = asked_of(SHIPPED[0])
-    place = (0.85, _up(asked.panel(), "skip"))
-    asked.handle(said(("press", place)))
+    asked.handle(said(("press", place_of(asked.panel(), "skip"))))
     assert asked.panel().skipping and not asked.confirmed
-    asked.handle(said(("press", (0.25, _up(asked.panel(), "back")))))
+    asked.handle(said(("press", place_of(asked.panel(), "back"))))
     assert not asked.panel().skipping
     asked.handle(said("skip"))
-    asked.handle(said(("press", (0.75, _up(asked.panel(), "yes")))))
+    asked.handle(said(("press", place_of(asked.panel(), "yes"))))
     assert asked.skipped
 
 
@@ -161,14 +153,6 @@ def test_a_button_s_text_keeps_clear_of_its_edges():
                 inks.append(canvas.ink().copy())
             at = np.flatnonzero((inks[0] != inks[1]).any(axis=0))
             assert len(at) and at.min() >= 10 + 7 and at.max() <= right - 7
-
-
-def _up(panel, name: str) -> float:
-    """The middle of that button's height, by trying."""
-    across = {"skip": 0.85, "back": 0.25, "yes": 0.75}[name]
-    found = [v for v in np.linspace(0, 1, 200) if panel.button_at(across, v) == name]
-    assert found, name
-    return float(np.mean(found))
 
 
 def test_a_press_on_the_scale_answers():

@@ -1,7 +1,5 @@
-"""A question.
-
-Nothing is chosen beforehand, every value can be chosen in every way, nothing else can, and what is
-confirmed stays.
+"""A question. Nothing is chosen beforehand, every value can be chosen in every way, nothing else
+can, and what is confirmed stays.
 """
 
 from __future__ import annotations

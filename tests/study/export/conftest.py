@@ -62,13 +62,9 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
             showing = store.begin_showing(session, step, dict(step.condition.settings))
             write_trace(store.traces / showing.trace, 100 * seed + step.trial)
             actual = {
-                "latency_ms_median": 401.5 + step.trial,
-                "pictures": 90,
-                "seconds": 1.5,
-                "hole_share_mean": None,
-                "warp": "forward",
-                "size": "96x120",
-            }
+                "latency_ms_median": 401.5 + step.trial, "pictures": 90, "seconds": 1.5, "hole_share_mean": None,
+                "warp": "forward", "size": "96x120",
+            }  # fmt: skip
             showing = store.end_showing(session, showing, actual, complete=True)
         elif isinstance(step, Ask):
             values = step.scale.values()

@@ -30,7 +30,7 @@ from hmdwarp.study.export.table_columns import (
     tsv_text,
 )
 from hmdwarp.study.export.write import ExportOptions, export
-from hmdwarp.study.store import PILOT, SIMULATED, Store
+from hmdwarp.study.store import PILOT, Store
 
 from ..made_up import LATE_OR_WARPED as TEXT
 from .conftest import Day, sit
@@ -67,23 +67,12 @@ def test_a_table_as_tsv_has_a_line_for_each_row_and_reads_back_but_for_white_spa
     "text",
     [
         *(
-            "=1+1",
-            "+cmd|' /C calc'!A0",
-            "-2+3",
-            "@SUM(A1)",
-            "\t=1",
-            "\r=1",
-            "\n=1",
-            " =1",
-            "'=1",
-            "\uff1d1",
-            "-",
-            "--1",
-            "+",
+            "=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "\n=1", " =1", "'=1", "\uff1d1", "-",
+            "--1", "+",
         ),
         *("=", "- blurred", "-1;=2", "-1e", "+.", "\u00a0=1", "''\t@x"),
     ],
-)
+)  # fmt: skip
 def test_no_spreadsheet_runs_what_was_typed_and_it_reads_back(text):
     flat = " ".join(text.split())
     for made, delimiter, kept in ((csv_text, ",", text), (tsv_text, "\t", flat)):
@@ -260,8 +249,6 @@ def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_
     mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
     export(mixed, design, tmp_path / "mixed")
     assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
-    with pytest.raises(InputError, match="it holds sessions of people: leave out --simulated"):
-        export(store.contents(), design, tmp_path / "none", ExportOptions(origin=SIMULATED))
 
 
 def test_an_older_export_is_not_written_over(store, design, tmp_path):

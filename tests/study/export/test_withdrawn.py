@@ -12,7 +12,7 @@ def bytes_of(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
+def test_no_byte_of_a_withdrawn_participant_remains_and_the_rest_is_as_before(store, design, tmp_path):
     contents = store.contents()
     session = next(session for session in contents.sessions if session.code == "Gamma-3")
     traces = [
@@ -21,36 +21,22 @@ def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
     numbers = {field_text(float(value)).encode() for track in traces for value in track.position_m.ravel()}
     assert len(numbers) == 4 * 40 * 3
     marks = {session.sub.encode(), *numbers}
-    before = b"".join(bytes_of(export(contents, design, tmp_path / "before").folder).values())
-    assert all(mark in before for mark in marks)
+    before = bytes_of(export(contents, design, tmp_path / "before").folder)
+    assert all(mark in b"".join(before.values()) for mark in marks)
 
     store.withdraw("Gamma-3")
     after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
     for name, data in after.items():
-        assert session.sub not in name
         assert [mark for mark in marks if mark in data] == [], name
     assert b'"Count": 1' in after["bids/participants.json"]
-
-
-def test_the_rest_is_as_without_the_withdrawn(store, design, tmp_path):
-    """But for the count, nothing tells that there was anybody."""
-    contents = store.contents()
-    gone = next(session for session in contents.sessions if session.code == "Gamma-3")
-    before = bytes_of(export(contents, design, tmp_path / "before").folder)
-    store.withdraw("Gamma-3")
-    after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
-    assert set(after) == {name for name in before if gone.sub not in name}
+    # But for the count, nothing tells that there was anybody: the rest is as it was.
+    assert set(after) == {name for name in before if session.sub not in name}
     changed = {name for name in after if after[name] != before[name]}
-    assert changed <= {
-        "README",
-        "bids/README",
-        "bids/participants.json",
-        "bids/participants.tsv",
-        "ratings.csv",
-        "ratings.parquet",
-    }
-    for name in ("ratings.csv", "bids/participants.tsv"):
-        assert after[name].splitlines() == [line for line in before[name].splitlines() if gone.sub.encode() not in line]
+    tables = {"bids/participants.tsv", "ratings.csv"}
+    assert changed <= tables | {"README", "bids/README", "bids/participants.json", "ratings.parquet"}
+    for name in tables:
+        kept = [line for line in before[name].splitlines() if session.sub.encode() not in line]
+        assert after[name].splitlines() == kept
 
 
 def test_parquet_holds_nothing_that_a_search_for_bytes_does_not_see(store, design, tmp_path):

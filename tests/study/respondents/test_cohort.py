@@ -22,6 +22,7 @@ from ..made_up import per_condition, simulate_study, unlimited
 DESIGN, MODEL = load_design("quick"), load_model("quick")
 PART = DESIGN.parts[0].name
 GRADE = MODEL.ratings["grade"]
+ORDER = (("late", "reference", "warped", "turned"),)
 
 
 def cohort(n=50, seed=1, design=DESIGN, **model):
@@ -138,11 +139,10 @@ def test_made_up_ratings_are_those_of_the_cohort():
 
 
 def test_a_simulated_session_answers_as_a_simulated_study():
-    order = (("late", "reference", "warped", "turned"),)
     model = attrs.evolve(MODEL, dropout=0.0, ratings=rating(missing=0.3))
-    made = Population(model, DESIGN, PART).of([77], DESIGN.seed, orders=[order])
-    somebody = Simulated(model, DESIGN, PART, DESIGN.seed, 77, order)
-    for step in steps_of(DESIGN, order, PART):
+    made = Population(model, DESIGN, PART).of([77], DESIGN.seed, orders=[ORDER])
+    somebody = Simulated(model, DESIGN, PART, DESIGN.seed, 77, ORDER)
+    for step in steps_of(DESIGN, ORDER, PART):
         if isinstance(step, Ask) and step.phase == "trial":
             wanted = (
                 made.answers["grade"][0, step.trial - 1] if step.scale.name == "grade" else made.sickness[0, step.trial]
@@ -163,9 +163,8 @@ def visit(somebody: Simulated, step, shown=None, seconds=20.0) -> list[str]:
 
 def test_commands_come_once_and_again_where_they_had_no_effect():
     model = attrs.evolve(MODEL, dropout=0.0, again=0.0, pause=0.0, ratings={"grade": RatingModel(means=GRADE.means)})
-    order = (("late", "reference", "warped", "turned"),)
-    somebody = Simulated(model, DESIGN, PART, 1, 5, order)
-    ask = next(step for step in steps_of(DESIGN, order, PART) if isinstance(step, Ask) and step.trial == 1)
+    somebody = Simulated(model, DESIGN, PART, 1, 5, ORDER)
+    ask = next(step for step in steps_of(DESIGN, ORDER, PART) if isinstance(step, Ask) and step.trial == 1)
     times = [refresh / 20 for refresh in range(400) if somebody.commands(ask, None, refresh / 20)]
     assert len(times) > 2 and np.diff(times) == pytest.approx(0.5, abs=0.051)  # nobody listens
     assert visit(somebody, ask) == ["answer"]  # the question comes again, and so does the answer
@@ -173,9 +172,8 @@ def test_commands_come_once_and_again_where_they_had_no_effect():
 
 def test_a_repeated_question_is_requested_once_in_the_next_step():
     model = attrs.evolve(MODEL, dropout=0.0, again=1.0, pause=1.0)
-    order = (("late", "reference", "warped", "turned"),)
-    somebody = Simulated(model, DESIGN, PART, 1, 5, order)
-    steps = steps_of(DESIGN, order, PART)
+    somebody = Simulated(model, DESIGN, PART, 1, 5, ORDER)
+    steps = steps_of(DESIGN, ORDER, PART)
     ask = next(step for step in steps if isinstance(step, Ask) and step.phase == "practice")
     show = next(step for step in steps if isinstance(step, Show) and step.trial == 1)
     assert visit(somebody, ask) == ["answer"]
@@ -187,11 +185,10 @@ def test_a_repeated_question_is_requested_once_in_the_next_step():
 def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
     model = attrs.evolve(MODEL, dropout=0.0, again=0.0, pause=0.0, look_median_s=12.0, look_spread_s=0.5)
     design = attrs.evolve(DESIGN, seconds=600.0, until_done=True)
-    order = (("late", "reference", "warped", "turned"),)
-    shows = [step for step in steps_of(design, order, PART) if isinstance(step, Show) and step.trial]
+    shows = [step for step in steps_of(design, ORDER, PART) if isinstance(step, Show) and step.trial]
     times = []
     for show in shows:
-        somebody = Simulated(model, design, PART, 1, 5, order)
+        somebody = Simulated(model, design, PART, 1, 5, ORDER)
         ((first, command), *_) = (
             (k / 20, command) for k in range(2000) for command in somebody.commands(show, None, k / 20)
         )
@@ -199,8 +196,8 @@ def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
         times.append(first)
     assert len(set(times)) == len(times) and min(times) > 3 and max(times) < 50
     assert model.look_seconds(0.5) == pytest.approx(12.0)
-    with_time = next(step for step in steps_of(DESIGN, order, PART) if isinstance(step, Show) and step.trial)
-    assert visit(Simulated(model, DESIGN, PART, 1, 5, order), with_time, seconds=60.0) == []
+    with_time = next(step for step in steps_of(DESIGN, ORDER, PART) if isinstance(step, Show) and step.trial)
+    assert visit(Simulated(model, DESIGN, PART, 1, 5, ORDER), with_time, seconds=60.0) == []
 
 
 def test_a_dropout_stops_before_the_next_trial():

@@ -1,17 +1,17 @@
-"""Scales.
-
-The shipped ones are as published, one's own is checked line by line, scores are what the papers
-say.
+"""Scales. The shipped ones are as published, one's own is checked line by line, scores are what the
+papers say.
 """
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import Ask
@@ -28,6 +28,8 @@ from hmdwarp.study.scales import (
     score_ranges,
     scored,
 )
+
+from ..refusals import check_refused, table
 
 SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
@@ -223,95 +225,48 @@ def test_unknown_names_and_absent_files(tmp_path):
         load_scale(str(tmp_path / "folder.toml"))
 
 
-@pytest.mark.parametrize(
-    ("text", "found", "put", "says"),
-    [
-        (GRADE, "least = 1", "least = 6", "answer.most is 6: expected more than answer.least, 6"),
-        (GRADE, "least = 1", "leest = 1", "the key answer.least is missing"),
-        (GRADE, "step = 0.25", "step = 0.3", "answer.step is 0.3: expected one that divides 1 to 6 into equal steps"),
-        (GRADE, "step = 0.25", "step = 7", "answer.step is 7: expected one that divides"),
-        (GRADE, "step = 0.25", "step = 0", "answer.step is 0: expected a number above 0"),
-        (GRADE, "step = 0.25", "step = 1e-9", "answer.step is 1e-09: expected one that makes at most 10000 steps"),
-        (GRADE, "most = 6", "most = inf", "answer.most is inf: expected a finite number"),
-        (GRADE, "low_is_good = true", 'low_is_good = "yes"', "answer.low_is_good is 'yes': expected true or false"),
-        (GRADE, '6 = "insufficient"', "", "answer.anchors has no word for 6"),
-        (GRADE, '6 = "insufficient"', '7 = "worse"', "answer.anchors.7 is no answer: expected a number from 1 to 6"),
-        (GRADE, '2 = "good"', 'two = "good"', "answer.anchors.two is no answer"),
-        (GRADE, '2 = "good"', '2 = "good"\n"2.0" = "fine"', "says a second time what this answer means"),
-        (GRADE, '2 = "good"', '2 = ""', "answer.anchors.2 is '': expected a text"),
-        (GRADE, '2 = "good"', '2 = "a\\nb"', "expected a text of one line"),
-        (
-            GRADE,
-            'kind = "rating"',
-            'kind = "slider"',
-            "kind is 'slider': expected rating, sickness, questionnaire or preference",
-        ),
-        (GRADE, "[[item]]", "[item]", "expected tables, each beginning with [[item]]"),
-        (GRADE, "[[item]]", "[[items]]", "item comes 0 times: expected 1 to 500 questions"),
-        (GRADE, 'key = "grade"', 'key = "the grade"', "item.key is 'the grade': expected a word"),
-        (GRADE, 'title = "School grade"', 'titel = "School grade"', "the key title is missing"),
-        (GRADE, 'title = "School grade"', 'title = "School grade"\nfoo = 1', "unknown key foo: known are"),
-        (GRADE, "step = 0.25", "step = 0.25\nsteps = 1", "unknown key answer.steps: did you mean answer.step?"),
-        (GRADE, "step = 0.25", "step = ", "this is no TOML"),
-        (
-            GRADE,
-            "[[item]]",
-            '[[score]]\nname = "x"\n[[item]]',
-            "score is for questionnaires: a rating is its own score",
-        ),
-        (SSQ, 'key = "fatigue"', 'key = "headache"', "item.key is 'headache' a second time"),
-        (
-            SSQ,
-            "[1, 6, 7, 8, 9, 15, 16]",
-            "[1, 17]",
-            "score.items is [1, 17]: expected numbers of questions, from 1 to 16",
-        ),
-        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1, 1]", "score.items is [1, 1]"),
-        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[1.5]", "score.items is [1.5]"),
-        (SSQ, "[1, 6, 7, 8, 9, 15, 16]", "[]", "score.items is []"),
-        (
-            SSQ,
-            'name = "oculomotor"',
-            'name = "nausea"',
-            "score.name is 'nausea': expected a word of letters, digits and _ that no other",
-        ),
-        (
-            SSQ,
-            'of = ["nausea", ',
-            'of = ["nausia", ',
-            "score.of names 'nausia': expected scores that stand above this one (nausea, ocu",
-        ),
-        (
-            SSQ,
-            'of = ["nausea", "oculomotor", "disorientation"]',
-            "",
-            "'total': expected either items, numbers of questions from 1 on, or of",
-        ),
-        (SSQ, "weight = 3.74", "weight = 3.74\nof_what = 3", "score.of_what is 3: expected sums or scores"),
-    ],
-)
-def test_a_bad_value_is_named_with_its_line(tmp_path, text, found, put, says):
-    assert found in text
-    broken = text.replace(found, put, 1)
-    with pytest.raises(InputError) as caught:
-        load_text(tmp_path, broken)
-    assert str(caught.value).startswith(f"{tmp_path / 'mine.toml'}:") and "\n" not in str(caught.value)
-    assert says in str(caught.value)
+WRONG_GRADES = r"""
+least = 1 -> least = 6 => answer.most is 6: expected more than answer.least, 6 @ most = 6
+least = 1 -> leest = 1 => the key answer.least is missing
+step = 0.25 -> step = 0.3 => answer.step is 0.3: expected one that divides 1 to 6 into equal steps
+step = 0.25 -> step = 7 => answer.step is 7: expected one that divides
+step = 0.25 -> step = 0 => answer.step is 0: expected a number above 0
+step = 0.25 -> step = 1e-9 => answer.step is 1e-09: expected one that makes at most 10000 steps
+most = 6 -> most = inf => answer.most is inf: expected a finite number
+low_is_good = true -> low_is_good = "yes" => answer.low_is_good is 'yes': expected true or false
+6 = "insufficient" ->  => answer.anchors has no word for 6 @ [answer.anchors]
+6 = "insufficient" -> 7 = "worse" => answer.anchors.7 is no answer: expected a number from 1 to 6
+2 = "good" -> two = "good" => answer.anchors.two is no answer
+2 = "good" -> 2 = "good"⏎»"2.0" = "fine" => says a second time what this answer means
+2 = "good" -> 2 = "" => answer.anchors.2 is '': expected a text
+2 = "good" -> 2 = "a\nb" => expected a text of one line
+kind = "rating" -> kind = "slider" => kind is 'slider': expected rating, sickness, questionnaire or preference
+[[item]] -> [item] => expected tables, each beginning with [[item]]
+[[item]] -> [[items]] => item comes 0 times: expected 1 to 500 questions @ # School
+key = "grade" -> key = "the grade" => item.key is 'the grade': expected a word
+title = "School grade" -> titel = "School grade" => the key title is missing
+title = "School grade" -> title = "School grade"⏎»foo = 1 => unknown key foo: known are
+step = 0.25 -> step = 0.25⏎»steps = 1 => unknown key answer.steps: did you mean answer.step?
+step = 0.25 -> step =  => this is no TOML
+[[item]] -> [[score]]⏎name = "x"⏎[[item]] => score is for questionnaires: a rating is its own score
+"""
+WRONG_SSQ = r"""
+key = "fatigue" -> key = "headache" => item.key is 'headache' a second time @ key = "headache"⏎text = "H
+[1, 6, 7, 8, 9, 15, 16] -> [1, 17] => score.items is [1, 17]: expected numbers of questions, from 1 to 16
+[1, 6, 7, 8, 9, 15, 16] -> [1, 1] => score.items is [1, 1]
+[1, 6, 7, 8, 9, 15, 16] -> [1.5] => score.items is [1.5]
+[1, 6, 7, 8, 9, 15, 16] -> [] => score.items is []
+name = "oculomotor" -> name = "nausea" => score.name is 'nausea': expected a word of letters, digits and _ that no other
+of = ["nausea",  -> of = ["nausia",  => score.of names 'nausia': expected scores that stand above this one (nausea, ocu
+of = ["nausea", "oculomotor", "disorientation"] ->
+    => 'total': expected either items, numbers of questions from 1 on, or of @ [[score]]⏎name = "total"
+weight = 3.74 -> weight = 3.74⏎»of_what = 3 => score.of_what is 3: expected sums or scores
+"""
 
 
-@pytest.mark.parametrize(
-    ("found", "put", "line"),
-    [
-        ("step = 0.25", "step = 0.3", 9),
-        ('6 = "insufficient"', '7 = "worse"', 18),
-        ('key = "grade"', 'key = "the grade"', 21),
-    ],
-)
-def test_the_line_is_right(tmp_path, found, put, line):
-    broken = GRADE.replace(found, put)
-    assert broken.splitlines()[line - 1] == put
-    with pytest.raises(InputError, match=rf"mine\.toml:{line}: "):
-        load_text(tmp_path, broken)
+@together("text, entry", [*product([GRADE], table(WRONG_GRADES)), *product([SSQ], table(WRONG_SSQ))])
+def test_a_bad_value_is_named_with_its_line(tmp_path, text, entry):
+    check_refused(entry, text, lambda wrong: load_text(tmp_path, wrong), tmp_path / "mine.toml")
 
 
 @settings(max_examples=150)

@@ -6,6 +6,8 @@ import pytest
 
 from hmdwarp.study.session import runner, trial_runner
 
+from .sessions import study
+
 LEAD_S, SETTLED_S, FAREWELL_S = 0.05, 0.03, 0.05
 
 
@@ -19,3 +21,9 @@ def hurry(patch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def nobody_rests_their_eyes(monkeypatch):
     hurry(monkeypatch)
+
+
+@pytest.fixture
+def path(tmp_path):
+    """The file of the small study."""
+    return study(tmp_path)

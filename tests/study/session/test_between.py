@@ -39,9 +39,8 @@ def presentations(path, key: str) -> list[tuple[int, bool]]:
     return [(showing.presentation, showing.complete) for showing in contents(path).showings if showing.key == key]
 
 
-def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu, tmp_path):
+def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu, path):
     console = at_phase("showing", "trial 1 of 2", Command("pause"))
-    path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, console=console)  # the participant goes on by the menu
     assert ran.session.status == COMPLETE
     assert presentations(path, "trial/1") == [(1, False), (2, True)]
@@ -56,9 +55,8 @@ def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu,
     assert "have a break" in repr(menu.choices)
 
 
-def test_the_experimenter_ends_a_pause_too(monkeypatch, gpu, tmp_path):
+def test_the_experimenter_ends_a_pause_too(monkeypatch, gpu, path):
     wishes = {"showing": [Command("pause")], "paused": [Command("continue")]}
-    path = study(tmp_path)
     person = Person(lambda panel: () if getattr(panel, "title", "") == "Menu" else None)
     ran = run(monkeypatch, gpu, path, person, ScriptedConsole(lambda state: wishes.pop(state.phase, ())))
     assert ran.session.status == COMPLETE
@@ -66,7 +64,7 @@ def test_the_experimenter_ends_a_pause_too(monkeypatch, gpu, tmp_path):
     assert by == [("pause", "experimenter"), ("continue", "experimenter")]
 
 
-def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
+def test_everything_of_the_menu_by_hand(monkeypatch, gpu, path):
     """From a question: a break, the question of before again, then this one left unanswered."""
     wishes = ["break", "again", "skip"]
 
@@ -77,7 +75,6 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
             return [press(panel, wishes.pop(0))]
         return None
 
-    path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own))
     assert ran.error is None
     assert not wishes
@@ -95,7 +92,7 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
     ]  # a question that was interrupted is asked anew, and nothing is shown for it
 
 
-def test_a_repeated_question_keeps_both_answers(monkeypatch, gpu, tmp_path):
+def test_a_repeated_question_keeps_both_answers(monkeypatch, gpu, path):
     grades = iter("5213")
 
     def own(panel):
@@ -103,7 +100,6 @@ def test_a_repeated_question_keeps_both_answers(monkeypatch, gpu, tmp_path):
             return [Command("digit", next(grades)), Command("confirm")]
         return None
 
-    path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own), at_phase("showing", "trial 2 of 2", Command("again")))
     assert ran.session.status == COMPLETE
     answers = [(answer.key, answer.revision, answer.value) for answer in contents(path).answers]
@@ -158,12 +154,11 @@ def test_stop_at_any_moment(monkeypatch, gpu, tmp_path, phase, step):
         ("showing", [Command("pause"), Command("stop")], []),
     ],
 )
-def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tmp_path, phase, commands, answers):
+def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, path, phase, commands, answers):
     """Both are there at one refresh, as after one that took long.
 
     The answer is kept, and the end is not passed over.
     """
-    path = study(tmp_path)
     idle = Person(lambda panel: () if phase == "asking" and getattr(panel, "heading", "") == "trial 1" else None)
     ran = run(monkeypatch, gpu, path, idle, at_phase(phase, "trial 1 of 2", *commands))
     assert ran.session.status == STOPPED
@@ -171,8 +166,7 @@ def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tm
     assert len(events(path, "stop")) == 1
 
 
-def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(monkeypatch, gpu, path):
     idle = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
     console = at_phase("asking", "trial 1 of 2", Command("answer", 3.0), Command("break"), Command("pause"))
     ran = run(monkeypatch, gpu, path, idle, console)
@@ -181,7 +175,7 @@ def test_a_break_and_the_menu_that_come_with_an_answer_are_for_the_next_step(mon
     assert "A break" in [getattr(panel, "title", "") for panel in ran.display.panels]
 
 
-def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tmp_path):
+def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, path):
     def own(panel):
         if isinstance(panel, QuestionPanel):
             return [Command("menu")]
@@ -191,7 +185,6 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
             return [press(panel, "yes")]
         return None
 
-    path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own))
     assert ran.session.status == STOPPED
     assert "End the session now?" in [getattr(panel, "title", "") for panel in ran.display.panels]
@@ -230,12 +223,11 @@ def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere
     assert any("counted nowhere else: 1." in note for note in ratings.notes)
 
 
-def test_the_experimenter_types_or_skips_spoken_words(monkeypatch, gpu, tmp_path):
+def test_the_experimenter_types_or_skips_spoken_words(monkeypatch, gpu, path):
     given = iter([Command("answer", 3.25), Command("skip")])
     console = ScriptedConsole(
         lambda state: [command] if state.phase == "asking" and (command := next(given, None)) else ()
     )
-    path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(lambda panel: () if isinstance(panel, QuestionPanel) else None), console)
     assert ran.session.status == COMPLETE
     assert [(answer.value, answer.by) for answer in contents(path).answers] == [
@@ -244,17 +236,15 @@ def test_the_experimenter_types_or_skips_spoken_words(monkeypatch, gpu, tmp_path
     ]
 
 
-def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, tmp_path):
+def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, path):
     text = "the strap slipped; \N{SNOWMAN} 'quoted'"
-    path = study(tmp_path)
     run(monkeypatch, gpu, path, console=at_phase("showing", "trial 2 of 2", Command("remark", text)))
     (remark,) = [event for event in contents(path).events if event.kind == "remark"]
     assert (remark.key, remark.data["text"], remark.data["by"]) == ("trial/2", text, "experimenter")
     assert presentations(path, "trial/2") == [(1, True)]
 
 
-def test_a_requested_break_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_requested_break_waits_until_the_trial_is_over(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, console=at_phase("showing", "trial 1 of 2", Command("break")))
     assert ran.session.status == COMPLETE
     assert presentations(path, "trial/1") == [(1, True)]
@@ -288,10 +278,9 @@ def test_the_menu_in_a_break_does_not_make_it_longer(monkeypatch, gpu, tmp_path)
     assert "break" not in dict(menu.choices)
 
 
-def test_a_late_command_does_not_answer_the_next_question(monkeypatch, gpu, tmp_path):
+def test_a_late_command_does_not_answer_the_next_question(monkeypatch, gpu, path):
     given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
     console = ScriptedConsole(lambda state: next(given, ()) if state.phase == "asking" else ())
-    path = study(tmp_path)
     ran = run(
         monkeypatch,
         gpu,

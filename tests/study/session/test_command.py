@@ -70,9 +70,8 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert [showing.complete for showing in stored.showings] == [False]
 
 
-def test_a_session_answered_at_the_console_line_by_line(tmp_path):
+def test_a_session_answered_at_the_console_line_by_line(path):
     """By an experimenter who types what the participant says, as each question comes."""
-    path = study(tmp_path)
     program = begun(path, *REHEARSAL)
     watchdog = threading.Timer(PATIENCE_S, program.kill)
     watchdog.start()
@@ -114,14 +113,15 @@ def test_a_quiet_session_prints_nothing(tmp_path):
         (("--source", "offscreen", "--trace", "walk"), 2, "give --pilot or --simulate too"),
         (("--source", "offscreen", "--trace", "walk", "--simulate", "thesis"), 2, "no mean for plainly-late"),
         (("--source", "openxr", "--trace", "walk"), 2, "a headset has a head of its own"),
+        (("--source", "auto", "--trace", "walk"), 2, "a headset has a head of its own"),
         (("--resume", "--new-session"), 2, "leave one of the two out"),
+        (("--resume", "--participant", "new"), 2, "needs the code"),
         (("--console", "chair", "--pilot"), 2, "console 'chair'"),
         (("--resume",), 2, "holds no data of a study"),
         (("--source", "openxr"), 3, "or take a window: --source desktop"),
     ],
 )
-def test_contradictory_options_are_refused_in_one_line(tmp_path, words, status, told):
-    path = study(tmp_path)
+def test_contradictory_options_are_refused_in_one_line(path, words, status, told):
     done = run(path, *words)
     assert done.returncode == status, done.stderr
     assert told in done.stderr

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from together import together
 
 from hmdwarp.display import Command
-from hmdwarp.errors import InputError
 from hmdwarp.study.console.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.design import Ask, load_design
 from hmdwarp.study.dialogs.buttons import CONTROLLERS
@@ -15,6 +15,7 @@ from hmdwarp.study.export.export_rows import answer_rows
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.store import SIMULATED, Store, store_folder
 
+from ..refusals import check_refused, table
 from .sessions import Person, ScriptedConsole, contents, press, run, study
 
 FORM = """
@@ -137,22 +138,18 @@ def test_in_a_headset_the_words_are_said():
         parse_line("answer", state)
 
 
-@pytest.mark.parametrize(
-    ("found", "put", "told"),
-    [
-        ('choices = ["left", "right", "both"]', 'choices = ["left"]', "2 to 12 different texts"),
-        ('choices = ["left", "right", "both"]', 'choices = ["left", "left"]', "2 to 12 different texts"),
-        ('answer = "text"', 'answer = "words"', "answer"),
-        ("most = 99", "most = 3", "expected more than"),
-        ('answer = "text"', "", "answer"),  # the scale has no answers for it
-        ('kind = "questionnaire"', 'kind = "rating"', "is for kind questionnaire"),
-        ('answer = "text"', 'answer = "text"\nchoices = ["a", "b"]', "choices"),
-    ],
-)
-def test_an_impossible_question_is_refused_with_its_line(tmp_path, found, put, told):
-    assert found in FORM
+WRONG = r"""
+choices = ["left", "right", "both"] -> choices = ["left"] => 2 to 12 different texts
+choices = ["left", "right", "both"] -> choices = ["left", "left"] => 2 to 12 different texts
+answer = "text" -> answer = "words" => answer
+most = 99 -> most = 3 => expected more than
+answer = "text" ->  => answer @ ⏎title
+kind = "questionnaire" -> kind = "rating" => is for kind questionnaire @ answer
+answer = "text" -> answer = "text"⏎»choices = ["a", "b"] => choices
+"""
+
+
+@together("entry", table(WRONG))
+def test_an_impossible_question_is_refused_with_its_line(tmp_path, entry):
     file = tmp_path / "form.toml"
-    file.write_text(FORM.replace(found, put), encoding="utf-8")
-    with pytest.raises(InputError) as error:
-        load_scale(str(file))
-    assert told in str(error.value) and f"{file}:" in str(error.value)
+    check_refused(entry, FORM, lambda wrong: file.write_text(wrong, encoding="utf-8") and load_scale(str(file)), file)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -102,8 +103,7 @@ def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_pat
         check_complete(path)
 
 
-def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_window_closed_in_mid_trial(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, at={5: closing()})
     assert ran.error is None
     assert (ran.session.status, ran.session.why) == (INTERRUPTED, "the window was closed")
@@ -121,8 +121,7 @@ def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
     assert "We go on with trial 1 of 2" in " ".join(again.display.panels[0].lines)
 
 
-def test_a_trial_seen_in_an_earlier_run_is_shown_again_before_its_rating(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_trial_seen_in_an_earlier_run_is_shown_again_before_its_rating(monkeypatch, gpu, path):
     person = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
     count = 0
 
@@ -145,8 +144,7 @@ def test_a_trial_seen_in_an_earlier_run_is_shown_again_before_its_rating(monkeyp
     assert answer.showing == second.id
 
 
-def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, at={5: losing()})
     assert ran.session.status == COMPLETE
     shown = [(showing.key, showing.presentation, showing.complete) for showing in contents(path).showings]
@@ -157,8 +155,7 @@ def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, tmp_p
     assert "it is back" in ran.console.said
 
 
-def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, at={15: losing()}, back_after=1000)
     assert isinstance(ran.error, MachineError)
     assert "has not come back within" in str(ran.error)
@@ -170,11 +167,10 @@ def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypat
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
-def test_an_unwritable_interruption_says_how_to_resume(monkeypatch, gpu, tmp_path):
+def test_an_unwritable_interruption_says_how_to_resume(monkeypatch, gpu, path):
     def full(*_):
         raise MachineError("no room is left on the disk")
 
-    path = study(tmp_path)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Store, "end", full)
         ran = run(patch, gpu, path, at={5: closing()})
@@ -205,8 +201,7 @@ def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
-def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("hmdwarp.study.session.trial_runner.actual_of", lambda *_: 1 / 0)
         ran = run(patch, gpu, path)
@@ -217,8 +212,7 @@ def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp
     assert actual.actual_of({}, lambda name: 1 / 0) == actual.NOTHING
 
 
-def test_an_interrupted_session_resumes_with_its_first_plan(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_an_interrupted_session_resumes_with_its_first_plan(monkeypatch, gpu, path):
     run(monkeypatch, gpu, path, at={5: closing()})
     path.write_text(path.read_text(encoding="utf-8").replace("seconds = 0.1", "seconds = 0.3"), encoding="utf-8")
     ran = run(monkeypatch, gpu, path, resume=True)
@@ -244,8 +238,7 @@ def test_a_session_is_not_resumed_with_a_changed_custom_scale(monkeypatch, gpu, 
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
-def test_refusals_come_before_the_display_opens(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_refusals_come_before_the_display_opens(monkeypatch, gpu, path):
     assert run(monkeypatch, gpu, path).session.status == COMPLETE
     for options, told in [
         ({}, "--new-session begins another"),
@@ -264,8 +257,15 @@ def test_refusals_come_before_the_display_opens(monkeypatch, gpu, tmp_path):
     assert len(contents(path).sessions) == 1
 
 
-def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_session_beside_another_is_refused_before_the_display_opens(monkeypatch, gpu, path):
+    with Store(path.with_name("small-data"), create=True) as other:
+        other.begin(load_design(str(path)), None, "P0", "person")
+        ran = run(monkeypatch, gpu, path)
+    assert isinstance(ran.error, MachineError) and f", process {os.getpid()} on " in str(ran.error)
+    assert ran.display.labels == []
+
+
+def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gpu, path):
     run(monkeypatch, gpu, path)
     assert run(monkeypatch, gpu, path, new_session=True).session.number == 2
     rehearsal = run(monkeypatch, gpu, path, participant="R1", pilot=True)
@@ -288,9 +288,8 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
         ({"pilot": True}, {}, "give --pilot to resume"),
     ],
 )
-def test_a_session_is_resumed_by_its_own_origin_alone(monkeypatch, gpu, tmp_path, was, now, told):
+def test_a_session_is_resumed_by_its_own_origin_alone(monkeypatch, gpu, tmp_path, was, now, told, path):
     """Else made-up answers would get into somebody's session."""
-    path = study(tmp_path)
     one = {"store": tmp_path / "one"}
     assert run(monkeypatch, gpu, path, at={5: closing()}, **was, **one).session.status == INTERRUPTED
     with pytest.MonkeyPatch.context() as patch:

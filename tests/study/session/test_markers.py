@@ -90,10 +90,3 @@ def test_without_pylsl_one_line_says_how_and_nothing_is_begun(tmp_path, gpu, mon
     assert isinstance(ran.error, MachineError)
     assert str(ran.error) == "this needs pylsl, which is not installed: pip install '.[lsl]'"
     assert not (tmp_path / "small-data").exists()
-
-
-def test_resuming_sends_markers_again(tmp_path, gpu, monkeypatch):
-    from hmdwarp.study.session.session_options import SessionOptions
-
-    options = SessionOptions(study="small", participant="P1", lsl=True)
-    assert "--lsl" in options.command("P1", "main", several=False).split()

@@ -28,19 +28,13 @@ def answers(*values: float | None) -> list[Answer]:
 @pytest.mark.parametrize(
     ("values", "stop_at", "rise", "is_sick"),
     [
-        ((), 15, None, False),
-        ((14,), 15, None, False),
-        ((15,), 15, None, True),
+        ((), 15, None, False), ((14,), 15, None, False), ((15,), 15, None, True),
         ((15, 14), 15, None, False),  # one that was corrected at the next question
-        ((None,), 15, None, False),
-        ((15, None), 15, None, True),  # "cannot say" decides nothing
+        ((None,), 15, None, False), ((15, None), 15, None, True),  # "cannot say" decides nothing
         ((20,), None, None, False),
-        ((2, 7), None, 5, True),
-        ((2, 6), None, 5, False),
-        ((7, 2), None, 5, False),
-        ((None, 2, 7), None, 5, True),
+        ((2, 7), None, 5, True), ((2, 6), None, 5, False), ((7, 2), None, 5, False), ((None, 2, 7), None, 5, True),
     ],
-)
+)  # fmt: skip
 def test_the_rule_ends_a_session(values, stop_at, rise, is_sick):
     assert bool(why_sick(Sickness(FMS, stop_at=stop_at, rise=rise), answers(*values))) is is_sick
 
@@ -52,12 +46,9 @@ def test_answers_after_all_trials_end_nothing():
     assert why_sick(rule, [*answers(16), afterwards])
 
 
-def test_a_scale_that_counts_downwards_is_turned():
-    rule = Sickness(WORSE_BELOW, stop_at=5, rise=4)
-    assert why_sick(rule, answers(5))
-    assert not why_sick(rule, answers(6))
-    assert why_sick(rule, answers(18, 14))
-    assert not why_sick(rule, answers(14, 18))
+@pytest.mark.parametrize(("values", "is_sick"), [((5,), True), ((6,), False), ((18, 14), True), ((14, 18), False)])
+def test_a_scale_that_counts_downwards_is_turned(values, is_sick):
+    assert bool(why_sick(Sickness(WORSE_BELOW, stop_at=5, rise=4), answers(*values))) is is_sick
 
 
 def test_no_rule_and_other_scales_end_nothing():

@@ -59,8 +59,7 @@ def test_an_unended_trial_lasts_its_longest_time(monkeypatch, gpu, tmp_path):
         assert showing.actual["seconds"] == pytest.approx(LONGEST_S, abs=0.03)
 
 
-def test_a_confirmation_ends_no_trial_with_a_time_of_its_own(monkeypatch, gpu, tmp_path):
-    path = study(tmp_path)
+def test_a_confirmation_ends_no_trial_with_a_time_of_its_own(monkeypatch, gpu, path):
     run(monkeypatch, gpu, path, person=Decided())
     for showing in contents(path).showings:
         assert showing.actual["ended_by"] == "time"

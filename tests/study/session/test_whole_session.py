@@ -9,7 +9,6 @@ import pytest
 from run.offscreen import PERIOD_NS, RATE_HZ
 
 from hmdwarp.poses import load_trace
-from hmdwarp.run import RunOptions, replay
 from hmdwarp.study.actual import FLAGS, NUMBERS, TEXTS
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
 
@@ -58,10 +57,8 @@ def test_answers_are_those_that_were_given_about_what_was_shown(one):
 
 
 def test_every_trial_shows_its_planned_condition(one):
-    """A frame is shown at the first refresh at or after its latency.
-
-    A refresh is shown two periods after it is asked for. So a frame's age lies within one period
-    above the larger of the two.
+    """A frame is shown at the first refresh at or after its latency. A refresh is shown two periods
+    after it is asked for. So a frame's age lies within one period above the larger of the two.
     """
     path, _ = one
     planned = {**dict(zip(NAMES, LATENCIES_MS, strict=True)), "practice": 0.0}
@@ -193,21 +190,13 @@ def test_the_console_gets_everything_it_shows(one):
     assert elapsed == sorted(elapsed)
 
 
-def test_a_trial_can_be_replayed_from_its_recording(one, tmp_path):
+def test_a_recording_has_a_pose_for_each_picture(one):
     path, _ = one
     showing = next(showing for showing in contents(path).showings if showing.condition == NAMES[1])
     file = path.with_name("small-data") / "traces" / showing.trace
     trace = load_trace(str(file))
     assert len(trace.track) == showing.actual["pictures"]
     assert "hmdwarp study" in file.read_text(encoding="utf-8").partition("\n#")[2]
-    settings = {"scene": "planes", "latency_ms": 0.0, "warp": "rotation", "fill": "none", "size": (48, 60)}
-    result = replay(
-        RunOptions(
-            trace=str(file), against="", metrics_every=10**6, images=0, workers=0, out=tmp_path / "out", **settings
-        )
-    )
-    assert result is not None
-    assert (tmp_path / "out" / "summary.json").exists()
 
 
 def test_each_trial_begins_with_the_recording_s_beginning(one):

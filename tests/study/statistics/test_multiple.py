@@ -48,16 +48,6 @@ def test_w_is_that_of_pingouin():
     assert kendalls_w(friedman(table)) == pytest.approx(float(expected["W"].iloc[0]), rel=1e-9)
 
 
-@given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
-def test_holm_is_step_down(ps):
-    order = sorted(range(len(ps)), key=lambda k: ps[k])
-    expected, worst = [0.0] * len(ps), 0.0
-    for step, k in enumerate(order):
-        worst = max(worst, min(1.0, (len(ps) - step) * ps[k]))
-        expected[k] = worst
-    assert holm(ps) == pytest.approx(expected, abs=1e-12)
-
-
 @settings(max_examples=20)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
 def test_holm_is_that_of_statsmodels(ps):

@@ -33,26 +33,13 @@ every = 1
 stop_at = 15
 [[part]]
 name = "one"
-[[part.condition]]
-name = "a"
-latency = 0
-[[part.condition]]
-name = "b"
-latency = 200
-[[part.condition]]
-name = "c"
-latency = 400
-[[part.condition]]
-name = "d"
-latency = 800
+condition = [
+  { name = "a", latency = 0 }, { name = "b", latency = 200 },
+  { name = "c", latency = 400 }, { name = "d", latency = 800 },
+]
 [[part]]
 name = "two"
-[[part.condition]]
-name = "a"
-latency = 0
-[[part.condition]]
-name = "b"
-latency = 200
+condition = [{ name = "a", latency = 0 }, { name = "b", latency = 200 }]
 """
 
 
@@ -82,22 +69,30 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
     return store.begin(design(), part, code, origin, **more)
 
 
-def go_through(store: Store, session: Session, value: float = 2.25, trace: str = "") -> None:
-    """Every step of it that is not done.
+def go_through(
+    store: Store, session: Session, value=2.25, trace: str = "", of: Design | None = None, until: int = 99, actual=None
+) -> None:
+    """Every step of it that is not done, up to this trial.
 
-    trace: what is written as each head's recording, "" for none.
+    value: of every answer, or a function of the step, whose last value counts if there are several.
+    trace: what is written as each head's recording, "" for none. actual: a function of the step.
     """
     showing: Showing | None = None
-    for step in steps(session):
+    for step in steps(session, of):
         if step.key in store.done(session):
             continue
+        if getattr(step, "trial", 0) > until:
+            break
         if isinstance(step, Show):
             showing = store.begin_showing(session, step, step.condition.settings, recorded=bool(trace))
             if trace:
                 (store.traces / showing.trace).write_text(trace, encoding="utf-8")
-            showing = store.end_showing(session, showing, {"seconds": step.seconds, "missed": 3}, complete=True)
+            seen = actual(step) if actual else {"seconds": step.seconds, "missed": 3}
+            showing = store.end_showing(session, showing, seen, complete=True)
         elif isinstance(step, Ask):
-            store.answer(session, step, value, 1.5, "participant", showing)
+            values = value(step) if callable(value) else value
+            for one in values if isinstance(values, tuple) else (values,):
+                store.answer(session, step, one, 1.5, "participant", showing)
         else:
             store.finish_step(session, step.key)
 

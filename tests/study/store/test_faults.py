@@ -5,6 +5,7 @@ For real, and nothing confirmed is lost.
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import functools
 import json
@@ -20,8 +21,8 @@ from datetime import timedelta
 import needs
 import pytest
 
-from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.study.store import COMPLETE, DATABASE, INTERRUPTED, Store
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.study.store import COMPLETE, COPY, DATABASE, INTERRUPTED, Store
 
 from .sessions import SetClock, answered, asks, begun, child, whole
 
@@ -155,7 +156,6 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
 
 
 # --- files that are something else
-# -----------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -166,73 +166,43 @@ def made(tmp_path):
     return tmp_path / "data"
 
 
-def refusals(folder) -> list[HmdwarpError]:
-    """Of reading, and of beginning a session."""
-    out = []
-    for act in (lambda store: store.contents(), lambda store: begun(store, "Q1")):
-        with pytest.raises(HmdwarpError) as error, Store(folder, create=True) as store:
-            act(store)
-        assert "\n" not in str(error.value)
-        out.append(error.value)
-    return out
+def sql(file, statement: str) -> None:
+    with contextlib.closing(sqlite3.connect(file)) as db:
+        db.execute(statement)
+        db.commit()
 
 
-def test_a_folder_with_something_else_in_it(tmp_path):
-    (tmp_path / "thesis.tex").write_text("x")
-    with Store(tmp_path, create=True) as store, pytest.raises(InputError, match=r"holds something else \(thesis.tex\)"):
-        begun(store)
-    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+def replaced(file, statement: str) -> None:
+    file.unlink()
+    sql(file, statement)
 
 
-def test_no_such_folder_and_a_file_in_its_place(tmp_path):
-    with pytest.raises(InputError, match="holds no data of a study"):
-        Store(tmp_path / "nowhere")
-    (tmp_path / "file").write_text("x")
-    with Store(tmp_path / "file", create=True) as store, pytest.raises(InputError, match="cannot be created"):
-        begun(store)
-
-
-def test_a_file_that_is_no_database(tmp_path):
-    (tmp_path / DATABASE).write_bytes(b"ratings: 3, 4, 5\n" * 100)
-    for error in refusals(tmp_path):
-        assert isinstance(error, InputError) and "no database" in str(error)
-    assert (tmp_path / DATABASE).read_bytes() == b"ratings: 3, 4, 5\n" * 100
-
-
-def test_a_database_of_something_else(tmp_path):
-    db = sqlite3.connect(tmp_path / DATABASE)
-    db.execute("CREATE TABLE bookmarks (url)")
-    db.commit()
-    db.close()
-    before = (tmp_path / DATABASE).read_bytes()
-    for error in refusals(tmp_path):
-        assert isinstance(error, InputError) and "not of an hmdwarp study" in str(error)
-    assert (tmp_path / DATABASE).read_bytes() == before
-
-
-def test_a_store_of_a_newer_program(made):
-    db = sqlite3.connect(made / DATABASE)
-    db.execute("PRAGMA user_version = 99")
-    db.close()
-    for error in refusals(made):
-        assert isinstance(error, InputError) and "newer hmdwarp (schema 99; this one knows 1)" in str(error)
-
-
-def test_a_page_that_was_overwritten_is_found_before_anything_is_written(made):
-    data = bytearray((made / DATABASE).read_bytes())
-    for page in range(5, len(data) // 4096, 3):  # not the schema's own: it must open and still be refused
+def overwritten(file) -> None:
+    """Every third page but the schema's own: it must open and still be refused."""
+    data = bytearray(file.read_bytes())
+    for page in range(5, len(data) // 4096, 3):
         data[page * 4096 : page * 4096 + 512] = random.Random(page).randbytes(512)
-    (made / DATABASE).write_bytes(data)
-    with pytest.raises(InputError, match="damaged.*the newest copy, .*study.copy.sqlite3"), Store(made) as store:
-        begun(store, "Q1")
-    assert (made / DATABASE).read_bytes() == data
+    file.write_bytes(data)
 
 
-def test_a_file_that_was_cut_off(made):
-    size = (made / DATABASE).stat().st_size
-    os.truncate(made / DATABASE, size // 2 // 4096 * 4096)
-    for error in refusals(made):
-        assert isinstance(error, InputError) and "damaged" in str(error)
+SPOILT = [  # what is done to the database, what is said of it
+    (lambda file: file.write_bytes(b"ratings: 3, 4, 5\n" * 100), "no database"),
+    (lambda file: replaced(file, "CREATE TABLE bookmarks (url)"), "not of an hmdwarp study"),
+    (lambda file: sql(file, "PRAGMA user_version = 99"), "newer hmdwarp (schema 99; this one knows 1)"),
+    (lambda file: os.truncate(file, file.stat().st_size // 2 // 4096 * 4096), "damaged"),
+    (overwritten, f"the newest copy, {{}}/{COPY}"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "why"), SPOILT, ids=[why for _, why in SPOILT])
+def test_what_is_no_store_is_refused_in_one_line_and_left_alone(made, spoil, why):
+    spoil(made / DATABASE)
+    before = (made / DATABASE).read_bytes()
+    for act in (lambda store: store.contents(), lambda store: begun(store, "Q1")):
+        with pytest.raises(InputError) as error, Store(made, create=True) as store:
+            act(store)
+        assert why.format(made) in str(error.value) and "\n" not in str(error.value)
+    assert (made / DATABASE).read_bytes() == before
 
 
 def test_a_program_that_died_while_it_made_the_store(tmp_path):
@@ -242,9 +212,7 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
         begun(store)
     other = tmp_path / "other"
     other.mkdir()
-    db = sqlite3.connect(other / DATABASE)
-    db.execute("PRAGMA journal_mode = WAL")
-    db.close()
+    sql(other / DATABASE, "PRAGMA journal_mode = WAL")
     assert (other / DATABASE).stat().st_size
     with pytest.raises(InputError, match="holds no data of a study"):
         Store(other)
@@ -252,8 +220,7 @@ def test_a_program_that_died_while_it_made_the_store(tmp_path):
         begun(store)
 
 
-# --- two at once --------------------------------------------------------------------------------
-# -------------------------
+# --- two at once
 
 
 def test_two_programs_at_once(tmp_path):
@@ -334,8 +301,7 @@ def test_another_program_in_the_database_is_awaited_then_named(tmp_path, monkeyp
         assert store.answer(session, asks(session)[0], 2, 1.0, "participant").revision == 1
 
 
-# --- time ---------------------------------------------------------------------------------------
-# -------------------------
+# --- time
 
 
 def test_a_clock_set_back_is_reported_once_and_changes_no_order(tmp_path):
@@ -387,8 +353,7 @@ def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):
     assert not said
 
 
-# --- the disk itself ----------------------------------------------------------------------------
-# -------------------------
+# --- the disk itself
 
 
 @needs.programs("strace")

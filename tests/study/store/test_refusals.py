@@ -6,6 +6,7 @@ Each in words that say what to do.
 from __future__ import annotations
 
 import pytest
+from together import together
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import design_from_text
@@ -15,26 +16,62 @@ from hmdwarp.study.store.signature import plan_signature, signature_changes
 from .sessions import TEXT, begun, design, whole
 
 
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory):
+    with Store(tmp_path_factory.mktemp("filled") / "data", create=True) as made:
+        whole(made, "P01")
+        yield made
+
+
 @pytest.fixture
 def store(tmp_path):
     with Store(tmp_path / "data", create=True) as made:
         yield made
 
 
-@pytest.mark.parametrize("code", ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1"])
-def test_a_code_that_may_be_a_name_is_refused(store, code):
-    with pytest.raises(InputError, match="must not be a name"):
-        begun(store, code)
-    with pytest.raises(InputError, match="leave out --new-session"):
-        begun(store, "P01", new_session=True)
-    assert not store.folder.exists(), "what is refused leaves nothing behind"
+NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1"]
+MENDED = TEXT.replace('name = "late"', 'name = "later"')
+REFUSED = [  # what is asked of a store with one whole session, that of P01; what is said
+    *((lambda store, code=code: begun(store, code), "must not be a name") for code in NAMES),
+    *((lambda store, code=code: store.would_begin(design(), "one", code, "person"), "must not be") for code in NAMES),
+    (lambda store: begun(store, "P10", new_session=True), "P10 is not known here: leave out --new-session"),
+    (lambda store: begun(store, "new", new_session=True), "--new-session needs the code"),
+    (lambda store: begun(store, "P01", origin=PILOT, new_session=True), "P01 is a person here"),
+    (lambda store: begun(store, "T1", origin=SIMULATED), "must not be mixed with them"),
+    (lambda store: begun(store, "P2", part="three"), r"--part three is not in late\.toml: it has one, two"),
+    (lambda store: begun(store, "P2", part=None), "--part is missing"),
+    (lambda store: store.begin(design(MENDED), "one", "P2", "person"), "holds the study 'late', not 'later'"),
+    (lambda store: Store(store.folder, study="x"), "holds the study 'late', not 'x'"),
+    (lambda store: store.would_begin(design(), "one", "P01", "person"), "is known here"),
+    (lambda store: store.resume("P02"), "not known"),
+    (lambda store: store.resume("P01"), "no interrupted session"),
+    (lambda store: store.resume("a b"), "must not be a name"),
+    (lambda store: store.withdraw("P9"), "P9 is not known here"),
+]
+
+
+@together("act, why", REFUSED)
+def test_refusals_change_nothing(filled, act, why):
+    before = filled.contents()
+    with pytest.raises(InputError, match=why):
+        act(filled)
+    assert filled.contents() == before
+
+
+def test_what_a_new_store_refuses_leaves_nothing_behind(store):
+    for code, why in ((NAMES[0], "must not be a name"), ("P01", "leave out --new-session")):
+        with pytest.raises(InputError, match=why):
+            begun(store, code, new_session=True)
+    with pytest.raises(InputError, match="holds no data of a study"):
+        store.resume("P01")
+    store.would_begin(design(), "one", "new", "person")
+    store.would_begin(design(), "one", "P01", "person")
+    assert not store.folder.exists()
 
 
 def test_new_draws_a_code_that_is_read_without_doubt(store):
     codes = [begun(store, word).code for word in ("new", "NEW", "new")]
     assert len(set(codes)) == 3 and all(len(code) == 5 and not set(code) & set("0O1IL2Z5S9") for code in codes)
-    with pytest.raises(InputError, match="--new-session needs the code"):
-        begun(store, "new", new_session=True)
 
 
 @pytest.mark.parametrize("code", ["P01", "p01"])
@@ -56,52 +93,14 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
         assert begun(store, code, new_session=True).number == 2
 
 
-def test_a_new_session_of_an_unknown_participant_is_refused(store):
-    whole(store, "P01")
-    with pytest.raises(InputError, match="P10 is not known here: leave out --new-session"):
-        begun(store, "P10", new_session=True)
-
-
-@pytest.mark.parametrize("origin", [PILOT, SIMULATED])
-def test_a_code_is_of_one_kind(tmp_path, origin):
-    with Store(tmp_path / "data", create=True) as store:
-        whole(store, "P01", origin=origin)
-        other = PILOT if origin == SIMULATED else "person"
-        with pytest.raises(InputError, match=f"P01 is a {origin} here"):
-            begun(store, "P01", origin=other, new_session=True)
-
-
-def test_unresumable_sessions_are_refused(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        with pytest.raises(InputError, match="holds no data of a study"):
-            store.resume("P01")
-        whole(store, "P01")
-        for code, why in (("P02", "not known"), ("P01", "no interrupted session"), ("a b", "must not be a name")):
-            with pytest.raises(InputError, match=why):
-                store.resume(code)
-        store.end(begun(store, "P01", "one", new_session=True), "interrupted")
-        store.end(begun(store, "P01", "two", new_session=True), "interrupted")
-        with pytest.raises(InputError, match="several parts.*--part"):
-            store.resume("P01")
-        assert store.resume("P01", "two").number == 3
-
-
-def test_parts_are_named(store):
-    with pytest.raises(InputError, match=r"--part three is not in late\.toml: it has one, two"):
-        begun(store, part="three")
-    with pytest.raises(InputError, match="--part is missing"):
-        begun(store, part=None)
+def test_of_several_interrupted_parts_one_is_named_and_of_one_none(store):
+    store.end(begun(store, "P01", "one"), "interrupted")
+    store.end(begun(store, "P01", "two", new_session=True), "interrupted")
+    with pytest.raises(InputError, match="several parts.*--part"):
+        store.resume("P01")
+    assert store.resume("P01", "two").number == 2
     single = design(TEXT[: TEXT.index("[[part]]", TEXT.index('name = "one"'))])
-    assert store.begin(single, None, "P01", "person").part == "one"
-
-
-def test_a_store_is_of_one_study(store, tmp_path):
-    whole(store, "P01")
-    other = design(TEXT.replace('name = "late"', 'name = "later"'))
-    with pytest.raises(InputError, match="holds the study 'late', not 'later'"):
-        store.begin(other, "one", "P02", "person")
-    with pytest.raises(InputError, match="holds the study 'late', not 'x'"):
-        Store(tmp_path / "data", study="x")
+    assert store.begin(single, None, "P02", "person").part == "one"
 
 
 CHANGES = [
@@ -192,18 +191,10 @@ def test_the_text_agreed_to_is_known_by_its_hash(store):
     assert data["consent_sha256"] == hashlib.sha256(b"You may stop at any time.").hexdigest()
 
 
-def test_a_trial_run_of_begin_refuses_and_changes_nothing(store, tmp_path):
-    for code, why in (("Anna Müller", "must not be a name"), ("x" * 40, "must not be a name")):
-        with pytest.raises(InputError, match=why):
-            store.would_begin(design(), "one", code, "person")
-    store.would_begin(design(), "one", "new", "person")
-    store.would_begin(design(), "one", "P01", "person")
-    assert not store.folder.exists(), "nothing is made for a question"
+def test_a_trial_run_of_begin_changes_nothing(store):
     began = begun(store, "P01")
     store.would_begin(design(), "one", "P02", "person")
     store.would_begin(design(), "two", "P01", "person", new_session=True)
-    with pytest.raises(InputError, match="is known here"):
-        store.would_begin(design(), "one", "P01", "person")
     with pytest.raises(InputError, match="another plan"):
         store.would_begin(design(TEXT.replace("latency = 200", "latency = 100")), "one", "P02", "person")
     assert store.contents().sessions == (began,)

@@ -18,6 +18,7 @@ from hmdwarp.study.store import (
     DATABASE,
     DECLINED,
     INTERRUPTED,
+    PERSON,
     PILOT,
     RUNNING,
     SICK,
@@ -229,7 +230,6 @@ def test_a_store_of_before_that_status_tells_who_declined(store):
 
 
 # --- who gets which order
-# --------------------------------------------------------------------------------------------------
 
 
 def test_orders_are_filled_evenly_and_gaps_first(store):
@@ -243,24 +243,9 @@ def test_orders_are_filled_evenly_and_gaps_first(store):
     assert sorted(session.row for session in second) == list(range(rows)), "as if Q1 had never been"
 
 
-@pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
-def test_sessions_that_hold_an_order(store, status, holds):
-    """The draw follows from what is filled.
-
-    Where the order is free again, the next one gets the same.
-    """
-    row = store.end(begun(store, "P1"), status).row
-    assert (begun(store, "P2").row != row) == holds
-
-
 def test_pilots_and_parts_are_counted_apart(store):
-    alone = [whole(store, f"P{k}").row for k in range(4)]
-    with_others = []
-    for k in range(4):
-        begun_one = whole(store, f"T{k}", origin=PILOT)
-        with_others.append(begun_one.row)
+    alone, with_others = ([whole(store, f"{of[:2]}{k}", origin=of).row for k in range(4)] for of in (PERSON, PILOT))
     assert with_others == alone, "as if nobody else were there"
-    assert [session.row for session in (whole(store, f"S{k}", part="two") for k in range(2))] in ([0, 1], [1, 0])
     assert {session.origin for session in store.contents().sessions} == {"person"}
     pilots = store.contents(pilot=True)
     assert {session.origin for session in pilots.sessions} == {PILOT} and len(pilots.sessions) == 4
@@ -284,30 +269,26 @@ def test_subs_are_random_and_follow_from_nothing(tmp_path):
     subs = []
     for k in range(3):
         with Store(tmp_path / str(k), create=True, clock=SetClock()) as store:
-            subs += [begun(store, code).sub for code in ("P01", "P02")]
+            first = whole(store, "P01")
+            assert begun(store, "P01", "two", new_session=True).sub == first.sub, "who comes again keeps it"
+            subs += [first.sub, begun(store, "P02").sub]
     assert len(set(subs)) == 6 and all(re.fullmatch("[a-z0-9]{12}", sub) for sub in subs)
-
-
-def test_one_who_comes_again_keeps_the_sub(store):
-    first = whole(store, "P01")
-    second = begun(store, "P01", "two", new_session=True)
-    assert (second.number, second.sub, second.part) == (2, first.sub, "two")
 
 
 def test_simulated_ones_are_kept_from_people(store, tmp_path):
     whole(store, "P01")
-    with pytest.raises(HmdwarpError, match="must not be mixed with them"):
-        begun(store, "S01", origin=SIMULATED)
     with Store(tmp_path / "other", create=True) as other:
         whole(other, "S01", origin=SIMULATED)
         assert len(other.contents().sessions) == 1
-        with pytest.raises(HmdwarpError, match="must not be mixed with them"):
-            begun(other, "P01")
+        for code, origin, why in (("P01", PERSON, "must not be mixed"), ("S01", PILOT, "S01 is a simulated here")):
+            with pytest.raises(HmdwarpError, match=why):
+                begun(other, code, origin=origin, new_session=code == "S01")
         begun(other, "T01", origin=PILOT)
+        with pytest.raises(HmdwarpError, match="T01 is a pilot here"):
+            begun(other, "T01", origin=SIMULATED, new_session=True)
 
 
-# --- measuring, reading -------------------------------------------------------------------------
-# -------------------------
+# --- measuring, reading
 
 
 def test_measured_figures_are_added_and_free_the_lock(tmp_path):
@@ -353,8 +334,7 @@ def test_another_program_may_read_while_a_session_runs(store, tmp_path):
     assert out.strip() == "1"
 
 
-# --- where --------------------------------------------------------------------------------------
-# -------------------------
+# --- where
 
 
 def test_data_lie_next_to_the_study_file(tmp_path, monkeypatch):

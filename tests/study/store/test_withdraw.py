@@ -1,7 +1,5 @@
-"""Who withdraws is gone.
-
-From what is read, from the bytes of every file, and after a kill in the middle; the code alone
-stays.
+"""Who withdraws is gone. From what is read, from the bytes of every file, and after a kill in the
+middle; the code alone stays.
 """
 
 from __future__ import annotations
@@ -16,10 +14,10 @@ import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.scenes import inputs_beside
-from hmdwarp.study.store import COMPLETE, Store, erasing
+from hmdwarp.study.store import COMPLETE, Store
 
 from .killing import Killing
-from .sessions import asks, begun, child, design, go_through, whole
+from .sessions import asks, begun, child, go_through, whole
 
 REMARK = "Zwölf Xylophone quietschen: {}"
 RATING = 3.0625 + 2.0**-30  # a double whose eight bytes are nowhere else by chance
@@ -121,15 +119,6 @@ def test_the_order_is_free_again_and_no_id_comes_twice(tmp_path):
         )
 
 
-def test_all_sessions_of_a_participant_go(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        whole(store, "P1")
-        store.end(begun(store, "P1", "two", new_session=True), "stopped")
-        assert store.holdings("P1").sessions == 2
-        store.withdraw("P1")
-        assert store.contents().sessions == ()
-
-
 def test_partial_and_copied_traces_of_the_participant_alone_are_erased(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
@@ -182,7 +171,6 @@ def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
 
 
 # --- killed in the middle
-# --------------------------------------------------------------------------------------------------
 
 KILLED = """
 import importlib
@@ -222,17 +210,10 @@ def check_finished(folder, subs) -> None:
 @pytest.mark.parametrize(
     ("step", "count"),
     [
-        ("_erase_traces", 0),
-        ("overwrite", 0),
-        ("overwrite", 2),
-        ("_erase_rows", 0),
-        ("_clean", 0),
-        ("erase_copies", 0),
-        ("_empty_log", 0),
-        ("_empty_log", 1),
-        ("_check_bytes", 0),
+        ("_erase_traces", 0), ("overwrite", 0), ("overwrite", 2), ("_erase_rows", 0), ("_clean", 0),
+        ("erase_copies", 0), ("_empty_log", 0), ("_empty_log", 1), ("_check_bytes", 0),
     ],
-)
+)  # fmt: skip
 def test_killed_before_each_step(tmp_path, step, count):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(3))
@@ -271,19 +252,3 @@ def test_killed_at_any_moment(tmp_path):
             else:
                 killing.job(folder, took * chance.random() ** 2)
             check_finished(folder, subs)
-
-
-def test_the_steps_killed_at_are_those_there_are():
-    assert all(
-        hasattr(erasing, name)
-        for name in (
-            "_erase_traces",
-            "overwrite",
-            "_erase_rows",
-            "_clean",
-            "erase_copies",
-            "_empty_log",
-            "_check_bytes",
-        )
-    )
-    assert design().name == "late"
