@@ -20,16 +20,10 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
     ("options", "told"),
     [
         (("--jitter", "unifrm:3"), "did you mean 'uniform'?"),
-        (("--jitter", "uniform:-3"), "expected milliseconds"),
-        (("--jitter", "normal:nan"), "expected milliseconds"),
-        (("--jitter", "uniform"), "expected milliseconds"),
         (("--jitter", "uniform:300"), "before they were sent"),
-        (("--loss", "2"), "share of the frames"),
         (("--loss", "p=0.1,r=0.5"), "--loss-burst"),
         (("--loss-burst", "2"), "without --loss"),
-        (("--bandwidth", "0"), "leave it out for a link without a limit"),
         (("--bandwidth", "abc"), "expected Mbit/s"),
-        (("--bandwidth", "50,queue=100"), "--queue"),
         (("--delay-trace", "nowhere.csv"), "nowhere.csv: no such file"),
         (("--link-seed", "-1"), "seed -1"),
         (("--codec", "h265"), "unknown codec 'h265': did you mean"),
@@ -52,15 +46,10 @@ def test_impossible_values_are_refused_in_one_line(command, tmp_path, options, t
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(
-    ("text", "told"), [("", "no delay"), ("12\nx\n", "x"), ("12\n-1\n", "-1"), ("nan\n", "nan"), ("5,\n1e9\n", "")]
-)
-def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path, text, told):
+def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path):
     path = tmp_path / "delays.csv"
-    path.write_text(text, encoding="utf-8")
-    done = command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path)
-    done.refused("delays.csv")
-    assert told in done.err
+    path.write_text("12\nx\n", encoding="utf-8")
+    command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path).refused("delays.csv", "line 2", "'x'")
 
 
 def test_a_delay_trace_is_followed(command, tmp_path):
@@ -75,11 +64,8 @@ def test_a_delay_trace_is_followed(command, tmp_path):
 
 def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
     options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
-    out = (
-        command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options)
-        .done()
-        .out
-    )
+    told = [part for part in QUICK if part != "--quiet"]
+    out = command(*told, "--seconds", "1", "--out", tmp_path / "out", *options).done().out
     assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"

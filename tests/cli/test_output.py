@@ -100,13 +100,6 @@ def test_a_file_is_refused_and_then_forced(name, command, tmp_path):
     assert len(load_trace(out).track) > 1
 
 
-def test_the_input_is_never_the_output(command, tmp_path):
-    trace = tmp_path / "walk.csv"
-    trace.write_bytes(WALK.read_bytes())
-    command("trace", "convert", trace, trace, "--force").refused("is the input itself")
-    assert trace.read_bytes() == WALK.read_bytes()
-
-
 @pytest.mark.parametrize("name", FOLDERS | FILES)
 def test_no_name_is_not_the_working_folder(name, command, working_folder):
     arguments = [*FOLDERS[name][0], "--out"] if name in FOLDERS else FILES[name]

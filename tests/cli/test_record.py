@@ -67,19 +67,12 @@ def test_quiet_is_quiet(tmp_path, command):
         (["--source", "synthetic", "--rate", "0.5"], 2, "rate 0.5 Hz: expected a number of at least 1 Hz"),
         (["--source", "synthetic", "--seconds", "-1"], 2, "seconds -1 s"),
         (["--source", "synthetic", "--seconds", "1e9"], 2, "expected a length from 0.1 to 3600"),
-        (["--source", "desktop", "--scene", "nowhere"], 2, "nowhere"),
     ],
 )
 def test_impossible_values_are_refused_and_leave_no_file(tmp_path, command, options, status, told, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     command("record", "--out", tmp_path / "a.csv", *options).refused(told, status=status)
     assert not list(tmp_path.iterdir())
-
-
-def test_a_recording_is_not_overwritten(tmp_path, command):
-    (tmp_path / "a.csv").write_text("precious")
-    command("record", "--source", "synthetic", "--out", tmp_path / "a.csv").refused("a.csv exists already", "--force")
-    assert (tmp_path / "a.csv").read_text() == "precious"
 
 
 def test_without_a_headset_it_says_what_is_missing(tmp_path, command, monkeypatch):

@@ -17,6 +17,8 @@ from hmdwarp.geometry import Fov, Pose, guarded_eyes
 from hmdwarp.headsets import Headset, HeadsetEye, headset_names, load_headset
 from hmdwarp.run import needed_factors
 
+from .bad_files import refusal
+
 SHIPPED = headset_names()
 TANGENT = st.floats(0.5, 1.9)
 
@@ -164,6 +166,9 @@ def test_a_file_of_two_eyes(tmp_path):
     assert not seen[-1, 0] and seen[0].all() and seen[:, -1].all()
 
 
+CORNER, HIDDEN = "[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]", "hidden is no list of polygons"
+
+
 @pytest.mark.parametrize(
     ("found", "put", "says"),
     [
@@ -172,26 +177,15 @@ def test_a_file_of_two_eyes(tmp_path):
         ("tangents = [-1.2, 1.0,", "tangents = [-1.2, -0.9,", "no direction in common: they lie .* degrees apart"),
         ("tangents = [-1.2, 1.0,", "tangents = [1.2, 1.0,", "left < right"),
         ("[eyes.right]", 'right = "same"\n[eyes.other]', "right is 'same': expected \"mirrored\", or a table"),
-        ("[[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]]", "[[[-1.2, 0.9], [-1.2, 0.4]]]", "hidden is no list of polygons"),
-        ("[[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]]", "7", "hidden is no list of polygons"),
-        (
-            "[[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]]",
-            "[[[-2, -2], [2, -2], [2, 2], [-2, 2]]]",
-            "hidden area covers 100% of the view",
-        ),
-        (
-            "hidden = [[[-1.2, 0.9], [-1.2, 0.4], [-0.6, 0.9]]]",
-            "hidden_share = 0.1\nseen_deg = [-9, 9, -9, 9]",
-            "seen_deg and hidden_share 0.1",
-        ),
+        (f"[{CORNER}]", "[[[-1.2, 0.9], [-1.2, 0.4]]]", HIDDEN),
+        (f"[{CORNER}]", "7", HIDDEN),
+        (CORNER, "[[-2, -2], [2, -2], [2, 2], [-2, 2]]", "hidden area covers 100% of the view"),
+        (f"hidden = [{CORNER}]", "hidden_share = 0.1\nseen_deg = [-9, 9, -9, 9]", "seen_deg and hidden_share 0.1"),
         ("ipd_m = 0.06", "ipd_m = 60", "eyes.ipd_m is 60"),
     ],
-)  # fmt: skip
+)
 def test_a_bad_eye_is_one_line(tmp_path, found, put, says):
     text = CANTED.replace(found, put, 1)
     if "right = " in put:
         text = text.replace('right = "same"\n', "").replace("ipd_m = 0.06\n", 'ipd_m = 0.06\nright = "same"\n')
-    assert text != CANTED
-    with pytest.raises(InputError, match=says) as caught:
-        load(tmp_path, text)
-    assert re.match(r".*mine\.toml", str(caught.value)) and "\n" not in str(caught.value)
+    assert text != CANTED and re.search(says, refusal(tmp_path, text))

@@ -22,6 +22,8 @@ from hmdwarp.cli.catalogue import entries
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.headsets import Headset, headset_names, load_headset
 
+from .bad_files import refusal
+
 FOLDER = Path(hmdwarp.headsets.__file__).parent
 DK1 = (FOLDER / "rift-dk1.toml").read_text(encoding="utf-8")
 SHIPPED = headset_names()
@@ -198,23 +200,17 @@ KEYS = re.findall(r"^(\w+) = ", DK1, re.MULTILINE)
 @pytest.mark.parametrize("key", KEYS)
 def test_a_missing_key_is_named_with_its_table(tmp_path, key):
     without = "\n".join(line for line in DK1.splitlines() if not line.startswith(f"{key} = "))
-    with pytest.raises(InputError, match=rf"mine\.toml:\d+: the key (\w+\.)?{key} is missing") as caught:
-        load_text(tmp_path, without)
-    assert "\n" not in str(caught.value)
+    assert re.match(rf"\d+: the key (\w+\.)?{key} is missing", refusal(tmp_path, without))
 
 
 @pytest.mark.parametrize("table", ["panel", "eyes", "fov_deg"])
 def test_a_missing_table_is_named(tmp_path, table):
-    with pytest.raises(InputError, match=rf"mine\.toml:\d+: the key {table} is missing"):
-        load_text(tmp_path, re.sub(rf"\[{table}\].*?(?=\n\[)", "", DK1, flags=re.DOTALL))
+    without = re.sub(rf"\[{table}\].*?(?=\n\[)", "", DK1, flags=re.DOTALL)
+    assert re.match(rf"\d+: the key {table} is missing", refusal(tmp_path, without))
 
 
-def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
+def test_no_lens_is_allowed(tmp_path):
     assert load_text(tmp_path, DK1[: DK1.index("[lens]")]).lens is None
-    with pytest.raises(InputError, match="unknown key lenss"):
-        load_text(tmp_path, DK1.replace("[lens]", "[lenss]"))
-    with pytest.raises(InputError, match="unknown key panel.refreshed"):
-        load_text(tmp_path, DK1.replace("refresh_hz = 60", "refresh_hz = 60\nrefreshed = 1"))
 
 
 @pytest.mark.parametrize(
@@ -239,11 +235,7 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
         ("tangent_per_unit = 0.913170731707", "tangent_per_unit = 0", "tangent_per_unit is 0"),
         ('model = "radial"', 'model = "fisheye"', "unknown lens model 'fisheye': known is radial"),
         ("green = [1.0, 0.22, 0.24]", "green = []", "green has 0 coefficients"),
-        (
-            "green = [1.0, 0.22, 0.24]",
-            "green = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
-            "green has 10 coefficients; expected 1 to 9",
-        ),
+        ("green = [1.0, 0.22, 0.24]", f"green = {[1] * 10}", "green has 10 coefficients; expected 1 to 9"),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, nan]", r"lens\.green is \[1\.0, nan\]"),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, -0.3]", "green folds back at r = 1.054"),
         ("green = [1.0, 0.22, 0.24]", "green = [0.0, 1.0]", "green folds back at r = 0"),
@@ -251,15 +243,13 @@ def test_no_lens_is_allowed_but_a_misspelt_one_is_refused(tmp_path):
         ('name = "rift-dk1"', "name = 3", "name is 3"),
         ("[eyes]\nipd_m = 0.064", "", "the key eyes is missing"),
         ("[eyes]\nipd_m = 0.064", "[[eyes]]\nipd_m = 0.064", "eyes is .* expected a table"),
-        ("[panel]", "[panel", r"mine.toml:\d+: this is no TOML"),
+        ("[panel]", "[panel", r"^\d+: this is no TOML"),
+        ("[lens]", "[lenss]", "unknown key lenss"),
+        ("refresh_hz = 60", "refresh_hz = 60\nrefreshed = 1", "unknown key panel.refreshed"),
     ],
 )
 def test_a_bad_value_is_named(tmp_path, found, put, says):
-    assert found in DK1
-    with pytest.raises(InputError, match=says) as caught:
-        load_text(tmp_path, DK1.replace(found, put))
-    assert str(caught.value).startswith(f"{tmp_path / 'mine.toml'}:")
-    assert "\n" not in str(caught.value)
+    assert found in DK1 and re.search(says, refusal(tmp_path, DK1.replace(found, put)))
 
 
 @settings(max_examples=150)

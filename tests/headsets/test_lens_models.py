@@ -6,7 +6,6 @@ import itertools
 import json
 import math
 import re
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -21,6 +20,8 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import COLOURS, Headset, MeshLens, TableLens, ViveLens, load_headset
+
+from .bad_files import refusal
 
 ANGLES = (0, 10, 20, 30, 35, 40, 45, 48.3073)
 DISTANCES = (0, 0.247, 0.48, 0.696, 0.799, 0.8906, 0.963, 1)
@@ -174,15 +175,6 @@ def test_a_mesh_of_a_file(tmp_path):
     # A quarter from the left is half way from 0.1 to 0.5 of the view, of two tangents.
     assert headset.through_lens(0, np.array([0.25, 0.5]), "red") == pytest.approx((2 * 0.3 - 1, 0))
     assert headset.through_lens(1, np.array([0.75, 0.5]), "red") == pytest.approx((1 - 2 * 0.3, 0))
-    for found, put, says in (
-        ("0.5, 0, 1", "0.05, 0, 1", "the lens mesh of red folds back in the cell of row 0, column 0"),
-        ("rows = 2", "rows = 3", "uv .* expected a list of 18 finite numbers"),
-        ("uv =", "blue =", "the key lens.red is missing"),
-    ):
-        path.write_text(MESH.replace(found, put))
-        with pytest.raises(InputError, match=says) as caught:
-            load_headset(str(path))
-        assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
 
 
 def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str) -> np.ndarray:
@@ -297,45 +289,38 @@ def test_a_table_grows_and_goes_there_and_back(steps, share):
     assert np.isnan(lens.scales("green", np.array([distances[-1] * 1.01]))).all()
 
 
-@pytest.mark.parametrize(
-    ("found", "put", "says"),
-    [
-        ("0.48, 0.696", "0.7, 0.696", "lens table green does not grow at 30 degrees"),
-        ("angle_deg = [0, 10", "angle_deg = [0, 30", "lens table angle_deg does not grow at 20 degrees"),
-        ("green = [0, ", "green = [", r"lens table green has 7 values from 0\.247"),
-        ("48.3073]", "91]", "ends at 91: expected less than 89"),
-        ('"table"', '"tables"', "unknown lens model 'tables': known is radial, table, mesh"),
-    ],
-)
-def test_a_bad_table_is_one_line(tmp_path, found, put, says):
-    path = tmp_path / "mine.toml"
-    path.write_text(TABLE.replace(found, put))
-    with pytest.raises(InputError, match=says) as caught:
-        load_headset(str(path))
-    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+VIVE = json.dumps(vive_json())
 
 
 @pytest.mark.parametrize(
-    ("found", "put", "says"),
+    ("text", "found", "put", "says"),
     [
-        (r', \{"distortion_red": \{"center_x": -0.08,.*\]', "]", "has 1 eyes: expected the left one and the right"),
-        ("-0.23, ", "-2.3, ", "the lens of blue folds back at r = "),
-        ("DISTORT_DPOLY3", "DISTORT_POLY3", "type is 'DISTORT_POLY3': expected DISTORT_DPOLY3"),
-        ('"distortion"', '"distorted"', "the key tracking_to_eye_transform.distortion is missing"),
-        ('"intrinsics": \\[\\[1.2', '"intrinsics": [[0', "focal is 0"),
-        ("\\{", "[", "this is no JSON"),
-        ('"tracking_to', '"tracking', "neither SteamVR's configuration"),
+        (TABLE, "0.48, 0.696", "0.7, 0.696", "lens table green does not grow at 30 degrees"),
+        (TABLE, "angle_deg = \\[0, 10", "angle_deg = [0, 30", "lens table angle_deg does not grow at 20 degrees"),
+        (TABLE, "green = \\[0, ", "green = [", r"lens table green has 7 values from 0\.247"),
+        (TABLE, "48.3073\\]", "91]", "ends at 91: expected less than 89"),
+        (TABLE, '"table"', '"tables"', "unknown lens model 'tables': known is radial, table, mesh"),
+        (MESH, "0.5, 0, 1", "0.05, 0, 1", "the lens mesh of red folds back in the cell of row 0, column 0"),
+        (MESH, "rows = 2", "rows = 3", "uv .* expected a list of 18 finite numbers"),
+        (MESH, "uv =", "blue =", "the key lens.red is missing"),
+        (
+            VIVE,
+            r', \{"distortion_red": \{"center_x": -0.08,.*\]',
+            "]",
+            "has 1 eyes: expected the left one and the right",
+        ),
+        (VIVE, "-0.23, ", "-2.3, ", "the lens of blue folds back at r = "),
+        (VIVE, "DISTORT_DPOLY3", "DISTORT_POLY3", "type is 'DISTORT_POLY3': expected DISTORT_DPOLY3"),
+        (VIVE, '"distortion"', '"distorted"', "the key tracking_to_eye_transform.distortion is missing"),
+        (VIVE, '"intrinsics": \\[\\[1.2', '"intrinsics": [[0', "focal is 0"),
+        (VIVE, "\\{", "[", "this is no JSON"),
+        (VIVE, '"tracking_to', '"tracking', "neither SteamVR's configuration"),
     ],
 )
-def test_a_bad_configuration_is_one_line(tmp_path: Path, found, put, says):
-    path = tmp_path / "mine.json"
-    text = json.dumps(vive_json())
+def test_a_bad_lens_is_one_line(tmp_path, text, found, put, says):
     changed = re.sub(found, put, text)
     assert changed != text
-    path.write_text(changed)
-    with pytest.raises(InputError, match=says) as caught:
-        load_headset(str(path))
-    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+    assert re.search(says, refusal(tmp_path, changed, "mine.json" if text is VIVE else "mine.toml"))
 
 
 def hmdq_json() -> dict[str, object]:

@@ -20,8 +20,6 @@ from .test_eyes import MADE_UP
 
 SIZE = (67, 53)
 UNLIKE = ("index", "pimax-8k", "beyond-2e")
-
-
 ANY = st.one_of(st.sampled_from(UNLIKE).map(load_headset), MADE_UP)
 
 

@@ -43,14 +43,10 @@ def test_every_model(name, latency_ms, tmp_path):
     model = example(name, tmp_path)
     model.check(latency_ms * MS)
     delays = drawn(model, latency_ms * MS)
-    assert delays.min() >= 0
-    assert delays.max() <= model.longest_ns(latency_ms * MS)
+    assert 0 <= delays.min() <= delays.max() <= model.longest_ns(latency_ms * MS)
     count = len(delays) // 3 * 3 if name == "trace" else len(delays)  # whole rounds of the file
     assert abs(delays[:count].mean() - model.typical_ns(latency_ms * MS)) <= 5 * delays.std() / math.sqrt(count) + 1
-    assert all(
-        isinstance(delay, int)
-        for delay in itertools.islice(model.samples(latency_ms * MS, np.random.default_rng(1)), 5)
-    )
+    assert isinstance(next(model.samples(latency_ms * MS, np.random.default_rng(1))), int)
     assert (drawn(model, latency_ms * MS, 100) == delays[:100]).all()
     if name in ("uniform", "normal"):
         assert (drawn(model, latency_ms * MS, 100, seed=2) != delays[:100]).any()
@@ -82,27 +78,12 @@ def test_no_jitter_is_a_constant_delay():
     assert set(drawn(NormalJitter(0), 0, 50).tolist()) == {0}
 
 
-def test_uniform_jitter_wider_than_the_latency_is_refused():
-    with pytest.raises(
-        InputError, match=r"uniform:20 around a latency of 10 ms would have frames arrive before they were sent"
-    ):
-        UniformJitter(20).check(10 * MS)
-
-
 def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
     path = tmp_path / "delays.csv"
     path.write_bytes("\ufeff# measured on a Sunday\r\ndelay_ms\r\n\r\n12.5\r\n  40 # a burst\r\n1e1\r\n".encode())
     assert read_delays(path) == [12.5, 40.0, 10.0]
     model = delay_models.get("trace").parse(str(path))
-    assert drawn(model, 999 * MS, 7).tolist() == [
-        12_500_000,
-        40 * MS,
-        10 * MS,
-        12_500_000,
-        40 * MS,
-        10 * MS,
-        12_500_000,
-    ]
+    assert drawn(model, 999 * MS, 7).tolist() == [int(ms * MS) for ms in (12.5, 40, 10, 12.5, 40, 10, 12.5)]
     assert (model.longest_ns(0), model.typical_ns(0)) == (40 * MS, 20_833_333)
 
 
@@ -131,13 +112,10 @@ def test_traces_that_cannot_be_meant(text, message, tmp_path):
 
 
 def test_traces_that_cannot_be_read(tmp_path):
-    with pytest.raises(InputError, match="no such file"):
-        read_delays(tmp_path / "none.csv")
-    with pytest.raises(InputError, match="is a directory"):
-        read_delays(tmp_path)
     (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\xff\xfe")
-    with pytest.raises(InputError, match="not a text file"):
-        DelayTrace.parse(str(tmp_path / "picture.png"))
+    for name, said in (("none.csv", "no such file"), (".", "is a directory"), ("picture.png", "not a text file")):
+        with pytest.raises(InputError, match=said):
+            DelayTrace.parse(str(tmp_path / name))
 
 
 def lost(model: GilbertElliott, count: int = 50_000) -> np.ndarray:
@@ -169,9 +147,8 @@ def test_losses_come_in_bursts_of_the_stated_length():
 
 def test_states_that_lose_only_some():
     losses = lost(GilbertElliott(0.1, 0.1, good=0.05, bad=0.5))
-    assert (
-        abs(losses.mean() - 0.275) < 0.03
-    )  # the states last 10 frames each: 2500 of each kind, 0.225 / sqrt(2500) * 5
+    # The states last 10 frames each: 2500 of each kind, 0.225 / sqrt(2500) * 5.
+    assert abs(losses.mean() - 0.275) < 0.03
 
 
 def test_losses_without_memory():

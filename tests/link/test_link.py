@@ -38,6 +38,9 @@ class Sent:
 
     ready_ns: int | None
     usable: bool
+    # Queue, transfer, delay and hold, in ns.
+    way: tuple[int, int, int, int]
+    heard_ns: int
     fate: str = "under_way"
     decode_ns: int = 0
 
@@ -55,6 +58,10 @@ class AgainstAModel(RuleBasedStateMachine):
         self.discarded: list[int] = []
         self.wasted: list[int] = []
         self.received: list[int] = []
+        self.settled: list[tuple[int, bool, int]] = []
+        self.told: list[tuple[int, bool, int]] = []
+        # When the sender hears of each loss that no key frame has repaired.
+        self.losses: list[int] = []
         self.delay, self.is_lost = 0, False
         delays, losses = iter(lambda: self.delay, None), iter(lambda: self.is_lost, None)
         receive = self.receive if decodes else None
@@ -66,6 +73,7 @@ class AgainstAModel(RuleBasedStateMachine):
             wasted=self.wasted.append,
             receive=receive,
             decoding=lambda number: self.frames[number].decode_ns,
+            settled=lambda *fate: self.settled.append(fate),
         )
         self.frames: list[Sent] = []
         self.encoded_ns = self.decoder_ns = 0
@@ -91,12 +99,13 @@ class AgainstAModel(RuleBasedStateMachine):
         self.delay, self.is_lost = delay, lost
         render, encode, decode = times if self.stages else (0, 0, 0)
         # The encoder takes one after the other.
-        self.encoded_ns = max(self.sent_ns + render, self.encoded_ns) + encode
-        self.frames.append(self.predicted(delay, size, lost, key, decode))
+        waits = max(0, self.encoded_ns - self.sent_ns - render)
+        self.encoded_ns = self.sent_ns + render + waits + encode
+        self.frames.append(self.predicted(waits, delay, size, lost, key, decode))
         self.link.send(len(self.frames) - 1, self.sent_ns, size, key, render, encode)
 
-    def predicted(self, delay, size, lost, key, decode) -> Sent:
-        start, dropped, transfer = self.encoded_ns, False, 0
+    def predicted(self, waits, delay, size, lost, key, decode) -> Sent:
+        start, dropped, transfer, hold = self.encoded_ns, False, 0, 0
         if self.bandwidth is not None:
             start = max(self.encoded_ns, self.free_ns)
             dropped = start - self.encoded_ns > self.bandwidth.queue_ms * 1e6
@@ -104,12 +113,18 @@ class AgainstAModel(RuleBasedStateMachine):
             self.free_ns = self.free_ns if dropped else start + transfer
         ready = start + transfer + delay
         if self.decodes:
-            self.ready_ns = ready = max(ready, self.ready_ns)
+            hold = max(0, self.ready_ns - ready)
+            self.ready_ns = ready = ready + hold
         missing = dropped or lost
+        self.losses = [] if key else self.losses
+        if missing:
+            self.losses.append(ready + delay)
+            self.told.append((len(self.frames), False, ready + delay))
         self.chain_is_whole = not missing and (key or self.chain_is_whole)
         usable = self.chain_is_whole or not self.decodes
         fate = "dropped" if dropped else "lost" if lost else "under_way"
-        return Sent(None if missing else ready, usable, fate, decode)
+        way = (start - self.encoded_ns + waits, transfer, delay, hold)
+        return Sent(None if missing else ready, usable, way, ready + delay, fate, decode)
 
     def decode(self) -> None:
         """Note when each frame that has arrived can be shown: decoded one by one as they arrive."""
@@ -119,6 +134,7 @@ class AgainstAModel(RuleBasedStateMachine):
                 takes = self.frames[n].decode_ns if self.frames[n].usable else 0
                 self.decoded[n] = max(ready, self.decoder_ns) + takes if takes else ready
                 self.decoder_ns = self.decoded[n] if takes else self.decoder_ns
+                self.told.append((n, self.frames[n].usable, self.frames[n].heard_ns))
 
     @rule(step=STEPS_NS)
     def ask(self, step):
@@ -150,9 +166,16 @@ class AgainstAModel(RuleBasedStateMachine):
             else:
                 self.frames[n].fate = "late" if self.last is not None and n < self.last else "superseded"
         self.last = got
-        assert (self.link.transit.number if self.link.transit else None) == got
+        found = self.link.transit
+        assert (found.number if found else None) == got
         if got is not None:
-            assert self.link.transit.ready_ns == self.decoded[got]
+            assert found.ready_ns == self.decoded[got]
+            *way, hold = self.frames[got].way
+            decoding = found.ready_ns - self.frames[got].ready_ns  # its work, and the wait for it
+            assert [found.queue_ns, found.transfer_ns, found.delay_ns] == way
+            assert found.hold_ns + found.decode_ns == hold + decoding
+        assert self.settled == self.told, "once each, lost ones when they are sent"
+        assert self.link.needs_key(self.asked_ns) == any(heard <= self.asked_ns for heard in self.losses)
 
     @invariant()
     def the_tally_adds_up(self):
@@ -192,7 +215,9 @@ class AgainstAModel(RuleBasedStateMachine):
         if hasattr(self, "link"):
             tally = self.link.tally
             self.link.close()
+            assert self.discarded[-1:] == [self.last] or self.last is None
             assert sorted(self.discarded + self.wasted) == list(range(len(self.frames)))
+            assert self.link.newest(self.asked_ns) is None
             assert len(self.link) == 0
             assert self.link.tally == tally
             self.link.close()  # a second time is nothing
@@ -236,105 +261,6 @@ def test_the_bound_of_a_constant_link_is_what_it_needs(latency_ns, rate_hz):
     assert LinkOptions().most_under_way(latency_ns, rate_hz) == math.ceil(latency_ns * 1e-9 * rate_hz) + 2
 
 
-@given(st.lists(STEPS_NS, max_size=30), DELAYS_NS)
-def test_a_constant_delay_shows_frames_in_the_order_of_sending_and_drops_none_late(steps, latency_ns):
-    link, now, seen = constant(latency_ns), 0, []
-    for number, step in enumerate(steps):
-        now += step
-        link.send(number, now)
-        seen.append(link.newest(now))
-    shown = [frame for frame in seen if frame is not None]
-    assert shown == sorted(shown)
-    assert link.tally.late == 0
-
-
-def test_no_latency_shows_the_frame_just_sent():
-    link = constant(0)
-    for number in range(5):
-        link.send(number, number * 11)
-        assert link.newest(number * 11) == number
-        assert len(link) == 1
-
-
-def test_the_last_of_frames_sent_at_once_is_shown():
-    discarded = []
-    link = constant(10, discarded.append)
-    for name in "abc":
-        link.send(name, 5)
-    assert link.newest(14) is None
-    assert link.newest(15) == "c"
-    assert discarded == ["a", "b"]
-    assert (link.tally.superseded, link.tally.shown) == (2, 1)
-
-
-def test_the_same_frame_again_until_a_newer_has_arrived():
-    link = constant(100)
-    link.send("a", 0)
-    link.send("b", 50)
-    assert [link.newest(t) for t in (0, 99, 100, 100, 149, 150, 10**12)] == [None, None, "a", "a", "a", "b", "b"]
-    assert link.tally.shown == 2
-
-
-def test_a_frame_that_is_overtaken_never_comes_to_the_screen():
-    discarded = []
-    link = Link(iter([100, 10, 10]), discard=discarded.append)
-    for number in range(3):
-        link.send(number, number * 20)
-    # 0 arrives at 100, 1 at 30, 2 at 50.
-    assert [link.newest(t) for t in (30, 50, 99, 100, 200)] == [1, 2, 2, 2, 2]
-    assert discarded == [1, 0]
-    assert (link.tally.shown, link.tally.late) == (2, 1)
-
-
-def test_where_a_decoder_needs_them_frames_wait_for_those_before_them():
-    received = []
-    link = Link(iter([100, 10, 10]), receive=lambda frame: received.append(frame) or True)
-    for number in range(3):
-        link.send(number, number * 20)
-    assert [link.newest(t) for t in (30, 99, 100)] == [None, None, 2]
-    assert received == [0, 1, 2]
-    assert link.transit.hold_ns == 50
-
-
-def test_a_lost_frame_is_waited_for_until_it_would_have_come():
-    """Until then nobody can tell a lost frame from a slow one."""
-    link = Link(iter([100, 10]), iter([True, False]), receive=lambda frame: True)
-    link.send(0, 0)
-    link.send(1, 20)
-    assert [link.newest(t) for t in (30, 99, 100)] == [None, None, 1]
-
-
-def test_the_last_frame_is_held_when_nothing_comes_any_more():
-    link = Link(itertools.repeat(10), itertools.chain([False], itertools.repeat(True)))
-    for number in range(100):
-        link.send(number, number * 10)
-        assert link.newest(number * 10 + 10) == 0
-    assert (link.tally.shown, link.tally.lost) == (1, 99)
-    assert len(link) == 1
-
-
-def test_bytes_take_their_time_and_frames_queue():
-    """8 Mbit/s is one byte a microsecond: 1000 bytes take 1 ms."""
-    link = Link(itertools.repeat(5_000_000), None, Bandwidth(8, queue_ms=1.5))
-    for name in "abc":  # a goes at 0, b waits 1 ms, c would wait 2
-        link.send(name, 0, 1000)
-    assert [link.newest(t) for t in (5_999_999, 6_000_000, 6_999_999, 7_000_000, 10**9)] == [None, "a", "a", "b", "b"]
-    transit = link.transit
-    assert (transit.queue_ns, transit.transfer_ns, transit.delay_ns, transit.ready_ns) == (
-        1_000_000,
-        1_000_000,
-        5_000_000,
-        7_000_000,
-    )
-    assert (link.tally.dropped, link.tally.sent) == (1, 2)
-
-
-def test_a_frame_that_finds_the_bottleneck_free_passes_however_large():
-    link = Link(itertools.repeat(0), None, Bandwidth(8, queue_ms=0))
-    link.send("huge", 0, 10_000_000)
-    assert link.newest(10 * 10**9) == "huge"
-
-
 def test_the_sender_hears_of_a_loss_one_delay_after_it_and_once_a_key_frame_has_gone_no_more():
     link = Link(itertools.repeat(100), iter([False, True, False, False, False, True]))
     for number in range(3):
@@ -346,68 +272,6 @@ def test_the_sender_hears_of_a_loss_one_delay_after_it_and_once_a_key_frame_has_
     link.send(4, 310, key=False)
     link.send(5, 320, key=True)  # the key frame itself goes missing
     assert [link.needs_key(t) for t in (519, 520)] == [False, True]
-
-
-def test_of_several_losses_the_one_heard_of_first_wants_the_key_frame():
-    link = Link(iter([100, 20, 300]), iter([True, True, True]))
-    for number in range(3):
-        link.send(number, number * 10, key=False)
-    # Sent at 0, 10 and 20, and known to be missing at 200, 50 and 620.
-    assert [link.needs_key(t) for t in (49, 50)] == [False, True]
-
-
-def test_each_frame_is_settled_once_and_heard_of_one_delay_after_it_came():
-    """Shown or not. A lost one is settled when it is sent, one in transit at the end never."""
-    delays, losses = iter([30, 10, 20, 5, 40]), iter([False, False, True, False, False])
-    settled, wasted = [], []
-    link = Link(delays, losses, wasted=wasted.append, settled=lambda *fate: settled.append(fate))
-    for frame in range(5):
-        link.send(frame, 0)
-        assert wasted == [2][: frame >= 2]
-    assert settled == [(2, False, 40)]
-    assert link.newest(10) == 3  # which came first, and is newer than 1
-    assert link.newest(35) == 3
-    link.close()
-    assert settled == [(2, False, 40), (3, True, 10), (1, True, 20), (0, True, 60)]
-
-
-def test_undecodable_frames_count_as_not_arrived():
-    settled = []
-    link = Link(itertools.repeat(7), receive=lambda frame: frame != 1, settled=lambda *fate: settled.append(fate))
-    for frame in range(3):
-        link.send(frame, frame)
-    link.newest(20)
-    assert settled == [(0, True, 14), (1, False, 15), (2, True, 16)]
-
-
-def test_a_dropped_frame_is_heard_of_as_well():
-    link = Link(itertools.repeat(0), None, Bandwidth(8, queue_ms=0))
-    link.send(0, 0, 1000, key=True)
-    link.send(1, 10, 1000, key=False)
-    assert [link.needs_key(t) for t in (999_999, 1_000_000)] == [False, True]
-
-
-def test_falsy_frames_are_frames():
-    """An empty or zero payload must not be taken for none."""
-    discarded = []
-    link = constant(0, discarded.append)
-    link.send(0, 0)
-    link.send("", 0)
-    assert link.newest(0) == ""
-    link.close()
-    assert discarded == [0, ""]
-
-
-def test_close_gives_back_what_is_under_way_and_what_is_shown():
-    discarded, wasted = [], []
-    link = constant(100, discarded.append, wasted.append)
-    for number in range(4):
-        link.send(number, number * 60)
-    assert link.newest(100) == 0
-    link.close()
-    assert (discarded, wasted) == ([0], [1, 2, 3])
-    assert link.newest(10**9) is None
-    assert link.tally.under_way == 3
 
 
 @pytest.mark.parametrize("latency", [-1, -(10**12), math.nan, math.inf, -math.inf])

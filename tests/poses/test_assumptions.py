@@ -19,7 +19,7 @@ from hmdwarp.poses.formats import formats
 
 from . import test_other_files as files
 from .test_trace_command import run
-from .traces import WRITERS, head, rows, save, write
+from .traces import WRITERS, head, matrices, rows, save, write
 
 TRACK = head(100)
 
@@ -31,15 +31,8 @@ def by(loaded) -> dict[str, By]:
 
 def test_facts_of_a_plain_header_are_said_by_the_file_or_by_nobody(tmp_path):
     loaded = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw"))
-    assert by(loaded) == {
-        "columns": By.FILE,
-        "orientation": By.FILE,
-        "pose": By.NOBODY,
-        "length": By.NOBODY,
-        "axes": By.NOBODY,
-        "up": By.NOBODY,
-        "clock": By.NOBODY,
-    }
+    unsaid = dict.fromkeys(("pose", "length", "axes", "up", "clock"), By.NOBODY)
+    assert by(loaded) == {"columns": By.FILE, "orientation": By.FILE} | unsaid
 
 
 def test_facts_that_the_user_states_are_the_users(tmp_path):
@@ -112,7 +105,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
     "iwer": _text(json.dumps({"schema": [], "frames": files.iwer_frames(TRACK)})),
     "json": _text("\n".join(json.dumps(dict(zip(files.NAMES, map(float, r), strict=True))) for r in rows(TRACK))),
     "matrices": lambda folder: write(
-        folder / "a.txt", files.fields(files.SECONDS[:100], files.poses(TRACK).reshape(-1, 16)), ""
+        folder / "a.txt", files.fields(files.SECONDS[:100], matrices(TRACK).reshape(-1, 16)), ""
     ),
     "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
     "motive": lambda folder: files.lined(folder / "a.csv", files.motive()),

@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import HmdwarpError, InputError, TraceError
-from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
+from hmdwarp.errors import InputError
+from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import Axes, load_preset, parse_axes, preset_names
 
-from .traces import kinds, rows, same_motion, write
+from .traces import found, kinds, refusal, rows, same_motion, write
 
 # Matrices, angles and changes of axes round a few times at 2e-16; the angle of a turn near zero has
 # the square root of that, some 1e-8.
@@ -95,7 +95,7 @@ def test_a_preset_reads_files_with_its_axes(tmp_path, name):
 
 def test_motion_names_a_preset_that_fits(tmp_path):
     path = written(tmp_path, in_axes(WALK, load_preset("tum-rgbd").axes))
-    defect = next(d for d in load_trace(path).defects if d.kind == "axes-contradicted")
+    defect = found(load_trace(path), "axes-contradicted")
     assert "lies on its side" in defect.what
     assert "--axes 'tum-rgbd' clearly fits" in defect.done
 
@@ -103,7 +103,7 @@ def test_motion_names_a_preset_that_fits(tmp_path):
 def test_left_and_right_hand_are_named_where_motion_cannot_tell(tmp_path):
     """A z-up world whose head looks along x is ROS, or Unreal's mirror image."""
     path = written(tmp_path, in_axes(WALK, load_preset("ros").axes))
-    defect = next(d for d in load_trace(path).defects if d.kind == "axes-contradicted")
+    defect = found(load_trace(path), "axes-contradicted")
     assert "ros" in defect.done and "unreal" in defect.done and "cannot tell" in defect.done
 
 
@@ -127,9 +127,8 @@ def test_axes_are_stated_for_world_and_head_apart(tmp_path):
     ],
 )
 def test_axes_that_are_none_are_refused(tmp_path, text, said):
-    with pytest.raises(HmdwarpError, match=said) as caught:
+    with pytest.raises(InputError, match=said):
         load_trace(written(tmp_path, WALK), TraceOptions(axes=text))
-    assert isinstance(caught.value, InputError)
 
 
 def test_axes_and_up_both_are_refused_but_a_tilt_goes_with_axes(tmp_path):
@@ -173,16 +172,12 @@ def test_a_comment_states_the_axes(tmp_path):
     assert loaded.axes.endswith("stated by the file") and not kinds(loaded) & {"axes-contradicted", "tilt"}
 
 
-def defect_of(loaded: LoadedTrace, kind: str):
-    return next(d for d in loaded.defects if d.kind == kind)
-
-
 def test_a_clock_that_no_tracker_has_is_named_with_the_unit_that_fits(tmp_path):
     for unit, rate in (("us", "9e+04"), ("s", "0.09")):
         table = rows(WALK, stamp=lambda ns: repr(ns / 1e6))  # milliseconds
         path = write(tmp_path / "head.csv", table, header=f"time {unit},x,y,z,qx,qy,qz,qw")
         loaded = load_trace(path)
-        defect = defect_of(loaded, "rate-implausible")
+        defect = found(loaded, "rate-implausible")
         assert "--time-unit ms" in defect.done and rate in defect.what
         right = load_trace(path, TraceOptions(time_unit="ms"))
         assert right.rate_hz == pytest.approx(90, rel=1e-3) and "rate-implausible" not in kinds(right)
@@ -191,14 +186,14 @@ def test_a_clock_that_no_tracker_has_is_named_with_the_unit_that_fits(tmp_path):
 @pytest.mark.parametrize(("metres", "name"), [(0.01, "centimetres"), (0.001, "millimetres")])
 def test_a_head_far_from_any_room_is_named_with_the_scale_that_fits(tmp_path, metres, name):
     path = written(tmp_path, WALK.evolve(position_m=WALK.position_m / metres))
-    defect = defect_of(load_trace(path), "place-implausible")
+    defect = found(load_trace(path), "place-implausible")
     assert f"--scale {metres:g} takes the positions as {name}" in defect.done
     assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=metres)))
 
 
 def test_a_height_in_feet_is_named(tmp_path):
     path = written(tmp_path, WALK.evolve(position_m=WALK.position_m / 0.3048))
-    defect = defect_of(load_trace(path), "place-implausible")
+    defect = found(load_trace(path), "place-implausible")
     assert "--scale 0.3048 takes it as feet" in defect.done and "floor" in defect.done
     assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=0.3048)))
 
@@ -213,8 +208,7 @@ def test_a_tilt_is_reported_with_the_axes(tmp_path):
 
 def test_quaternions_whose_median_length_is_off_are_refused(tmp_path):
     longer = [[*r[:4], *(repr(1.4 * float(f)) for f in r[4:])] for r in rows(WALK)]
-    with pytest.raises(TraceError, match=r"longer than 1\.4, expected 1"):
-        load_trace(write(tmp_path / "head.csv", longer))
+    assert "longer than 1.4, expected 1" in refusal(write(tmp_path / "head.csv", longer))
 
 
 def test_gravity_columns_decide_which_way_is_up(tmp_path):
@@ -223,5 +217,5 @@ def test_gravity_columns_decide_which_way_is_up(tmp_path):
     file = in_axes(still, parse_axes("world=x,z,y head=x,z,y"))
     table = [[*r, "0.0", "0.0", "-9.81"] for r in rows(file)]
     header = "time,x,y,z,qx,qy,qz,qw,gravity_x_world,gravity_y_world,gravity_z_world"
-    defect = defect_of(load_trace(write(tmp_path / "head.csv", table, header=header)), "axes-contradicted")
+    defect = found(load_trace(write(tmp_path / "head.csv", table, header=header)), "axes-contradicted")
     assert "gravity columns" in defect.what

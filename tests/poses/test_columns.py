@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import TraceOptions, load_trace
 
-from .traces import head, kinds, rows, same_motion, write
+from .traces import found, head, kinds, matrices, refusal, rows, same_motion, write
 
 # Matrices, angles and changes of axes round a few times at 2e-16; the angle of a turn near zero has
 # the square root of that, some 1e-8.
@@ -20,12 +19,6 @@ ROUNDED = 1e-7
 TRACK = head()
 TABLE = rows(TRACK)
 HEADER = "time,x,y,z,qx,qy,qz,qw"
-
-
-def refusal(path, **options) -> str:
-    with pytest.raises(HmdwarpError) as caught:
-        load_trace(path, TraceOptions(**options))
-    return str(caught.value)
 
 
 # columns
@@ -58,11 +51,6 @@ def test_stated_columns_follow_the_stated_order(tmp_path):
 )
 def test_stated_columns_that_are_none(tmp_path, text, said):
     assert said in refusal(write(tmp_path / "c.csv", TABLE), columns=text)
-
-
-def test_six_bare_columns_are_never_guessed(tmp_path):
-    path = write(tmp_path / "b.txt", [r[:6] for r in TABLE], header="", separator=" ")
-    assert "--columns t=1" in refusal(path)
 
 
 @pytest.mark.parametrize("name", ["head", "hmd", "Camera", "CenterEye", "MainCam", "XRCam", "Headset"])
@@ -134,31 +122,6 @@ def test_the_stated_device_is_read(tmp_path):
 # JSON
 
 
-def records() -> list[dict]:
-    """A pose each, nested as tools write them."""
-    return [
-        {
-            "time": float(r[0]),
-            "position": [float(f) for f in r[1:4]],
-            "orientation": dict(zip("xyzw", r[4:], strict=True)),
-        }
-        for r in TABLE
-    ]
-
-
-@pytest.mark.parametrize("form", ["lines", "list", "in a document"])
-def test_json_records_are_read(tmp_path, form):
-    path = tmp_path / "poses.json"
-    lines = [json.dumps(record) for record in records()]
-    whole = {
-        "lines": "\n".join(lines),
-        "list": f"[{','.join(lines)}]",
-        "in a document": f'{{"poses": [{",".join(lines)}]}}',
-    }
-    path.write_text(whole[form])
-    assert same_motion(load_trace(path).track, TRACK)
-
-
 def test_json_lists_have_no_header_that_would_be_a_row(tmp_path):
     path = tmp_path / "poses.json"
     path.write_text(json.dumps([list(map(float, row)) for row in TABLE]))
@@ -167,37 +130,20 @@ def test_json_lists_have_no_header_that_would_be_a_row(tmp_path):
 
 
 def test_a_json_list_of_four_leaves_the_order_open(tmp_path):
-    path = tmp_path / "poses.json"
-    path.write_text(
-        json.dumps([r | {"orientation": [float(f) for f in t[4:]]} for r, t in zip(records(), TABLE, strict=True)])
-    )
+    path, table = tmp_path / "poses.json", [[float(f) for f in row] for row in TABLE]
+    path.write_text(json.dumps([{"time": r[0], "position": r[1:4], "orientation": r[4:]} for r in table]))
     assert "--quat-order" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(quat_order="xyzw")).track, TRACK)
 
 
 def test_a_json_list_of_the_head_is_not_taken_from_a_hand(tmp_path):
     path = tmp_path / "poses.json"
-    hand = {"position": [0, 1, 0], "rotation": [0, 0, 0, 1]}
-    lines = []
-    for row in TABLE:
-        place, turn = ([float(f) for f in part] for part in (row[1:4], row[4:]))
-        lines.append(
-            json.dumps({"time": float(row[0]), "head": {"position": place, "rotation": turn}, "left_hand": hand})
-        )
-    path.write_text("\n".join(lines))
+    hand, table = {"position": [0, 1, 0], "rotation": [0, 0, 0, 1]}, [[float(f) for f in row] for row in TABLE]
+    records = [{"time": r[0], "head": {"position": r[1:4], "rotation": r[4:]}, "left_hand": hand} for r in table]
+    path.write_text("\n".join(map(json.dumps, records)))
     loaded = load_trace(path, TraceOptions(quat_order="xyzw"))
     assert same_motion(loaded.track, TRACK)
     assert "head.rotation.q0" in loaded.columns
-
-
-def test_json_matrices_are_read_with_their_columns_named(tmp_path):
-    poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
-    poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
-    poses[:, :3, 3] = TRACK.position_m
-    path = tmp_path / "transforms.json"
-    frames = [{"t": float(r[0]), "transform_matrix": p} for r, p in zip(TABLE, poses.tolist(), strict=True)]
-    path.write_text(json.dumps({"camera_model": "OPENCV", "frames": frames}))
-    assert same_motion(load_trace(path).track, TRACK, atol=ROUNDED)
 
 
 @pytest.mark.parametrize("text", ["[1, 2, 3]", "{}", '{"poses": []}', "[{", '{"a": 1}'])
@@ -219,22 +165,16 @@ def test_seconds_and_nanoseconds_are_one_clock(tmp_path):
     assert np.array_equal(track.time_ns, TRACK.time_ns) and same_motion(track, TRACK)
 
 
-@pytest.mark.parametrize(
-    ("form", "resolution_ns"),
-    [
-        ("%Y-%m-%dT%H:%M:%S.%f", 1000),
-        ("%d.%m.%Y %H:%M:%S.%f", 1000),
-        ("%m/%d/%Y %I:%M:%S.%f %p", 1000),
-        ("%Y/%m/%d %H:%M:%S.%f", 1000),
-        ("%H:%M:%S:%f", 1000),
-    ],
-)
-def test_clocks_people_write(tmp_path, form, resolution_ns):
+DATES = ("%Y-%m-%dT%H:%M:%S.%f", "%d.%m.%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p", "%Y/%m/%d %H:%M:%S.%f")
+
+
+@pytest.mark.parametrize("form", [*DATES, "%H:%M:%S:%f"])
+def test_clocks_people_write(tmp_path, form):
     start = datetime.datetime(2026, 1, 22, 23, 59, 59)
     stamps = [(start + datetime.timedelta(microseconds=int(t) // 1000)).strftime(form) for t in TRACK.time_ns]
     table = [[s, *r[1:]] for s, r in zip(stamps, TABLE, strict=True)]
     track = load_trace(write(tmp_path / "t.csv", table)).track
-    assert np.array_equal(track.time_ns, TRACK.time_ns // resolution_ns * resolution_ns)
+    assert np.array_equal(track.time_ns, TRACK.time_ns // 1000 * 1000)
 
 
 def test_a_column_of_steps_is_no_clock_and_the_finest_clock_wins(tmp_path):
@@ -260,11 +200,6 @@ def test_poses_written_twice_are_one(tmp_path):
 def test_reversed_rows_are_turned_around_and_reported(tmp_path):
     loaded = load_trace(write(tmp_path / "r.csv", TABLE[::-1]))
     assert same_motion(loaded.track, TRACK) and "rows-reversed" in kinds(loaded)
-
-
-def test_shuffled_rows_are_refused(tmp_path):
-    order = np.random.default_rng(1).permutation(len(TABLE))
-    assert "they are shuffled" in refusal(write(tmp_path / "s.csv", [TABLE[i] for i in order]))
 
 
 def test_the_columns_that_were_taken_are_named(tmp_path):
@@ -298,11 +233,8 @@ def test_orders_of_angles_that_are_none(tmp_path, text):
 
 @pytest.mark.parametrize(("numbers", "timed"), [(12, False), (12, True), (16, True), (16, False)])
 def test_matrices_are_read(tmp_path, numbers, timed):
-    poses = np.tile(np.eye(4), (len(TRACK), 1, 1))
-    poses[:, :3, :3] = Rotation.from_quat(TRACK.orientation_xyzw).as_matrix()
-    poses[:, :3, 3] = TRACK.position_m
-    table = [[*([r[0]] if timed else []), *map(repr, p)]
-             for r, p in zip(TABLE, poses.reshape(-1, 16)[:, :numbers].tolist(), strict=True)]  # fmt: skip
+    cells = matrices(TRACK).reshape(-1, 16)[:, :numbers].tolist()
+    table = [[*([r[0]] if timed else []), *map(repr, p)] for r, p in zip(TABLE, cells, strict=True)]
     path = write(tmp_path / "m.txt", table, header="", separator=" ")
     loaded = load_trace(path, TraceOptions() if timed else TraceOptions(rate=60))
     assert loaded.format == "matrices" and same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
@@ -315,15 +247,9 @@ def test_rows_without_a_turn_among_matrices_are_dropped(tmp_path):
     rows_of = np.concatenate([turns, TRACK.position_m[:, :, None]], axis=2).reshape(-1, 12)
     table = [[r[0], *map(repr, numbers)] for r, numbers in zip(TABLE, rows_of.tolist(), strict=True)]
     loaded = load_trace(write(tmp_path / "m.txt", table, header="", separator=" "))
-    (defect,) = (d for d in loaded.defects if d.kind == "zero-quaternion")
+    defect = found(loaded, "zero-quaternion")
     assert defect.count == 4 and "matrix that is no rotation" in defect.what
     assert len(loaded.track) == len(TRACK) - 4
-
-
-def test_numbers_that_are_no_rotations_are_refused(tmp_path):
-    table = [[r[0], *"123456789"[:9], *"123"] for r in TABLE]
-    path = write(tmp_path / "m.txt", table, header="", separator=" ")
-    assert "no rotations" in refusal(path, format="matrices")
 
 
 @pytest.mark.parametrize(("unit", "right"), [("deg", "rad"), ("rad", "deg")])

@@ -13,14 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import (
-    PoseTrack,
-    foreseen_gaze,
-    gaze_facts,
-    load_trace,
-    quaternions,
-    synthesise,
-)
+from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, quaternions, synthesise
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.track import SACCADE_DEG_S
 

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.study.export.bids import channels_json, channels_text, motion_text
 
-from .traces import head, kinds, same_motion, write
+from .traces import found, head, kinds, matrices, refusal, same_motion, write
 
 TRACK = head(120)
 TURNS = Rotation.from_quat(TRACK.orientation_xyzw)
@@ -24,20 +23,10 @@ EXACT = 1e-9
 ROUNDED = 2e-4  # of five decimals in a quaternion, four in a position
 
 
-def poses(track: PoseTrack = TRACK) -> np.ndarray:
-    """World-from-head matrices, (n, 4, 4)."""
-    out = np.tile(np.eye(4), (len(track), 1, 1))
-    out[:, :3, :3] = Rotation.from_quat(track.orientation_xyzw).as_matrix()
-    out[:, :3, 3] = track.position_m
-    return out
-
-
 def inverse(track: PoseTrack) -> PoseTrack:
     """The same head as head from world."""
-    matrices = np.linalg.inv(poses(track))
-    return track.evolve(
-        position_m=matrices[:, :3, 3], orientation_xyzw=Rotation.from_matrix(matrices[:, :3, :3]).as_quat()
-    )
+    turned = np.linalg.inv(matrices(track))
+    return track.evolve(position_m=turned[:, :3, 3], orientation_xyzw=Rotation.from_matrix(turned[:, :3, :3]).as_quat())
 
 
 def by(loaded: LoadedTrace, what: str) -> By:
@@ -61,12 +50,6 @@ def lined(path: Path, lines: list[str], end: str = "\n") -> Path:
     return path
 
 
-def refusal(path: Path, **stated) -> str:
-    with pytest.raises(HmdwarpError) as error:
-        load_trace(path, TraceOptions(**stated))
-    return str(error.value)
-
-
 def in_axes(track: PoseTrack, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Positions and quaternions of a track in a file's axes."""
     axes = parse_axes(name)
@@ -84,25 +67,23 @@ def in_axes(track: PoseTrack, name: str) -> tuple[np.ndarray, np.ndarray]:
 )
 def test_the_place_of_0_0_0_1_says_rows_or_columns(tmp_path, form, order):
     """Column-major as WebXR, three.js, glm, ARKit and .NET write them."""
-    matrices = poses() if order == "rows" else poses().transpose(0, 2, 1)
-    flat = matrices.reshape(-1, 16).tolist()
+    turned = matrices(TRACK) if order == "rows" else matrices(TRACK).transpose(0, 2, 1)
+    flat = turned.reshape(-1, 16).tolist()
     times = SECONDS.tolist()
     if form in ("nested", "flat", "typed array"):
-        shapes = {"nested": matrices.tolist(), "flat": flat}
+        shapes = {"nested": turned.tolist(), "flat": flat}
         shown = shapes.get(form) or [{str(i): v for i, v in enumerate(m)} for m in flat]
         path = tmp_path / "m.json"
         path.write_text(json.dumps([{"time": t, "matrix": m} for t, m in zip(times, shown, strict=True)]))
     else:
         cells = [(r, c) for r in range(4) for c in range(4)]
         names = {
-            "bare": "",
-            "among others": "",
             "m00": "time," + ",".join(f"m{r}{c}" for r, c in cells),
             "M11": "time," + ",".join(f"M{r + 1}{c + 1}" for r, c in cells),
             "m[0][0]": "time," + ",".join(f"m[{r}][{c}]" for r, c in cells),
             "flat names": "time," + ",".join(f"elements{i}" for i in range(16)),
             "cell": "time,matrix",
-        }[form]
+        }.get(form, "")
         table = [[repr(t), *map(repr, m)] for t, m in zip(times, flat, strict=True)]
         if form == "among others":
             table = [[str(i), *row, "90.5", "1"] for i, row in enumerate(table)]
@@ -115,7 +96,7 @@ def test_the_place_of_0_0_0_1_says_rows_or_columns(tmp_path, form, order):
 
 
 def test_a_4x3_matrix_by_columns_is_told_from_a_3x4_by_rows(tmp_path):
-    columns = poses()[:, :3].transpose(0, 2, 1).reshape(-1, 12).tolist()
+    columns = matrices(TRACK)[:, :3].transpose(0, 2, 1).reshape(-1, 12).tolist()
     table = [[repr(t), *map(repr, m)] for t, m in zip(SECONDS.tolist(), columns, strict=True)]
     loaded = load_trace(write(tmp_path / "m.txt", table, header="", separator=" "))
     assert same_motion(loaded.track, TRACK, atol=1e-6)
@@ -141,7 +122,7 @@ def test_nine_numbers_are_by_rows_unless_the_motion_shows_columns(tmp_path):
 
 def test_stated_columns_name_a_matrix(tmp_path):
     nines = np.full(len(TRACK), 9)
-    table = fields(nines, SECONDS, poses().reshape(-1, 16), nines)
+    table = fields(nines, SECONDS, matrices(TRACK).reshape(-1, 16), nines)
     path = write(tmp_path / "m.csv", table, header=",".join(f"c{'abcdefghijklmnopqrs'[i]}" for i in range(19)))
     assert same_motion(load_trace(path, TraceOptions(columns="t=2,m=3-18")).track, TRACK, atol=1e-6)
     assert "are no rotations" in refusal(path, columns="t=2,m=2-17")
@@ -176,9 +157,9 @@ WAYS = {
 
 @pytest.mark.parametrize(("name", "way"), WAYS.items())
 def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
-    matrices = np.linalg.inv(poses()) if way == "inverse" else poses()
+    turned = np.linalg.inv(matrices(TRACK)) if way == "inverse" else matrices(TRACK)
     path = tmp_path / "m.json"
-    path.write_text(json.dumps([{"t": t, name: m} for t, m in zip(SECONDS.tolist(), matrices.tolist(), strict=True)]))
+    path.write_text(json.dumps([{"t": t, name: m} for t, m in zip(SECONDS.tolist(), turned.tolist(), strict=True)]))
     loaded = load_trace(path)
     assert by(loaded, "pose") is (By.FILE if way else By.NOBODY)
     assert same_motion(loaded.track, TRACK, atol=1e-6)
@@ -187,9 +168,9 @@ def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
 def test_of_several_matrices_the_one_of_the_pose_is_read(tmp_path):
     """A camera of three.js, by columns: its view and its projection are no poses."""
     names = {
-        "viewMatrix": np.linalg.inv(poses()),
+        "viewMatrix": np.linalg.inv(matrices(TRACK)),
         "projectionMatrix": np.tile(np.eye(4), (120, 1, 1)),
-        "matrix": poses(),
+        "matrix": matrices(TRACK),
     }
     flat = {name: m.transpose(0, 2, 1).reshape(-1, 16).tolist() for name, m in names.items()}
     path = tmp_path / "m.json"
@@ -228,6 +209,8 @@ def records() -> list[dict]:
 FLAT = np.column_stack([SECONDS, TRACK.position_m, TRACK.orientation_xyzw]).tolist()
 NAMES = ["t", "x", "y", "z", "qx", "qy", "qz", "qw"]
 JSON_FORMS = {
+    "plain": records(),
+    "in a document": {"poses": records()},
     "header first": [{"version": 2, "device": "Quest 3", "started": "2026-11-26"}, *records()],
     "names first": [NAMES, *FLAT],
     "columns and data": {"columns": NAMES, "index": list(range(len(FLAT))), "data": FLAT},
@@ -422,7 +405,7 @@ def test_motive_exports(tmp_path):
     kept = np.arange(len(TRACK)) != 50
     assert np.abs(loaded.track.position_m - TRACK.position_m[kept]).max() < EXACT
     assert by(loaded, "length") is By.FILE and by(loaded, "axes") is By.NOBODY
-    assert "wand" in str(next(d for d in loaded.defects if d.kind == "devices-interleaved"))
+    assert "wand" in str(found(loaded, "devices-interleaved"))
     path.write_text("\n".join(lines[:2] + [line.replace("Rigid Body", "Marker") for line in lines[2:]]))
     assert "without rigid bodies" in refusal(path)
 
@@ -435,7 +418,7 @@ def qualisys(clocked: bool = True) -> list[str]:
     each = "X\tY\tZ\tRoll\tPitch\tYaw\tResidual\t" + "\t".join(f"Rot[{i}]" for i in range(9))
     first = "Frame\tTime\t" if clocked else ""
     lines = [*keys, f"{first}Knife {each}\tHead {each}\t"]
-    for i, (t, m) in enumerate(zip(SECONDS.tolist(), poses(), strict=True)):
+    for i, (t, m) in enumerate(zip(SECONDS.tolist(), matrices(TRACK), strict=True)):
         numbers = [*(1000 * m[:3, 3]).tolist(), 1.0, 2.0, 3.0, 0.5, *m[:3, :3].T.ravel().tolist()]
         clock = [str(i + 1), f"{t:.5f}"] if clocked else []
         lines.append("\t".join([*clock, *["1.0"] * 7, *"100010001", *map(repr, numbers), ""]))
@@ -492,9 +475,8 @@ def test_bids_motion_with_quaternions_in_unitys_axes(tmp_path):
 def test_bids_motion_with_angles_and_latency(tmp_path, rule):
     """Axes ALS: x ahead, y left, z up, as ROS; a left-hand rule turns against them."""
     places, turns = in_axes(TRACK, "ros")
-    angles = Rotation.from_quat(turns).as_euler("zxy", degrees=True)[:, [1, 2, 0]]
-    if rule == "left-hand":
-        angles = Rotation.from_quat(turns).as_euler("zxy", degrees=True)[:, [1, 2, 0]] * -1
+    sign = -1 if rule == "left-hand" else 1
+    angles = sign * Rotation.from_quat(turns).as_euler("zxy", degrees=True)[:, [1, 2, 0]]
     channels = [("t", "n/a", "LATENCY", "n/a", "s", "n/a")]
     channels += [(f"p{a}", a, "POS", "head", "m", "global") for a in "xyz"]
     channels += [(f"r{a}", a, "ORNT", "head", "deg", "global") for a in "xyz"]
@@ -526,11 +508,8 @@ def stamped(folder: Path, stamps: list, name: str = "time", track: PoseTrack = T
 @pytest.mark.parametrize(("unit", "step_ns"), [("ms", 10**6), ("us", 10**3), ("ns", 1)])
 def test_clocks_of_32_bits_are_counted_on(tmp_path, unit, step_ns, signed):
     long = head(600)
-    ticks = long.time_ns // step_ns + 2**32 - (10**9 // step_ns)
-    ticks = ticks % 2**32
-    if signed:
-        ticks = (ticks + 2**31) % 2**32 - 2**31
-        ticks = (long.time_ns // step_ns + 2**31 - 10**9 // step_ns + 2**31) % 2**32 - 2**31
+    low = -(2**31) if signed else 0  # and a second before the wrap at first
+    ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**32 + low
     loaded = load_trace(stamped(tmp_path, ticks.tolist(), f"time_{unit}", long))
     assert len(loaded.track) == 600 and len(loaded.segments) == 1
     assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import resources
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.errors import InputError
 from hmdwarp.poses import (
     DECIMALS,
     GLIDES,
@@ -142,27 +142,6 @@ def test_the_motion_does_not_depend_on_the_rate(kind, seed):
     assert np.allclose(slow.position_m, fast.position_m[::3], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"seconds": 0},
-        {"seconds": float("nan")},
-        {"seconds": 1e9},
-        {"rate_hz": 0},
-        {"rate_hz": float("inf")},
-        {"seed": -1},
-    ],
-)
-def test_unknown_motions_and_bad_numbers_are_refused(wrong):
-    with pytest.raises(InputError, match="expected"):
-        synthesise("still", **wrong)
-
-
-def test_an_unknown_kind_is_offered_the_nearest():
-    with pytest.raises(UnknownNameError, match="did you mean 'walk'"):
-        synthesise("walks")
-
-
 def distance(kind: str, seconds: float = 8.0, rate_hz: float = 90.0, **about: float) -> np.ndarray:
     """How far the head is from its start, in the motion's unit; every other freedom is zero."""
     track = synthesise(kind, seconds=seconds, rate_hz=rate_hz, **about)
@@ -221,9 +200,13 @@ def test_a_glide_is_steady_where_it_says_so():
         ("rotate", {"seed": 1}, "seed 1: motion rotate has nothing random"),
         ("walk", {"speed": 1}, "speed 1: motion walk has the speeds of people; expected one of backward, forward"),
         ("walk", {"amplitude": 1}, "amplitude 1: motion walk"),
+        ("walks", {}, "did you mean 'walk'"),
+        *(("still", {"seconds": seconds}, "expected") for seconds in (0, float("nan"), 1e9)),
+        *(("still", {"rate_hz": rate_hz}, "expected") for rate_hz in (0, float("inf"))),
+        ("still", {"seed": -1}, "expected"),
     ],
 )
-def test_options_of_other_motions_are_refused(kind, about, why):
+def test_unknown_motions_bad_numbers_and_options_of_other_motions_are_refused(kind, about, why):
     with pytest.raises(InputError, match=why):
         synthesise(kind, **about)
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -42,19 +40,9 @@ def refused(*arguments: object, status: int = 2) -> str:
 
 def test_info_of_a_shipped_recording():
     text = run("info", "look-around")
-    for wanted in (
-        "90.00 Hz",
-        "30.000 s",
-        "gaps      none",
-        "29.2",
-        "116.5",
-        "200.3",
-        "no defects found",
-        "trace synth look-around",
-    ):
-        assert wanted in text
-    for latency in (20, 50, 100, 200, 400, 600, 800):
-        assert f"{latency} ms" in text
+    wanted = ["90.00 Hz", "30.000 s", "gaps      none", "29.2", "116.5", "200.3", "no defects found"]
+    wanted += ["trace synth look-around", *(f"{latency} ms" for latency in (20, 50, 100, 200, 400, 600, 800))]
+    assert [word for word in wanted if word not in text] == []
 
 
 def test_info_tells_every_defect_and_segment(tmp_path):
@@ -76,21 +64,11 @@ def test_info_tells_every_defect_and_segment(tmp_path):
 
 def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     data = json.loads(run("info", "look-around", "--json"))
-    assert list(data) == [
-        *("trace", "format", "origin", "axes", "columns", "samples", "repeated_share", "duration_s", "rate_hz"),
-        *(
-            "mean_rate_hz",
-            "clock",
-            "clock_starts_s",
-            "gaps",
-            "jumps",
-            "gaze",
-            "angular_speed_deg_s",
-            "linear_speed_m_s",
-            "errors_deg",
-        ),
-        *("segments", "assumptions", "defects"),
-    ]
+    keys = (
+        "trace format origin axes columns samples repeated_share duration_s rate_hz mean_rate_hz clock clock_starts_s"
+    )
+    keys += " gaps jumps gaze angular_speed_deg_s linear_speed_m_s errors_deg segments assumptions defects"
+    assert list(data) == keys.split()
     assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
     assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]
     assert [row["latency_ms"] for row in data["errors_deg"]] == [20, 50, 100, 200, 400, 600, 800]
@@ -126,23 +104,8 @@ def test_convert_writes_a_clean_trace(tmp_path, to):
 def test_convert_takes_the_overrides(tmp_path):
     path = write(tmp_path / "in.txt", [r[1:] for r in rows(TRACK, "wxyz")], header="x,y,z,q0,q1,q2,q3")
     out = tmp_path / "out.csv"
-    run(
-        "convert",
-        path,
-        out,
-        "--trace-rate",
-        60,
-        "--quat-order",
-        "wxyz",
-        "--scale",
-        2,
-        "--up",
-        "y",
-        "--format",
-        "named",
-        "--segment",
-        1,
-    )
+    words = "--trace-rate 60 --quat-order wxyz --scale 2 --up y --format named --segment 1"
+    run("convert", path, out, *words.split())
     assert same_motion(load_trace(out).track, TRACK.evolve(position_m=2 * TRACK.position_m))
     text = out.read_text()
     assert "--trace-rate" in text.split("time_ns")[0]  # what was done is told in the file too
@@ -164,12 +127,12 @@ def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
 def test_the_input_is_never_overwritten(tmp_path):
     path = write(tmp_path / "in.csv", rows(TRACK))
     before = path.read_bytes()
-    link = tmp_path / "link.csv"
+    link, hard = tmp_path / "link.csv", tmp_path / "hard.csv"
     link.symlink_to(path)
-    hard = tmp_path / "hard.csv"
     os.link(path, hard)
     for out in (path, link, hard):
-        assert "is the input itself" in refused("convert", path, out)
+        for force in ((), ("--force",)):
+            assert "is the input itself" in refused("convert", path, out, *force)
     assert path.read_bytes() == before
 
 
@@ -198,9 +161,8 @@ def test_places_that_cannot_be_written(tmp_path):
 
 def test_wrong_names_get_the_nearest_known_one(tmp_path):
     assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
-    assert "read, not written: expected one of euroc, mcap, native, tum" in refused(
-        "convert", "walk", tmp_path / "o", "--to", "questset"
-    )
+    only = "read, not written: expected one of euroc, mcap, native, tum"
+    assert only in refused("convert", "walk", tmp_path / "o", "--to", "questset")
     assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")
     assert "did you mean 'still'" in refused("info", "stil")
     assert list(tmp_path.iterdir()) == []
@@ -213,13 +175,6 @@ def test_help_names_all_that_can_be_chosen():
         assert not entry.writes or entry.name in convert
     for kind in KINDS:
         assert kind in synth
-
-
-def test_the_command_starts_without_the_heavy_libraries():
-    heavy = ("numpy", "scipy", "matplotlib", "moderngl")
-    code = f"import sys, json, hmdwarp.cli.trace; print(json.dumps([m for m in {heavy} if m in sys.modules]))"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert json.loads(out) == []
 
 
 def test_a_plot_is_drawn_and_tells_an_upright_head_from_one_on_its_side(tmp_path):

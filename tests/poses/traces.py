@@ -10,7 +10,8 @@ import pytest
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.poses import PoseTrack
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 
 _NO_MCAP = pytest.mark.skipif(
@@ -61,6 +62,31 @@ def save(track: PoseTrack, path: Path, name: str) -> Path:
 def kinds(loaded) -> set[str]:
     """The kinds of defect that were found."""
     return {d.kind for d in loaded.defects}
+
+
+def found(loaded, kind: str):
+    """The one defect of that kind."""
+    (defect,) = [d for d in loaded.defects if d.kind == kind]
+    return defect
+
+
+def refusal(path: Path | str, **options) -> str:
+    """The one line with which a file is refused."""
+    with pytest.raises(InputError) as error:
+        load_trace(path, TraceOptions(**options))
+    assert "\n" not in str(error.value)
+    said = str(error.value)
+    # A name that no registry holds, or an option whose text is wrong, is no fault of the file.
+    assert str(path) in said or said.startswith("--") or isinstance(error.value, UnknownNameError)
+    return said
+
+
+def matrices(track: PoseTrack) -> np.ndarray:
+    """World-from-head matrices, (n, 4, 4)."""
+    out = np.tile(np.eye(4), (len(track), 1, 1))
+    out[:, :3, :3] = Rotation.from_quat(track.orientation_xyzw).as_matrix()
+    out[:, :3, 3] = track.position_m
+    return out
 
 
 def same_motion(a: PoseTrack, b: PoseTrack, atol: float = 1e-12) -> bool:

@@ -5,6 +5,10 @@ import numpy as np
 from hmdwarp.metrics import QUALITY, aggregate, difference
 from hmdwarp.report import WorstFrame, comparison_panels
 
+FATES = ("drawn", "sent", "dropped", "lost", "undecodable", "late", "superseded", "shown", "under_way")
+RESPONSE = {"render": 20.0, "encode": 7.2, "queue": 0.0, "transfer": 8.9, "round_trip": 200.0, "decode": 4.7}
+RESPONSE |= {"warp": 31.5, "total": 272.3, "median": 268.4, "p95": 301.2}
+
 
 def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int = 10, worse: float = 1.0) -> list[dict]:
     rng = np.random.default_rng(seed)
@@ -75,17 +79,7 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
         },
         "filled": {"memory": 0.031, "pyramid": 0.02, "empty": 0.0},
         "link": {
-            "frames": {
-                "drawn": 120,
-                "sent": 120,
-                "dropped": 0,
-                "lost": 3,
-                "undecodable": 0,
-                "late": 1,
-                "superseded": 2,
-                "shown": 100,
-                "under_way": 14,
-            },
+            "frames": dict(zip(FATES, (120, 120, 0, 3, 0, 1, 2, 100, 14), strict=True)),
             "mbit_s": 21.4,
             "layers_mbit_s": {"inverse_depth": 12.1, "colour": 9.3},
             "frame_bytes": 44583.0,
@@ -93,18 +87,7 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
             "encode_ms": 7.2,
             "decode_ms": 4.7,
             "coded_psnr_db": 38.1,
-            "response_ms": {
-                "render_ms": 20.0,
-                "encode_ms": 7.2,
-                "queue_ms": 0.0,
-                "transfer_ms": 8.9,
-                "round_trip_ms": 200.0,
-                "decode_ms": 4.7,
-                "warp_ms": 31.5,
-                "total_ms": 272.3,
-                "median_ms": 268.4,
-                "p95_ms": 301.2,
-            },
+            "response_ms": {f"{name}_ms": value for name, value in RESPONSE.items()},
         },
     }
 
@@ -127,13 +110,10 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
     for i in range(count):
         truth, rendered, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
         error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
-        values = {
-            "psnr_db": 20.1 + i,
-            "ssim": 0.7,
-            "flip": 0.2 - 0.02 * i,
-            "hole_share": 0.031,
-            "border_share": 0.02,
-            "flicker": None,
-        }
-        frames.append(WorstFrame(3.2 * i + 1, i % 2, tuple(comparison_panels(rendered, warped, truth, error)), values))
+        values = {"psnr_db": 20.1 + i, "ssim": 0.7, "flip": 0.2 - 0.02 * i, "hole_share": 0.031, "border_share": 0.02}
+        frames.append(
+            WorstFrame(
+                3.2 * i + 1, i % 2, tuple(comparison_panels(rendered, warped, truth, error)), values | {"flicker": None}
+            )
+        )
     return frames

@@ -169,9 +169,10 @@ def test_a_flag_waves_with_the_vertices_it_has_left():
 
 
 @pytest.mark.parametrize("share", [0, -0.2, 1.5, float("nan")])
-def test_a_share_that_is_none_is_refused(share):
+@pytest.mark.parametrize("of", ["share", "texture"])
+def test_a_share_that_is_none_is_refused(of, share):
     with pytest.raises(SceneError, match="expected more than 0 and at most 1"):
-        reduced(load_scene("planes"), share)
+        reduced(scene_of(mesh_of(SHEET)), **{"share": 1, of: share})
 
 
 def test_a_scene_of_few_triangles_keeps_them_all():
@@ -228,12 +229,6 @@ def test_at_full_scale_textures_are_the_scenes_own_and_nothing_is_painted_before
     assert (made.image == 200).all()
     assert made.image is made.image
     assert len(calls) == 1
-
-
-@pytest.mark.parametrize("scale", [0, -1, 1.01, float("nan")])
-def test_scales_that_are_none_are_refused(scale):
-    with pytest.raises(SceneError, match="expected more than 0 and at most 1"):
-        reduced(scene_of(mesh_of(SHEET)), 1, texture=scale)
 
 
 # --- without light ---

@@ -28,14 +28,8 @@ def rgba(alpha) -> np.ndarray:
 
 
 def metal(roughness: float = 0.0, **more) -> dict:
-    return {
-        "pbrMetallicRoughness": {
-            "metallicFactor": 1.0,
-            "roughnessFactor": roughness,
-            "baseColorFactor": [0.8, 0.7, 0.6, 1.0],
-        },
-        **more,
-    }
+    base = {"metallicFactor": 1.0, "roughnessFactor": roughness, "baseColorFactor": [0.8, 0.7, 0.6, 1.0]}
+    return {"pbrMetallicRoughness": base, **more}
 
 
 def test_polished_metal_mirrors_and_dull_metal_does_not(tmp_path):
@@ -112,11 +106,8 @@ def test_a_metallic_texture_says_how_much_is_glass(tmp_path):
 
 
 def test_blended_and_transmitting_materials_are_see_through(tmp_path):
-    blend = (
-        Glb()
-        .material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]})
-        .load(tmp_path, "blend.glb")
-    )
+    quarter = {"baseColorFactor": [1, 1, 1, 0.25]}
+    blend = Glb().material(alphaMode="BLEND", pbrMetallicRoughness=quarter).load(tmp_path, "blend.glb")
     assert effects.of(blend) == ("transparency",) and blend.meshes[0].material.opacity == 0.25
     glass = Glb().material(**glass_of((0.2, 1.0, 0.4, 1.0), 0.9)).load(tmp_path, "glass.glb").meshes[0]
     assert glass.material.opacity == 1 and glass.material.transmission == pytest.approx(0.9)
@@ -195,12 +186,10 @@ def test_masked_materials_are_cut_out_by_alpha(tmp_path):
     alpha = np.zeros((8, 8), np.uint8)
     alpha[:, :3], alpha[:, 3:6] = 100, 200
     glb = Glb()
-    scene = glb.material(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": glb.texture(rgba(alpha))}).load(
-        tmp_path
-    )
-    assert not effects.of(scene) and is_cutout(
-        scene, scene.meshes[0]
-    )  # a surface with holes: there is nothing to composite
+    base = {"baseColorTexture": glb.texture(rgba(alpha))}
+    scene = glb.material(alphaMode="MASK", pbrMetallicRoughness=base).load(tmp_path)
+    # A surface with holes: there is nothing to composite.
+    assert not effects.of(scene) and is_cutout(scene, scene.meshes[0])
     assert np.array_equal(np.unique(scene.textures[0].image[..., 3], return_counts=True), ([0, 255], [40, 24]))
     with pytest.raises(SceneError, match="no triangles"):
         Glb().material(alphaMode="MASK", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.2]}).load(tmp_path)
@@ -269,14 +258,57 @@ def test_a_panel_that_shows_no_whole_picture_is_refused(tmp_path, change, why):
         with_panel(BENT).load(tmp_path)
 
 
+HALF = 0.5**0.5
+PLACES = ((0, 1, 0), (2, 1, 0), (2, 3, 0))
+TURNS = ((0, 0, 0, 1), (0, HALF, 0, HALF), (0, 1, 0, 0))
+
+
+def lift(**channels) -> Glb:
+    """A still square, and one that is half as high and moves below a turned node."""
+    glb = Glb()
+    glb.header["nodes"] = [
+        {"name": "lift", "mesh": 0, "translation": PLACES[0], "scale": [1, 0.5, 1]},
+        {"name": "yard", "rotation": TURNS[1], "translation": [10, 0, 0], "children": [0]},
+        {"mesh": 0},
+    ]
+    glb.header["scenes"][0]["nodes"] = [1, 2]
+    for path, values in channels.items():
+        glb.animate(path, (0.0, 1.0, 3.0), values)
+    return glb
+
+
+def test_an_animated_node_moves_as_its_keys_say(tmp_path):
+    scene = lift(translation=PLACES, rotation=TURNS).load(tmp_path)
+    assert effects.of(scene) == ("rigid_motion",) and [body.name for body in scene.bodies] == ["lift"]
+    assert sorted(mesh.body for mesh in scene.meshes) == [0, 1]
+    # Its own scale stays in its corners.
+    assert np.allclose(next(mesh for mesh in scene.meshes if mesh.body).positions, SQUARE * (1, 0.5, 1))
+    quarter = Rotation.from_euler("y", 90, degrees=True)
+    for second, place, turn in ((0, PLACES[0], 0), (0.5, (1, 1, 0), 45), (2, (2, 2, 0), 135), (3.5, (1, 1, 0), 45)):
+        state = scene.bodies[0].motion.state(round(second * S))
+        assert np.allclose(state.pose.position_m, quarter.apply(place) + (10, 0, 0), atol=1e-6)
+        expected = quarter * Rotation.from_euler("y", turn, degrees=True)
+        assert (state.pose.rotation.inv() * expected).magnitude() < 1e-6
+    state = scene.bodies[0].motion.state(S // 2)
+    assert np.allclose(state.velocity_m_s, quarter.apply((2, 0, 0)), atol=1e-6)
+    assert np.allclose(state.angular_velocity_rad_s, (0, np.pi / 2, 0), atol=1e-6)
+    turning = lift(rotation=TURNS).load(tmp_path).bodies[0].motion.state(S)  # one channel is enough
+    assert np.allclose(turning.pose.position_m, (10, 1, 0), atol=1e-6)
+
+
+def test_a_node_that_grows_is_no_rigid_body(tmp_path):
+    scene = lift(scale=((1, 0.5, 1), (1, 1, 1), (1, 1, 1))).load(tmp_path)
+    assert effects.of(scene) == ("soft_motion",) and not scene.bodies
+    grows = next(mesh.deformation for mesh in scene.meshes if mesh.deformation is not None)
+    heights = [np.ptp(grows.positions(round(second * S))[:, 1]) for second in (0, 0.5, 1)]
+    assert np.allclose(heights, (1.0, 1.5, 2.0), atol=1e-6)
+    # Each end of 2 m of mesh, half a metre a second.
+    assert np.allclose(np.abs(grows.velocities(S // 2)[:, 1]), 0.5, atol=1e-6)
+
+
 def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
-    steps = (
-        Glb()
-        .animate("translation", (0, 1, 2), ((0, 0, 0), (5, 0, 0), (5, 0, 0)), "STEP")
-        .load(tmp_path)
-        .bodies[0]
-        .motion
-    )
+    jumps = ((0, 0, 0), (5, 0, 0), (5, 0, 0))
+    steps = Glb().animate("translation", (0, 1, 2), jumps, "STEP").load(tmp_path).bodies[0].motion
     assert [steps.state(round(t * S)).pose.position_m[0] for t in (0, 0.99, 1.01)] == [0, 0, 5]
     assert (steps.state(S // 2).velocity_m_s == 0).all()
     # Tangent in, value, tangent out: the parabola t^2 from 0 to 2 s, whose slopes are 0 and 4.
@@ -284,9 +316,8 @@ def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
     spline = Glb().animate("translation", (0, 2), keys, "CUBICSPLINE").load(tmp_path).bodies[0].motion
     for t in (0.25, 1.0, 1.5):
         state = spline.state(round(t * S))
-        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6) and state.velocity_m_s[0] == pytest.approx(
-            2 * t, abs=1e-6
-        )
+        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6)
+        assert state.velocity_m_s[0] == pytest.approx(2 * t, abs=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])
@@ -310,19 +341,14 @@ def test_velocities_are_those_of_the_poses(tmp_path, kind):
         spin = (after.pose.rotation * before.pose.rotation.inv()).as_rotvec() / 2e-6
         # Positions of some metres keep 1e-16 of that: 1e-9 m/s over 2 us. The error of a central
         # difference is far smaller.
-        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5) and np.allclose(
-            at.angular_velocity_rad_s, spin, atol=1e-5
-        )
+        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5)
+        assert np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
 
 
 def test_a_skin_goes_where_the_weighted_mean_of_its_joints_takes_it(tmp_path):
     turn = Rotation.from_rotvec((0, 0, np.pi / 2))
-    scene = (
-        Glb()
-        .skin()
-        .animate("rotation", (0, 1, 2), ((0, 0, 0, 1), turn.as_quat(), turn.as_quat()), node=2)
-        .load(tmp_path)
-    )
+    keys = ((0, 0, 0, 1), turn.as_quat(), turn.as_quat())
+    scene = Glb().skin().animate("rotation", (0, 1, 2), keys, node=2).load(tmp_path)
     assert effects.of(scene) == ("soft_motion",)
     deformation = scene.meshes[0].deformation
     rest, bent = (deformation.positions(round(t * S)) + scene.origin_m for t in (0, 1))
@@ -353,65 +379,46 @@ def test_all_that_is_drawn_by_the_server(tmp_path, gpu):
     server.close()
 
 
-def no_such_node(glb: Glb) -> None:
-    glb.animate("translation", (0, 1), np.zeros((2, 3)), node=7)
-
-
-def backwards(glb: Glb) -> None:
-    glb.animate("translation", (1, 0.5), np.zeros((2, 3)))
-
-
-def not_finite(glb: Glb) -> None:
-    glb.animate("rotation", (0, 1), ((0, 0, 0, 1), (0, np.nan, 0, 1)))
-
-
-def too_few(glb: Glb) -> None:
-    glb.animate("translation", (0, 1), np.zeros((2, 3)), "CUBICSPLINE")
-
-
-def unknown_kind(glb: Glb) -> None:
-    glb.animate("translation", (0, 1), np.zeros((2, 3)), "BEZIER")
-
-
-def of_a_matrix(glb: Glb) -> None:
-    glb.header["nodes"][0] = {"mesh": 0, "matrix": np.eye(4).ravel().tolist()}
-    glb.animate("translation", (0, 1), np.zeros((2, 3)))
-
-
-def negative(glb: Glb) -> None:
-    glb.skin(weights=np.tile((1.5, -0.5, 0, 0), (4, 1)))
-
-
-def no_such_joint(glb: Glb) -> None:
-    glb.skin(joints=(0, 9, 0, 0))
-
-
-def no_weights(glb: Glb) -> None:
-    del glb.skin().primitive["attributes"]["WEIGHTS_0"]
-
-
-def too_few_matrices(glb: Glb) -> None:
-    glb.skin().header["skins"][0]["inverseBindMatrices"] = glb.numbers(np.eye(4, dtype=np.float32).reshape(1, 16))
-
-
-def in_a_circle(glb: Glb) -> None:
-    glb.skin().header["nodes"][2]["children"] = [1]
+STILL, THREE = np.zeros((2, 3)), np.zeros((3, 3))
+ONE_MATRIX = np.eye(4, dtype=np.float32).reshape(1, 16)
+PUT = [{"mesh": 0, "matrix": np.eye(4).ravel().tolist()}]
+UP = "animation 'walk', translation of node 'thing': "
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (no_such_node, "animation 'walk' uses number 7 of 1 nodes"),
-        (backwards, "animation 'walk', translation of node 'thing': key 1 is at 0.5 s; .* increase"),
-        (not_finite, "animation 'walk', rotation of node 'thing': a key is not made of finite numbers"),
-        (too_few, "animation 'walk', .*: 2 key times and 2 values; expected 3 for each"),
-        (unknown_kind, "animation 'walk', .*: interpolation 'BEZIER'; expected LINEAR, STEP or CUBICSPLINE"),
-        (of_a_matrix, "animation 'walk' moves node 0, which has a matrix"),
-        (negative, "skin 'figure': weights 1.5, -0.5, 0, 0 of vertex 0"),
-        (no_such_joint, "skin 'figure': a vertex uses joint 9, there are 2"),
-        (no_weights, "skin 'figure': a mesh without joints and weights"),
-        (too_few_matrices, "skin 'figure': 1 inverse bind matrices for 2 joints"),
-        (in_a_circle, "is its own ancestor|has two parents"),
+        (lambda g: g.animate("translation", (0, 1), STILL, node=7), "animation 'walk' uses number 7 of 1 nodes"),
+        (lambda g: g.animate("translation", (1, 0.5), STILL), UP + "key 1 is at 0.5 s; .* increase"),
+        (lambda g: g.animate("translation", (0, np.nan, 1), THREE), UP + "a key is not made of finite numbers"),
+        (lambda g: g.animate("translation", (0, 1), STILL + np.inf), UP + "a key is not made of finite numbers"),
+        (lambda g: g.animate("rotation", (0, 1), np.zeros((2, 4))), "rotation of node 'thing': key 0 is no rotation"),
+        (lambda g: g.animate("translation", (0, 1, 2), STILL), "3 key times and 2 values; expected 1 for each"),
+        (lambda g: g.animate("translation", (0, 1), STILL, "CUBICSPLINE"), "2 values; expected 3 for each"),
+        (lambda g: g.animate("translation", (0, 1), STILL, "BEZIER"), "'BEZIER'; expected LINEAR, STEP or CUBICSPLINE"),
+        (
+            lambda g: g.animate("translation", (0, 1), STILL).header.update(nodes=PUT),
+            "moves node 0.* has a matrix",
+        ),
+        (
+            lambda g: g.animate("translation", (0, 1), STILL).header["accessors"][-1].update(componentType=5121),
+            "integers; expected floats",
+        ),
+        (
+            lambda g: g.animate("translation", (0, 1), STILL).header["accessors"][-1].update(count=1000),
+            "reaches beyond the file's",
+        ),
+        (lambda g: g.skin(np.tile((1.5, -0.5, 0, 0), (4, 1))), "skin 'figure': weights 1.5, -0.5, 0, 0 of vertex 0"),
+        (lambda g: g.skin(joints=(0, 9, 0, 0)), "skin 'figure': a vertex uses joint 9, there are 2"),
+        (
+            lambda g: g.skin().primitive["attributes"].pop("WEIGHTS_0"),
+            "skin 'figure': a mesh without joints and weights",
+        ),
+        (
+            lambda g: g.skin().header["skins"][0].update(inverseBindMatrices=g.numbers(ONE_MATRIX)),
+            "skin 'figure': 1 inverse bind matrices for 2 joints",
+        ),
+        (lambda g: g.skin().header["nodes"][2].update(children=[1]), "is its own ancestor|has two parents"),
     ],
 )
 def test_broken_files_are_refused_in_one_line(tmp_path, change, message):

@@ -11,7 +11,6 @@ from hmdwarp.errors import SceneError
 from hmdwarp.scenes import load_scene
 
 from .glb import IN_PLACE, SQUARE, Glb
-from .test_files import PLY
 
 DRACO, INSTANCING = "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
 
@@ -255,21 +254,6 @@ def test_a_note_comes_once_however_often_its_reason_does(tmp_path):
     (note,) = glb.load(tmp_path).notes
     assert note.startswith("thing.glb: plays animation 'dance 0'; --animation plays another: 'dance 1', ")
     assert note.endswith("'dance 8' and 191 more")
-
-
-def test_a_ply_with_a_picture_that_cannot_be_read_says_so(tmp_path):
-    (tmp_path / "picture.png").write_bytes(b"no picture")
-    (tmp_path / "a.ply").write_text(PLY)
-    note, _ = load_scene(tmp_path / "a.ply", IN_PLACE).notes
-    assert note == "a.ply: a file that it names cannot be read, drawn grey: texture 'picture.png'"
-
-
-def test_an_obj_with_a_picture_that_cannot_be_read_says_so(tmp_path):
-    (tmp_path / "picture.png").write_bytes(b"no picture")
-    (tmp_path / "a.mtl").write_text("newmtl a\nmap_Kd picture.png\n")
-    (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
-    note, _ = load_scene(tmp_path / "a.obj", IN_PLACE).notes
-    assert note == "a.obj: a file that it names cannot be read, drawn grey: texture 'picture.png'"
 
 
 def damaged() -> dict[str, tuple[bytes, str]]:

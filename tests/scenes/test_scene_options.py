@@ -217,16 +217,16 @@ def test_an_object_is_looked_at_from_its_front(tmp_path):
     assert 2 * np.degrees(np.arctan(0.1 / (eye[2] - 0.1))) == pytest.approx(50)
 
 
-def test_a_viewpoint_inside_a_thing_is_noted(tmp_path):
-    scene = boxes(ROOM, cube((-1, 0, -1), (1, 2, 1))).load(tmp_path, options=IN_PLACE)
-    assert scene.notes == ("thing.glb: the viewpoint 0,1.6,0 lies inside an object",)
-
-
-def test_a_viewpoint_far_outside_is_noted(tmp_path):
-    scene = boxes(ROOM).load(tmp_path, options=SceneOptions(viewpoint="100,100,100"))
-    assert scene.notes == (
-        "thing.glb: the viewpoint 100,100,100 lies far outside the scene, which is hardly seen from there",
-    )
+@pytest.mark.parametrize(
+    ("place", "said"),
+    [
+        ("0,1.6,0", "lies inside an object"),
+        ("100,100,100", "lies far outside the scene, which is hardly seen from there"),
+    ],
+)
+def test_a_viewpoint_from_which_nothing_is_seen_is_noted(tmp_path, place, said):
+    scene = boxes(ROOM, cube((-1, 0, -1), (1, 2, 1))).load(tmp_path, options=SceneOptions(viewpoint=place))
+    assert scene.notes == (f"thing.glb: the viewpoint {place} {said}",)
 
 
 @pytest.mark.parametrize(
