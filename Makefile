@@ -98,7 +98,7 @@ test-silence: setup  ## links that fall silent and processes that are stopped fo
 	@FEED_SILENT_SECONDS=$(SILENT_SECONDS) .venv/bin/python -m pytest tests/sources/feed/test_network.py -q -k "silent or stopped" $(OPTIONS)
 
 test-soak: setup  ## the feed for an hour, a page for 3,000 rounds over a link that is cut (SOAK_SECONDS=, WEB_ROUNDS=): nothing may grow
-	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)
+	@.venv/bin/python docs/measure/soak_feed.py --seconds $(SOAK_SECONDS)
 	@WEB_ROUNDS=$(WEB_ROUNDS) .venv/bin/python -m pytest tests/web/test_page.py -q -s -o faulthandler_timeout=0 -k stalls_and_cuts $(OPTIONS)
 
 fuzz: SECONDS = 120
@@ -106,14 +106,14 @@ fuzz: setup  ## damaged files of every kind through their readers for SECONDS; S
 	@.venv/bin/python tests/fuzz.py --seconds $(SECONDS) --seed $(SEED) $(OPTIONS)
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
-	@.venv/bin/python tests/bench_quick.py $(OPTIONS)
+	@.venv/bin/python docs/measure/speed.py $(OPTIONS)
 
 bench-live: setup  ## what a refresh of 'live' costs beside OpenGL (OPTIONS=--gc: what garbage collection does to it)
-	@.venv/bin/python tests/bench_live.py $(OPTIONS)
+	@.venv/bin/python docs/measure/live_cost.py $(OPTIONS)
 
 bench-gpu: OUT = out/gpu
 bench-gpu: setup  ## all that is to be measured on a GPU, in at most nine minutes: $(OUT)/gpu.json and a page beside it
-	@.venv/bin/python tests/bench_gpu.py --out "$(OUT)" $(OPTIONS)
+	@.venv/bin/python docs/measure/whole_gpu.py --out "$(OUT)" $(OPTIONS)
 
 site: setup  ## the documentation as a site, with a reference made from docstrings: out/site/index.html
 	@NO_MKDOCS_2_WARNING=1 .venv/bin/python -m mkdocs build --strict --quiet --config-file docs/site/mkdocs.yml

@@ -37,23 +37,22 @@ COLUMNS = REPLAYS.pop("columns")
 BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv2.warpFrame")
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
-# Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
+# Tables that a command or a script prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
     "trace formats": ("-m hmdwarp list formats --markdown", True),
     "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
-    "feed": ("tests/bench_feed.py", True),
-    "codecs": ("tests/bench_codecs.py", True),
-    "check rates": ("tests/check_rates.py", True),
-    "warper cost": ("tests/bench_warper.py", True),
-    "speed": ("tests/bench_quick.py", False),
-    "speed aims": ("tests/bench_aims.py", True),
-    "before": ("tests/bench_before.py", True),
-    "foveation": ("tests/bench_foveation.py", True),
-    "panels": ("tests/bench_panels.py", True),
-    "hidden area": ("tests/bench_hidden.py", True),
+    "feed": ("docs/measure/feed_cost.py", True),
+    "codecs": ("docs/measure/codec_rates.py", True),
+    "check rates": ("docs/measure/check_rates.py", True),
+    "warper cost": ("docs/measure/warper_cost.py", True),
+    "speed": ("docs/measure/speed.py", False),
+    "speed aims": ("docs/measure/speed.py --aims", True),
+    "foveation": ("docs/measure/foveated.py", True),
+    "panels": ("docs/measure/panel_text.py", True),
+    "hidden area": ("docs/measure/hidden_area.py", True),
     "held out": ("tests/held_out.py", True),
-    "sweeps": ("tests/sweep_scale.py", True),
+    "sweeps": ("docs/measure/sweep_scale.py", True),
     "coverage": ("-m tests.study.coverage", True),
 }
 
@@ -293,7 +292,7 @@ def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
 
 def live_cost(folder: Path) -> None:
     """Measure the loop outside OpenGL and the garbage collector; status 1: above its limit."""
-    parts = [run(f"tests/bench_live.py {gc}", folder, statuses=(0, 1), COLUMNS="110") for gc in ("", "--gc")]
+    parts = [run(f"docs/measure/live_cost.py {gc}", folder, statuses=(0, 1), COLUMNS="110") for gc in ("", "--gc")]
     replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
 
 

@@ -9,6 +9,8 @@ import signal
 import sys
 from pathlib import Path
 
+sys.path += [str(Path(__file__).resolve().parents[1] / part) for part in ("docs", "docs/measure")]
+
 import attrs
 import contexts
 import needs

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import bench_gpu  # puts docs/ on the path
 import gpu_tables
 import pages
 import pytest
+import whole_gpu
 
 SIZES = ((1280, 800), (2064, 2208))
 
@@ -76,9 +76,9 @@ def test_a_gpu_is_filed_by_its_name_and_renewed_in_its_place(page):
 
 
 def test_parts_without_time_left_are_named(tmp_path):
-    run = bench_gpu.Measuring(tmp_path, minutes=0)
+    run = whole_gpu.Measuring(tmp_path, minutes=0)
     assert run.part("a part", "-c", "pass") is None
-    run = bench_gpu.Measuring(tmp_path, minutes=1)
+    run = whole_gpu.Measuring(tmp_path, minutes=1)
     assert run.part("a failure", "-c", "raise SystemExit('why')") is None
     assert run.left_out == ["a failure: why"]
     assert run.part("a part", "-c", "print('done')") == "done\n"

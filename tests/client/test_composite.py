@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.client import build_plan, parse_fills
 from hmdwarp.client.fills.composite import LEAST_MOVE, OFFSETS, frame_seed, random_offsets
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 
 from .modelled import SIZE, VIEW, Shown
@@ -176,14 +175,6 @@ def test_offsets_are_spread_evenly_over_the_disc():
     assert away.max() <= 41
     assert np.abs(offsets.mean(axis=0)).max() < 4 * 20 / np.sqrt(OFFSETS)
     assert frame_seed(0, -1, 0) != frame_seed(0, -1, 1)
-
-
-@pytest.mark.parametrize(
-    "text", ["samples=0", "samples=257", "radius=0", "radius=3", "depth=-1", "normal=181", "seed=-1", "average=mode"]
-)
-def test_settings_that_are_none_are_refused(text):
-    with pytest.raises(InputError, match="expected"):
-        parse_fills(f"composite:{text}")
 
 
 def test_running_allocates_no_objects(gpu):

@@ -11,8 +11,6 @@ import pytest
 from reference.iterative import iterative
 from worlds import World
 
-from hmdwarp.client import parse_warp
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 
 from .rendered_pictures import asked, square_before_a_wall, warped
@@ -175,11 +173,3 @@ def test_depths_from_a_millimetre_to_a_million_metres(gpu):
         # 3e38 is no depth for the shader, and -1 stands for it here: it is a neighbour of nothing
         # in both.
         assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-
-
-@pytest.mark.parametrize(
-    "spec", ["iterative:steps=0", "iterative:steps=2,slanted=3", "iterative:converged=-1", "iterative:seed=mesh"]
-)
-def test_settings_that_make_no_sense_are_refused(spec):
-    with pytest.raises(InputError, match="iterative"):
-        parse_warp(spec)

@@ -253,25 +253,6 @@ def test_reach_bounds_how_far_depth_moves_a_point():
         assert (moved[inside] <= reach(forward, SIZE) * (1 + 1e-3)).all()
 
 
-@pytest.mark.parametrize(
-    "spec",
-    [
-        "mesh:cut=edges",
-        "mesh:steepest_deg=90",
-        "mesh:grid=1",
-        "mesh:grid=2000",
-        "mesh:grid=64,cut=vertex",
-        "mesh:grid=64,ring=0.6",
-        "mesh:ring=0.1",
-        "mesh_adaptive:block=3",
-        "mesh_adaptive:tolerance=-1",
-    ],
-)
-def test_settings_that_mean_nothing_are_refused(spec):
-    with pytest.raises(InputError):
-        parse_warp(spec)
-
-
 def test_a_picture_beyond_the_names_of_its_cells_is_refused(gpu):
     with pytest.raises(InputError, match=f"at most {MOST_SIDE}"):
         parse_warp("mesh").entry(gpu, (MOST_SIDE + 1, 4), (8, 8))

@@ -103,13 +103,6 @@ def test_smaller_textures_and_no_light(gpu):
     assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
 
 
-@pytest.mark.parametrize("value", ["0", "1.5", "-0.2"])
-@pytest.mark.parametrize("setting", ["share", "texture"])
-def test_a_share_beyond_all_is_refused(setting, value):
-    with pytest.raises(Exception, match=f"{setting} is {value}: expected more than 0 and at most 1"):
-        parse_warp(f"model:{setting}={value}")
-
-
 def test_a_single_picture_has_no_scene():
     colour, depth = np.zeros((8, 8, 3), np.uint8), np.ones((8, 8))
     with pytest.raises(PlanError, match="warp model needs the scene's geometry on the client"):

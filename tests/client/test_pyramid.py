@@ -16,7 +16,6 @@ from reference.pyramid import Chosen, pyramid
 
 from hmdwarp.client import parse_fills
 from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BEYOND, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 
 from .filled import filled
@@ -154,9 +153,3 @@ def test_bright_and_negative_colours_stay_between_what_they_are_made_of(gpu):
     assert np.isfinite(got).all()
     assert np.abs(got[..., :3]).max() <= 6e4
     assert np.abs(got - wanted_of(holed)[0]).max() <= tolerance(holed)
-
-
-def test_settings_out_of_range_are_refused():
-    for text, told in (("pyramid:holes=0", "expected more than 0"), ("pyramid:tolerance=-1", "must be 0 or more")):
-        with pytest.raises(InputError, match=told):
-            parse_fills(text)

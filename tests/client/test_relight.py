@@ -11,12 +11,11 @@ import pytest
 from reference.relight import Relit, relight
 from worlds import read
 
-from hmdwarp.client import ClientScene, ReducedModel, parse_fills
+from hmdwarp.client import ClientScene, ReducedModel
 from hmdwarp.client import fill_parts as settings
 from hmdwarp.client.fill_parts import sample_offsets
 from hmdwarp.client.fills.relight import MODEL_WEIGHT
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene
 from hmdwarp.sources.server import Server
@@ -214,24 +213,6 @@ def test_samples_are_the_same_every_time_and_within_reach():
     assert np.median(np.hypot(*offsets.T)) == pytest.approx(20, abs=1)
     x, y = offsets[(offsets != 0).all(axis=1)].T
     assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "model:share=0",
-        "model:share=1.1",
-        "model:texture=0",
-        "model:texture=2",
-        "model:light=on",
-        "relight:samples=0",
-        "relight:reach=0",
-        "relight:share=-1",
-    ],
-)
-def test_settings_that_are_none_are_refused(text):
-    with pytest.raises(InputError, match="expected"):
-        parse_fills(text)
 
 
 @pytest.mark.parametrize("name", ["model", "model:texture=0.25,light=off", "relight"])

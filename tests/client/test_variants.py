@@ -16,13 +16,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.client import parse_warp
-from hmdwarp.client.warps import Warp, warps
+from hmdwarp.client import parse_fills, parse_warp
+from hmdwarp.client.fills import fills
+from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.options import Choice
 
 
-def fields_of(warp: type[Warp]) -> list[tuple[str, typing.Any, typing.Any]]:
+def fields_of(warp: type) -> list[tuple[str, typing.Any, typing.Any]]:
     """(name, type, default) of each setting."""
     kinds = typing.get_type_hints(warp.Settings)
     return [(field.name, kinds[field.name], field.default) for field in attrs.fields(warp.Settings)]
@@ -96,40 +97,57 @@ def test_a_setting_it_has_not_is_refused_with_those_it_has(name, setting):
         assert f"{known}={default}" in message
 
 
-def numbers() -> list[tuple[str, str]]:
-    return [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if kind in (int, float)]
-
-
-@together("number, value", product(numbers(), ["", "x", "1,5", "--1", "1e", "0x1g"]))
-def test_a_number_that_is_none_is_refused(number, value):
-    name, field = number
-    with pytest.raises(InputError) as refused:
-        parse_warp(f"{name}:{field}={value}")
-    assert "\n" not in str(refused.value)
-    assert f"{name}:{field}" in str(refused.value)
-
-
-@together("number, value", product(numbers(), ["nan", "inf", "-inf", "-1"]))
-def test_a_number_that_cannot_be_meant_is_refused(number, value):
-    """A negative tolerance or a step count that is not a number would make a picture that looks
-    like a fault of the method.
-    """
-    name, field = number
-    with pytest.raises(InputError) as refused:
-        parse_warp(f"{name}:{field}={value}")
-    assert field in str(refused.value)
-    assert "\n" not in str(refused.value)
+ODD_NUMBERS = ("", "x", "1,5", "--1", "1e", "0x1g", "nan", "inf", "-inf", "-1")
 
 
 @together(
-    "name, field",
-    [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if typing.get_args(kind)],
+    "read, name, field, value",
+    [
+        (read, entry.name, field, value)
+        for read, entries in ((parse_warp, warps), (parse_fills, fills))
+        for entry in entries
+        for field, kind, _ in fields_of(entry)
+        for value in (ODD_NUMBERS if kind in (int, float) else ["no-such-word"])
+    ],
 )
-def test_a_word_it_does_not_know_is_refused(name, field):
+def test_a_value_that_cannot_be_meant_is_refused(read, name, field, value):
+    """A negative tolerance would make a picture that looks like a fault of the method."""
     with pytest.raises(InputError) as refused:
-        parse_warp(f"{name}:{field}=no-such-word")
-    assert "no-such-word" in str(refused.value)
-    assert "\n" not in str(refused.value)
+        read(f"{name}:{field}={value}")
+    message = str(refused.value)
+    assert field in message and (value if value in ("no-such-word", "x") else "") in message and "\n" not in message
+
+
+# Of each warp and fill, what is refused beside that, and words of why.
+SHARE = "expected more than 0 and at most 1"
+REFUSED = (
+    (parse_warp, "iterative", "iterative", "steps=0 steps=2,slanted=3"),
+    (parse_warp, "layered", "layers is", "layers=1 layers=5 layers=-2 layers=three"),
+    (parse_warp, "mesh", "mesh", "steepest_deg=90 grid=1 grid=2000 grid=64,cut=vertex grid=64,ring=0.6 ring=0.1"),
+    (parse_warp, "mesh_adaptive", "mesh_adaptive", "block=3"),
+    (parse_warp, "model", SHARE, "share=0 share=1.5 share=-0.2 texture=0 texture=1.5 texture=-0.2"),
+    (parse_warp, "multi", "warp 'multi:", "frames=9 views=5"),
+    (parse_warp, "none", "no setting of", "resample=catmull-rom"),
+    (parse_warp, "environment", "no setting of", "resample=catmull-rom"),
+    (parse_warp, "iterative", "resample is 'cubic': expected bilinear or catmull-rom", "resample=cubic"),
+    (parse_warp, "search", "search", "steps=0"),
+    (parse_warp, "splat", "warp 'splat:", "reach=0 reach=1000 overlap=0.7"),
+    (parse_fills, "composite", "expected", "samples=0 samples=257 radius=0 radius=3 normal=181"),
+    (parse_fills, "interpolate", "size is '.*': expected 3 or 5 or 7", "size=0 size=1 size=2 size=4 size=9 size=3.0"),
+    (parse_fills, "memory", "memory", "frames=0 use=0 age=0 frames=65"),
+    (parse_fills, "model", "expected", "share=0 share=1.1 texture=0 texture=2"),
+    (parse_fills, "pyramid", "expected more than 0", "holes=0"),
+    (parse_fills, "pyramid", "must be 0 or more", "tolerance=-1"),
+    (parse_fills, "relight", "expected", "samples=0 reach=0"),
+    (parse_fills, "stretch", "must be 0 or more", "spread=-1"),
+)
+
+
+@pytest.mark.parametrize(("read", "name", "why", "settings"), REFUSED)
+def test_what_one_of_them_refuses(read, name, why, settings):
+    for setting in settings.split():
+        with pytest.raises(InputError, match=why):
+            read(f"{name}:{setting}")
 
 
 def test_an_unknown_warp_is_refused_with_a_guess():

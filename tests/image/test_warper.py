@@ -11,11 +11,11 @@ import threading
 import time
 import tracemalloc
 
-import bench_warper
 import mirror_wall
 import moderngl
 import numpy as np
 import pytest
+import warper_cost
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import DepthLayer, Fov, InputError, Pose, View, Warper, warp_image
@@ -681,6 +681,6 @@ def test_effects_that_need_more_than_pictures_are_refused(gpu):
 
 def test_its_cost_is_measured_apart_from_its_passes(gpu):
     """What docs/rgbd.md prints: the passes alone, textures as they are and taken over, arrays."""
-    assert all(took > 0 for took in bench_warper.measured((16, 16), 2, gpu))
-    line, ratio = bench_warper.call_over_passes(gpu, (16, 12), 2)
+    assert all(took > 0 for took in warper_cost.measured((16, 16), 2, gpu).values())
+    line, ratio = warper_cost.call_over_passes(gpu, (16, 12), 2)
     assert line.startswith("Warper.warp, 16x12: ") and ratio > 1

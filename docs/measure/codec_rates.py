@@ -10,6 +10,7 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
+from apparatus import options, print_table
 
 from hmdwarp import Fov, View
 from hmdwarp.colour import srgb8_from_linear
@@ -19,16 +20,16 @@ from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
-SIZE, RATE_HZ, COUNT = (640, 400), 30, 20
+SIZE, RATE_HZ = (640, 400), 30
 VIEW = Fov.symmetric_deg(96, 69.6)
 STARTS_S = {"walk": 1.0, "look-around": 2.0}
 STEPS = (-6, 0, 6, 12)  # of a codec's own quality
 
 
-def pictures(server: Server, recording: str) -> list[np.ndarray]:
+def pictures(server: Server, recording: str, count: int) -> list[np.ndarray]:
     """Return (h, w, 3) sRGB of a moment of a recording."""
     track, found = load_trace(recording).track, []
-    for k in range(COUNT):
+    for k in range(count):
         now = track.start_ns + round((STARTS_S[recording] + k / RATE_HZ) * 1e9)
         frame = server.draw_frame((View(track.at(now).pose, VIEW),), now, SIZE)
         found.append(srgb8_from_linear(download(frame.eyes[0].colour)[..., :3]))
@@ -56,24 +57,25 @@ def at_equal_psnr(shown: Sequence[np.ndarray]) -> dict[str, list[float]]:
     """Return bytes and times of each codec where its PSNR is that of H.264 at its own quality."""
     found, aim = {}, measured("h264", codecs.get("h264").crf, shown)[0]
     for codec in codecs:
-        if codec.is_none:
-            continue
-        table = np.array([measured(codec.name, codec.crf + step, shown) for step in STEPS])[::-1]
-        _, size, encoding, decoding = (np.interp(aim, table[:, 0], column) for column in table.T)
-        found[codec.name] = [float(np.exp(size)), encoding, decoding]
+        if not codec.is_none:
+            table = np.array([measured(codec.name, codec.crf + step, shown) for step in STEPS])[::-1]
+            _, size, encoding, decoding = (np.interp(aim, table[:, 0], column) for column in table.T)
+            found[codec.name] = [float(np.exp(size)), encoding, decoding]
     return found
 
 
 def main() -> None:
     """Print the table."""
+    count = options(__doc__, pictures=(20, "of each recording")).pictures
     with Gpu() as gpu:
         server = Server(gpu, load_scene("room"), samples=4)
-        each = [at_equal_psnr(pictures(server, recording)) for recording in STARTS_S]
+        each = [at_equal_psnr(pictures(server, recording, count)) for recording in STARTS_S]
         server.close()
-    print("| codec | bytes | encoding | decoding |\n| --- | ---: | ---: | ---: |")
+    rows = []
     for name in each[0]:
         shares = np.exp(np.mean([np.log(np.divide(of[name], of["h264"])) for of in each], axis=0))
-        print(f"| {name} | {' | '.join(f'{share:.2f}' for share in shares)} |")
+        rows.append([name, *(f"{share:.2f}" for share in shares)])
+    print_table(("codec", "bytes", "encoding", "decoding"), rows)
 
 
 if __name__ == "__main__":

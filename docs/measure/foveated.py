@@ -6,24 +6,22 @@ frames by turns in one process. With ColorVideoVDP installed the first table has
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
 import itertools
 import math
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
+from apparatus import options, print_table, ratio, views_of
 from eyes import with_eyes
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
-from hmdwarp.geometry import Fovea, View
+from hmdwarp.geometry import Fovea
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
@@ -47,18 +45,17 @@ OPTIONS = {
 }  # fmt: skip
 CHAINS = ("rotation/none", "iterative/pyramid", "forward/interpolate")
 HEADSET, GUARD, LATE_NS, AT_NS = "quest-3", 1.1, 50_000_000, 3_000_000_000
+FOVEA = Fovea(30.0)
 
 
 def quality(gpu: Gpu, side: int, seconds: float) -> None:
     """Print bits and quality by latency and frames."""
-    heads = ["pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
+    heads = ["late", "frames", "pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
     missing = [module for module in jod.MODULES if importlib.util.find_spec(module) is None]
     if missing:
         print(f"no column JOD: not installed: {', '.join(missing)} (pip install '.[jod]')", file=sys.stderr)
     rated = {} if missing else {"jod_s": min(seconds, 1.0)}
-    heads += [] if missing else ["JOD"]
-    print(f"| late | frames | {' | '.join(heads)} |")
-    print("| --- | --- |" + " ---: |" * len(heads))
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder) / "looking.csv"
         with trace.open("w", encoding="utf-8") as file:
@@ -66,12 +63,12 @@ def quality(gpu: Gpu, side: int, seconds: float) -> None:
         known = {**OPTIONS, **rated, "trace": str(trace), "size": (side, side), "seconds": seconds}
         for latency_ms, (name, sets) in itertools.product(LATENCIES_MS, FRAMES.items()):
             summary = run(Path(folder) / "out", gpu=gpu, latency_ms=latency_ms, **known, **sets).summary
-            gaze, link = summary["gaze"], summary["link"]
-            cells = [pixels(side, sets), f"{link['mbit_s']:.2f}"]
+            gaze = summary["gaze"]
+            cells = [f"{latency_ms:g} ms", name, pixels(side, sets), f"{summary['link']['mbit_s']:.2f}"]
             cells += [f"{gaze['off_deg'][key]:.1f}" for key in ("p50", "p95")]
             cells += [f"{gaze['psnr_db']:.2f}", f"{summary['quality']['psnr_db']['mean']:.2f}"]
-            cells += [] if missing else [f"{summary['jod']['mean']:.2f}"]
-            print(f"| {latency_ms:g} ms | {name} | " + " | ".join(cells) + " |", flush=True)
+            rows.append(cells + ([] if missing else [f"{summary['jod']['mean']:.2f}"]))
+    print_table([*heads, *([] if missing else ["JOD"])], rows, texts=2)
 
 
 def pixels(side: int, sets: dict) -> str:
@@ -86,75 +83,47 @@ def pixels(side: int, sets: dict) -> str:
 
 def price(gpu: Gpu, scale: float, rounds: int) -> None:
     """Print what drawing and each chain take of the processor, as a share of whole frames'."""
-    headset, track = load_headset(HEADSET), load_trace("look-around").track
+    headset = load_headset(HEADSET)
     size = tuple(round(scale * side) for side in headset.eye_size_px)
-    late, shown = (headset.views(track.at(track.start_ns + ns).pose)[0] for ns in (AT_NS - LATE_NS, AT_NS))
+    late, shown = views_of(headset, LATE_NS, AT_NS)
     server = Server(gpu, load_scene("room"), samples=4)
-    heads = ["frames of 30 degrees", "drawing", *(f"`{chain.replace('/', '`, `')}`" for chain in CHAINS)]
-    print(f"| {' | '.join(heads)} |")
-    print("| --- |" + " ---: |" * (1 + len(CHAINS)))
-    cells, shares = row(gpu, server, (late, shown), size, Fovea(30.0), rounds)
-    print(f"| processor time, of whole frames' | {' | '.join(cells)} |")
-    print(f"| of it the expansion | | {' | '.join(shares)} |")
-    server.close()
-
-
-def row(
-    gpu: Gpu, server: Server, views: tuple[View, View], size: tuple[int, int], fovea: Fovea, rounds: int
-) -> tuple[list[str], list[str]]:
-    """Return the cells of drawing and of each chain, and the share of expansion in each chain."""
-    late, shown = views
-    shares: list[str] = []
-    pairs: list[tuple[Callable[[], object], ...]] = []
+    needs = build_plan((), "iterative", "none", "none", client_geometry=True, fovea=FOVEA).needs
+    drawing = (lambda n=n: server.recycle(server.draw_frame([late], 0, size, GUARD, n)) for n in (needs, None))
+    cells, shares = [ratio(gpu, *drawing, rounds)], [""]
     for chain in CHAINS:
-        methods = []
-        for each in (fovea, None):
-            plan = build_plan((), *chain.split("/"), "none", client_geometry=True, fovea=each)
+        methods: list[Callable[[], object]] = []
+        share = "none"
+        for fovea in (FOVEA, None):
+            plan = build_plan((), *chain.split("/"), "none", client_geometry=True, fovea=fovea)
             frame = server.draw_frame([late], 0, size, GUARD, plan.needs)
             client = Compensator(gpu, plan, None, frame.eyes[0].size, size, hides=shown.hidden is not None)
-            methods.append(lambda client=client, frame=frame: client.run(PassInputs(frame.eyes[0], shown)))
+            inputs = PassInputs(frame.eyes[0], shown)
+            methods.append(lambda client=client, inputs=inputs: client.run(inputs))
             if plan.expands:
-                inputs, parts = PassInputs(frame.eyes[0], shown), frozenset(plan.foveated)
-                alone = ExpandPass(gpu, parts, frame.eyes[0].size, size, Tools(None, 1))
-                share = ratio(gpu, lambda alone=alone, inputs=inputs: alone.run(inputs), methods[0], rounds)
-                shares.append(f"{100 * share:.0f} %")
-            elif each is not None:
-                shares.append("none")
-        pairs.append(tuple(methods))
-    needs = build_plan((), "iterative", "none", "none", client_geometry=True, fovea=fovea).needs
-    pairs.insert(
-        0, tuple(lambda n=n: server.recycle(server.draw_frame([late], 0, size, GUARD, n)) for n in (needs, None))
-    )
-    return [f"{ratio(gpu, *pair, rounds):.2f}" for pair in pairs], shares
-
-
-def ratio(gpu: Gpu, one: Callable[[], object], other: Callable[[], object], rounds: int) -> float:
-    """Return the median over pairs of runs; the first warms up."""
-    found = [took_ns(gpu, one) / took_ns(gpu, other) for _ in range(rounds + 1)]
-    return float(np.median(found[1:]))
-
-
-def took_ns(gpu: Gpu, method: Callable[[], object]) -> int:
-    """Return the processor time of all threads."""
-    gpu.gl.finish()
-    started = time.process_time_ns()
-    method()
-    gpu.gl.finish()
-    return time.process_time_ns() - started
+                alone = ExpandPass(gpu, frozenset(plan.foveated), frame.eyes[0].size, size, Tools(None, 1))
+                expanding = ratio(gpu, lambda alone=alone, inputs=inputs: alone.run(inputs), methods[0], rounds)
+                share = f"{100 * expanding:.0f} %"
+        cells.append(ratio(gpu, *methods, rounds))
+        shares.append(share)
+    server.close()
+    heads = ["frames of 30 degrees", "drawing", *(f"`{chain.replace('/', '`, `')}`" for chain in CHAINS)]
+    whole = ["processor time, of whole frames'", *(f"{cell:.2f}" for cell in cells)]
+    print_table(heads, [whole, ["of it the expansion", *shares]])
 
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--side", type=int, default=240, help="pixels of a picture's side")
-    parser.add_argument("--seconds", type=float, default=1.0)
-    parser.add_argument("--scale", type=float, default=0.4, help="of the headset's own size, for the price")
-    arguments = parser.parse_args()
+    chosen = options(
+        __doc__,
+        rounds=(15, "of each pair"),
+        side=(240, "pixels of a picture's side"),
+        seconds=(1.0, "of each replay"),
+        scale=(0.4, "of the headset's own size, for the price"),
+    )
     with Gpu() as gpu:
-        quality(gpu, arguments.side, arguments.seconds)
+        quality(gpu, chosen.side, chosen.seconds)
         print()
-        price(gpu, arguments.scale, arguments.rounds)
+        price(gpu, chosen.scale, chosen.rounds)
 
 
 if __name__ == "__main__":

@@ -6,13 +6,13 @@ keep it at work between the refreshes. Prints JSON: one object for each size and
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
+from apparatus import options, sizes_in
 
 from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.gpu import Gpu
@@ -32,7 +32,6 @@ CHAINS = {
 }
 LATENCY_NS = 200_000_000
 REFRESH_NS = 11_111_111
-BUSY_BYTES = 256 << 20
 BUSY_MS = 15.0
 
 
@@ -56,8 +55,8 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
     scene, headset, track = load_scene("room"), load_headset("rift-dk1"), load_trace("look-around").track
     server = Server(gpu, scene)
     for name, chosen in CHAINS.items():
-        options = PipelineOptions.of({"scene": "room", "lens": "none", "size": f"{size[0]}x{size[1]}", **chosen})
-        plan = build_plan_for(options, headset, scene)
+        wanted = PipelineOptions.of({"scene": "room", "lens": "none", "size": f"{size[0]}x{size[1]}", **chosen})
+        plan = build_plan_for(wanted, headset, scene)
         frames: list = []
         times: dict[str, list[float]] = {}
         made = None
@@ -65,7 +64,7 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
             now_ns = track.start_ns + 2_000_000_000 + number * 9 * REFRESH_NS
             late = headset.views(track.at(now_ns - LATENCY_NS).pose)
             shown = headset.views(track.at(now_ns).pose)
-            frame = server.draw_frame(late, now_ns - LATENCY_NS, size, options.guard_band, plan.needs, size)
+            frame = server.draw_frame(late, now_ns - LATENCY_NS, size, wanted.guard_band, plan.needs, size)
             if made is None:
                 made = Compensator(gpu, plan, headset, frame.eyes[0].size, size)
             frames.append(frame)
@@ -95,16 +94,18 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
         }
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--size", action="append", default=[], help="pixels of one eye, WxH; several")
-    parser.add_argument("--refreshes", type=int, default=40)
-    parser.add_argument("--busy-bytes", type=int, default=BUSY_BYTES, help="of each buffer that is copied in between")
-    asked = parser.parse_args(arguments)
+def main() -> None:
+    """Print the figures."""
+    asked = options(
+        __doc__,
+        sizes=("1280x800", "pixels of one eye, with commas"),
+        refreshes=(40, "of each chain"),
+        busy=(256 << 20, "bytes of each buffer that is copied in between"),
+    )
     with Gpu() as gpu:
-        busy = Busy(gpu, asked.busy_bytes)
-        sizes = [tuple(map(int, text.split("x"))) for text in asked.size]
-        json.dump([row for size in sizes for row in measured(gpu, size, asked.refreshes, busy)], sys.stdout)
+        busy = Busy(gpu, asked.busy)
+        rows = [row for size in sizes_in(asked.sizes) for row in measured(gpu, size, asked.refreshes, busy)]
+        json.dump(rows, sys.stdout)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ Nothing may grow and no session may be lost. Prints what it measured.
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import signal
@@ -16,11 +15,10 @@ import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent / "sources"))
-
-from feed.exchange import port_of
-from feed.relay import Relay
+from apparatus import options
 from serving import Serving
+from sources.feed.exchange import port_of
+from sources.feed.relay import Relay
 
 SIZE = (160, 200)
 # Both eyes with colour (8 bytes a pixel), depth (4) and a guard band of 1.5 each way.
@@ -32,7 +30,7 @@ CUT_EVERY_S = 60.0
 
 
 def resident(process: int) -> int:
-    """Bytes that a process holds in memory."""
+    """Return the bytes that a process holds in memory."""
     return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -44,20 +42,14 @@ def growth(samples: list[int]) -> float:
 
 def main() -> int:
     """Run it; return 0 where nothing grew and nothing was lost."""
-    wanted = argparse.ArgumentParser(description=__doc__)
-    wanted.add_argument("--seconds", type=float, default=3600.0)
-    seconds = wanted.parse_args().seconds
+    seconds = options(__doc__, seconds=(3600.0, "that both run")).seconds
     held: dict[str, list[int]] = {"server": [], "client": []}
     cuts = 0
     with tempfile.TemporaryDirectory() as folder, Serving() as serving, Relay(port_of(serving.address)) as relay:
         relay.delay_s, relay.jitter_s = 0.01, 0.01
         out = Path(folder) / "out"
-        said = [
-            "--source", "offscreen", "--trace", "look-around", "--size", "x".join(map(str, SIZE)),
-            "--out", str(out),
-        ]  # fmt: skip
-        command = [sys.executable, "-m", "hmdwarp", "live", *said, "--connect", relay.address, "--quiet"]
-        client = subprocess.Popen(command)
+        said = f"--source offscreen --trace look-around --size {SIZE[0]}x{SIZE[1]} --connect {relay.address} --quiet"
+        client = subprocess.Popen([sys.executable, "-m", "hmdwarp", "live", *said.split(), "--out", str(out)])
         serving.line("here")
         begun = next_cut = time.monotonic()
         while time.monotonic() - begun < seconds:

@@ -7,9 +7,7 @@ spent the rest is left out, and named. With --quick: all of it once, on tiny pic
 
 from __future__ import annotations
 
-import argparse
 import json
-import shlex
 import subprocess
 import sys
 import time
@@ -18,16 +16,17 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+from apparatus import options
+from gpu_tables import section
 
-TESTS = Path(__file__).resolve().parent
-sys.path.insert(0, str(TESTS.parent / "docs"))
-
-import gpu_tables  # noqa: E402 (a script of docs/)
-
+HERE = Path(__file__).resolve().parent
 SCHEMA = 1
 PATHS = {True: ("forward:path=portable", "forward:path=atomic64"), False: ("forward",)}
 FEW = ("none", "rotation", "iterative", "backward", "layered")
 MORE = (*FEW, "planar", "forward_ordered", "forward_raster", "splat", "multi", "mesh", "mesh_adaptive")
+
+
+FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
 
 
 @attrs.frozen
@@ -41,18 +40,17 @@ class Work:
     chains: tuple[str, ...] = ()  # options of gpu_chain.py beside the sizes
     frames: int = 600  # of each live run
     refreshes: int = 300  # of each row of bench-live
-    array_sizes: tuple[str, ...] = ()  # of calls with arrays, where not the usual ones
+    arrays: tuple[str, ...] = ()  # options of warper_cost.py
 
 
-FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
 ALL = Work(
     (("1280x800", MORE, FILLS), ("2064x2208", FEW, FILLS)),
     ("--instants", "3", "--rounds", "5"),
 )
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
-    tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0")),
-    "planes", ("--refreshes", "2", "--busy-bytes", "65536"), 10, 2, ("48x40",),
+    ("--instants", "1", "--rounds", "1", "--seconds", "1", "--workers", "0"),
+    "planes", ("--refreshes", "2", "--busy", "65536"), 10, 2, ("--sizes", "48x40"),
 )  # fmt: skip
 
 
@@ -104,8 +102,8 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     has_atomic64 = next(finding for finding in doctor if finding["name"] == "OpenGL")["facts"]["atomic_int64"]
     if not has_atomic64:
         run.left_out.append("the 64-bit path: this driver has no 64-bit atomics")
-    told_sizes = [part for size, *_ in work.benches for part in ("--size", size)]
-    chains = run.part("chains with a busy GPU", str(TESTS / "gpu_chain.py"), *told_sizes, *work.chains)
+    sizes = ",".join(size for size, *_ in work.benches)
+    chains = run.part("chains with a busy GPU", str(HERE / "gpu_chain.py"), "--sizes", sizes, *work.chains)
     benches, lives = [], []
     for size, warps, fills in work.benches:
         chosen = ("--warp", ",".join((*PATHS[has_atomic64], *warps)), "--fill", ",".join(fills))
@@ -114,9 +112,9 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     for size, *_ in work.benches:
         what = ("--source", "offscreen", "--trace", "look-around", "--scene", work.scene, "--size", size)
         lives.append(run.results(f"live {size}", "live", *what, "--pictures", str(work.frames), file="summary.json"))
-    arrays = run.part("calls with arrays", str(TESTS / "bench_warper.py"), "--ratios", *work.array_sizes)
+    arrays = run.part("calls with arrays", str(HERE / "warper_cost.py"), "--ratios", *work.arrays)
     # Status 1: a limit is exceeded, which it says.
-    loop = run.part("bench-live", str(TESTS / "bench_live.py"), "--frames", str(work.refreshes), statuses=(0, 1))
+    loop = run.part("bench-live", str(HERE / "live_cost.py"), "--frames", str(work.refreshes), statuses=(0, 1))
     return {
         "schema": SCHEMA,
         "doctor": doctor,
@@ -130,17 +128,19 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     }
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, required=True, help="folder for gpu.json, gpu.md and what they come from")
-    parser.add_argument("--minutes", type=float, default=9.0, help="after which the rest is left out")
-    parser.add_argument("--quick", action="store_true", help="all of it once, on tiny pictures")
-    asked = parser.parse_args(arguments)
+def main() -> None:
+    """Measure, and write gpu.json and its page."""
+    asked = options(
+        __doc__,
+        out=(Path("out/gpu"), "folder for gpu.json, gpu.md and what they come from"),
+        minutes=(9.0, "after which the rest is left out"),
+        quick=(False, "all of it once, on tiny pictures"),
+    )
     asked.out.mkdir(parents=True, exist_ok=True)
     data = measure(asked.out, QUICK if asked.quick else ALL, asked.minutes)
     (asked.out / "gpu.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     page = asked.out / "gpu.md"
-    page.write_text(gpu_tables.section(data), encoding="utf-8")
+    page.write_text(section(data), encoding="utf-8")
     for line in data["left_out"]:
         print(f"left out: {line}")
     print(f"page: {page}")

@@ -9,6 +9,7 @@ at the newest pose.
 from __future__ import annotations
 
 import numpy as np
+from apparatus import options, print_table
 from client_scene import ClientScene
 from worlds import read
 
@@ -16,9 +17,8 @@ from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu
 from hmdwarp.scenes import Panel, Quad, Scene
-from hmdwarp.sources.server import Server
 
-SIZE = (384, 320)
+SIZE, PIXELS = (384, 320), (1, 2, 4)
 FOV = Fov.from_tangents((-0.48, 0.48, -0.4, 0.4))
 # Steps of the eye of 4 cm at most, and turns of 1 degree: late, and newest.
 LATE, NEWEST = (
@@ -46,39 +46,37 @@ def middle(texture) -> np.ndarray:
     return read(texture)[100:-100, 110:-110, 0]
 
 
-def shares(gpu: Gpu, panel: Panel) -> list[tuple[float, float]]:
-    """Return the mean contrast and error of each way, as shares of the drawn pictures' contrast."""
+def shares(gpu: Gpu, panel: Panel, poses: int) -> np.ndarray:
+    """Return contrast and error of each way (rows), as shares of the drawn pictures' contrast."""
     wall = Quad((0.0, 0.0, -3.0), (4.0, 0, 0), (0, 4.0, 0), -1, (0.2, 0.2, 0.2)).mesh("wall")
-    scene = Scene("stripes", "", (wall,), panels=[panel])
-    client = ClientScene(gpu, scene)
-    server: Server = client.server
+    client = ClientScene(gpu, Scene("stripes", "", (wall,), panels=[panel]))
     found = np.zeros((len(WAYS), 2))
     for number, (_, warp, effects) in enumerate(WAYS):
         plan = build_plan(effects, warp, "none", "none", client_geometry=True)
         compensator = Compensator(gpu, plan, None, SIZE, SIZE, client)
-        for late, newest in zip(LATE, NEWEST, strict=True):
-            frame = server.draw_frame([View(late, FOV)], 0, SIZE, needs=plan.needs)
+        for late, newest in zip(LATE[:poses], NEWEST[:poses], strict=True):
+            frame = client.server.draw_frame([View(late, FOV)], 0, SIZE, needs=plan.needs)
             client.receive(frame)
-            drawn = middle(server.draw(View(newest, FOV), SIZE).colour)
+            drawn = middle(client.server.draw(View(newest, FOV), SIZE).colour)
             shown = compensator.run(PassInputs(frame.eyes[0], View(newest, FOV))).shown
             assert shown is not None
             picture = middle(shown.texture)
-            off = float(np.sqrt(np.mean((picture - drawn) ** 2)))
-            found[number] += np.array([np.std(picture), off]) / np.std(drawn) / len(LATE)
-            server.recycle(frame)
+            off = np.sqrt(np.mean((picture - drawn) ** 2))
+            found[number] += np.array([np.std(picture), off]) / np.std(drawn) / poses
+            client.server.recycle(frame)
         compensator.close()
     client.close()
-    return [(float(contrast), float(off)) for contrast, off in found]
+    return found
 
 
 def main() -> None:
     """Print the table."""
+    poses = options(__doc__, poses=(len(LATE), "late and newest eyes")).poses
     with Gpu() as gpu:
-        columns = [shares(gpu, stripes(pixels)) for pixels in (1, 2, 4)]
-    heads = ["text", *(f"stripes of {pixels} px: {what} %" for pixels in (1, 2, 4) for what in ("contrast", "error"))]
-    print("| " + " | ".join(heads) + " |\n| --- |" + " ---: |" * (len(heads) - 1))
-    for (way, *_), of_way in zip(WAYS, zip(*columns, strict=True), strict=True):
-        print("| " + " | ".join([way, *(f"{100 * share:.0f}" for both in of_way for share in both)]) + " |")
+        found = np.hstack([shares(gpu, stripes(pixels), poses) for pixels in PIXELS])
+    heads = ["text", *(f"stripes of {pixels} px: {what} %" for pixels in PIXELS for what in ("contrast", "error"))]
+    rows = [[way, *(f"{100 * share:.0f}" for share in each)] for (way, *_), each in zip(WAYS, found, strict=True)]
+    print_table(heads, rows)
 
 
 if __name__ == "__main__":
