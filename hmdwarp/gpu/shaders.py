@@ -303,11 +303,11 @@ class ShaderLibrary:
         """How many were compiled, for the tests."""
         return len(self._cache)
 
-    def compute(self, path: str, *, grid: Grid | None = None, **defines: object) -> Compute:
+    def compute(self, path: str, *, grid: Any = None, **defines: object) -> Compute:
         """Return the compute shader `path`: relative to shaders/, or absolute.
 
-        grid: the view whose pixels it runs over, if it may leave out those that are hidden; inside
-        strips.skipping(True) it does.
+        grid: the view (Grid) whose pixels it runs over, if it may leave out those that are hidden;
+        inside strips.skipping(True) it does. Any type, as callers hand on dicts of defines.
         """
         strips = self.strips if grid is not None and self.strips.skips else None
         defines |= {} if strips is None else {"HIDES": 1}

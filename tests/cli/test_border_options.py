@@ -16,7 +16,8 @@ def summary(quick: list[str]) -> dict:
 
 
 def test_guard_auto_is_settled_and_told(command, quick):
-    told = command("replay", "look-around", *quick, *SMALL, "--guard", "auto").done().out
+    loud = [word for word in quick if word != "--quiet"]
+    told = command("replay", "look-around", *loud, *SMALL, "--guard", "auto").done().out
     found = summary(quick)["guard"]
     assert 1 < found <= 2
     assert f"--guard {found}" in told and "Guard auto: to lose nothing at 95% of the refreshes takes" in told
