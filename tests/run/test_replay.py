@@ -11,9 +11,9 @@ import math
 import re
 from pathlib import Path
 
-import moderngl
 import numpy as np
 import pytest
+from gl_clock import counting_made
 from PIL import Image
 from poses.traces import WRITERS, save
 from replays import contents, rows_of, run, small, suited
@@ -405,52 +405,23 @@ def test_trace_options_reach_the_reader(tmp_path):
 # --------------------------------------------------------------------------------------------------
 
 
-class Made:
-    """Counts what is made on the GPU from here on."""
-
-    KINDS = (
-        "texture",
-        "buffer",
-        "framebuffer",
-        "depth_renderbuffer",
-        "renderbuffer",
-        "vertex_array",
-        "program",
-        "compute_shader",
-        "query",
-    )
-
-    def __init__(self, monkeypatch) -> None:
-        self.count = dict.fromkeys(self.KINDS, 0)
-        for kind in self.KINDS:
-            self._watch(monkeypatch, kind)
-
-    def _watch(self, monkeypatch, kind: str) -> None:
-        make = getattr(moderngl.Context, kind)
-
-        def counted(*args: object, **options: object) -> object:
-            self.count[kind] += 1
-            return make(*args, **options)
-
-        monkeypatch.setattr(moderngl.Context, kind, counted)
-
-
 @pytest.mark.parametrize("warp", ["forward", "backward"])
-def test_no_objects_are_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
+def test_no_objects_are_made_after_the_second_shown_refresh(warp, tmp_path):
     """At the second one the frame being drawn, the one shown and those under way exist together for
     the first time.
     """
     from hmdwarp.run import replay
 
-    made, after = Made(monkeypatch), {}
+    after = {}
     passes = {"warp": warp, "fill": "interpolate", "lens": "radial", "headset": "rift-dk1", "against": "planar"}
     options = small(tmp_path, **passes, metrics_every=1, seconds=0.2)
-    replay(options, lambda done, total: after.setdefault(done, dict(made.count)))
+    with counting_made() as made:
+        replay(options, lambda done, total: after.setdefault(done, dict(made)))
     assert after[12] == after[2]
     assert after[2]["texture"] > after[0]["texture"] > 0  # the counting works
 
 
-def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
+def test_a_long_run_takes_no_more_than_a_short_one(tmp_path):
     """60 s against 2 s: as many textures and buffers ever made, as many frames ever held."""
     from hmdwarp.poses import synthesise
     from hmdwarp.run import replay
@@ -461,13 +432,12 @@ def test_a_long_run_takes_no_more_than_a_short_one(tmp_path, monkeypatch):
     replay(small(tmp_path / "first", seconds=0.1, size=(16, 12)))
     counts, held = [], []
     for seconds in (2.0, 60.0):
-        with monkeypatch.context() as patch:
-            made = Made(patch)
+        with counting_made() as made:
             result = replay(
                 small(tmp_path / "out", trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0, metrics_every=50)
             )
             assert result.summary["frames"] == 20 * seconds
-            counts.append(made.count)
+            counts.append(dict(made))
         held.append(most_held(small(trace=str(path), seconds=seconds, size=(16, 12), rate_hz=20.0)))
     assert counts[0] == counts[1]
     assert held == [
