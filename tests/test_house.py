@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (12546, 8500),
-    "run": (8965, 5400),
-    "client": (8964, 6500),
-    "cloudlight": (0, 3600),
-    "scenes": (8675, 4600),
-    "poses": (7379, 4500),
-    "pipeline": (5493, 3700),
-    "link frames": (4643, 3100),
-    "image check": (3751, 3200),
-    "gpu geometry headsets": (4046, 3100),
-    "report": (6298, 4200),
-    "experiments": (4596, 3200),
-    "metrics options": (3712, 2600),
-    "cli": (3392, 2400),
-    "display web": (6086, 4000),
-    "study": (16105, 10000),
-    "": (614, 500),  # the modules beside the packages
+    "sources": (10577, 8500),
+    "run": (7062, 5400),
+    "client": (8162, 6500),
+    "cloudlight": (3600, 3600),  # done
+    "scenes": (6889, 4600),
+    "poses": (7262, 4500),
+    "pipeline": (5157, 3700),
+    "link frames": (4032, 3100),
+    "image check": (3750, 3200),
+    "gpu geometry headsets": (3757, 3100),
+    "report": (5564, 4200),
+    "experiments": (4182, 3200),
+    "metrics options": (3473, 2600),
+    "cli": (2993, 2400),
+    "display web": (5019, 4000),
+    "study": (12133, 10000),
+    "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (99543, 58000)
+TEST_LINES = (91659, 58000)
 
 
 def lines_of(paths: list[Path]) -> int:
