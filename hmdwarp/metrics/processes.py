@@ -116,10 +116,11 @@ class MeasuringProcesses:
         if not self.count:
             return _run_here(work, *given)
         try:
-            with _without_interrupts():
-                if self._open is None:
+            if self._open is None:
+                with _without_interrupts():  # Python's tracker begins here, and unblocks Ctrl-C when it has
                     context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
                     self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
+            with _without_interrupts():
                 return self._open[0].submit(work, *given)
         except OSError as error:
             raise MachineError(
