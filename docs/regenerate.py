@@ -47,6 +47,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
     "speed": ("docs/measure/speed.py", False),
+    "refresh calls": ("docs/measure/refresh_calls.py", False),
     "speed aims": ("docs/measure/speed.py --aims", True),
     "foveation": ("docs/measure/foveated.py", True),
     "panels": ("docs/measure/panel_text.py", True),
