@@ -439,7 +439,6 @@ def _traces() -> Iterator[tuple[str, Target]]:
         ),
         "unity": files.VECTORS["Unity in quotes"],
         "iwer": json.dumps({"schema": [], "frames": files.iwer_frames(track)}),
-        "browser": json.dumps({"session": "a", "heads": [frame[:8] for frame in files.iwer_frames(track)]}),
         "json": json.dumps(files.JSON_FORMS["columns and data"]),
         "motive": "\n".join(files.motive()),
         "qualisys": "\n".join(files.qualisys()),
@@ -451,7 +450,8 @@ def _traces() -> Iterator[tuple[str, Target]]:
         yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
     from poses.test_assumptions import SAMPLES
 
-    yield "trace eyenavgs", Target(SAMPLES["eyenavgs"], reads("*"))
+    for name in ("eyenavgs", "browser"):
+        yield f"trace {name}", Target(SAMPLES[name], reads("*"))
     yield "trace colmap", Target(SAMPLES["colmap"], reads("sparse/0/images.txt", {"rate": 90.0}))
     yield (
         "trace named",

@@ -62,9 +62,9 @@ def _without_interrupts() -> Iterator[None]:
         yield
         return
     heard: list[int] = []
-    is_main = threading.current_thread() is threading.main_thread()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     # Another thread may get a signal for this one.
+    is_main = threading.current_thread() is threading.main_thread()
     kept = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM) if is_main else ()
     handlers = {number: signal.signal(number, lambda which, _: heard.append(which)) for number in kept}
     try:
