@@ -327,7 +327,7 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
     pictures = [RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)]
     pictures += [RenderedPicture(*world._picture(), world._beside()) for _ in range(2)]
     holes, picture, into = HoleFiller(gpu, holed.size, cell), holed.picture(gpu), holed.picture(gpu)
-    holes.start(world.shown_view, picture, into)
+    holes.start(picture, into)
     for number, one in enumerate(pictures):
         textures = world._textures(gpu, one.colour, one.inverse_depth)
         seeds = seeds_for(gpu, world.size) if halved else None

@@ -89,7 +89,7 @@ def test_the_resuming_command_is_quoted_for_a_shell():
     options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True, lsl=True)
     assert (
         options.command("P7", "main", several=False)
-        == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here' --lsl"
+        == "hmdwarp study run 'my study.toml' --participant P7 --resume --lsl --store 'data here'"
     )
     assert "--part main" in options.command("P7", "main", several=True)
 
