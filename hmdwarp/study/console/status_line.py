@@ -81,7 +81,10 @@ def fitted(head: str, typed: str) -> str:
     """Return a line no wider than the terminal: the beginning of `head`, the end of `typed`."""
     from rich.cells import cell_len, set_cell_size
 
-    room = max(shutil.get_terminal_size().columns - 4, 8)  # " > ", and the last column, which would wrap
+    columns = shutil.get_terminal_size().columns
+    with suppress(OSError, ValueError):  # the terminal's own width: COLUMNS of the environment may be another one's
+        columns = os.get_terminal_size(sys.stdout.fileno()).columns or columns
+    room = max(columns - 4, 8)  # " > ", and the last column, which would wrap
     head, typed = ("".join(filter(str.isprintable, text)) for text in (head, typed))
     while typed and cell_len(typed) > max(room - _LEAST_HEAD, room // 2):
         typed = typed[1:]
