@@ -25,15 +25,12 @@ print("painted", [texture.name for texture in load_scene("room").textures if "im
 """
 
 
-# The power of a study's tests is SciPy's.
-@pytest.mark.parametrize(
-    ("arguments", "loads"), [("plan", []), ("study plan quick", ["scipy"]), ("doctor", [])], ids=lambda one: f"{one}"
-)
-def test_a_command_that_draws_nothing_loads_no_heavy_library_and_paints_no_texture(arguments, loads):
+@pytest.mark.parametrize("arguments", [["plan"], ["study", "plan", "quick"], ["doctor"]], ids=" ".join)
+def test_a_command_that_draws_nothing_loads_no_heavy_library_and_paints_no_texture(arguments):
     done = subprocess.run(
-        [sys.executable, "-c", AFTER, *arguments.split()], check=False, capture_output=True, text=True, encoding="utf-8"
+        [sys.executable, "-c", AFTER, *arguments], check=False, capture_output=True, text=True, encoding="utf-8"
     )
-    assert done.stdout.splitlines()[-3:] == ["status 0", f"loaded {loads}", "painted []"], done.stderr
+    assert done.stdout.splitlines()[-3:] == ["status 0", "loaded []", "painted []"], done.stderr
 
 
 def test_a_shipped_scene_is_built_once():

@@ -538,8 +538,7 @@ def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOp
     """
     if len(names) == 1:
         return ratings_from(names[0], store, options)
-    every: list[Ratings] = []
-    seen: dict[tuple[str, str, int], str] = {}
+    every, seen = list[Ratings](), dict[tuple[str, str, int], str]()
     for name in names:
         if name.endswith(".toml") or not Path(name).is_file():
             raise InputError(
@@ -547,14 +546,14 @@ def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOp
                 "('hmdwarp study export')"
             )
         every.append(ratings := from_csv(Path(name), options))
-        first = every[0]
-        if ratings.origin != first.origin:
-            raise InputError(f"{name}: ratings of origin '{ratings.origin}', and '{first.origin}' in {names[0]}")
+        if ratings.origin != every[0].origin:
+            raise InputError(f"{name}: ratings of origin '{ratings.origin}', and '{every[0].origin}' in {names[0]}")
         for scale, info in ratings.scale_info.items():
-            if first.scale_info.get(scale, info) != info:
+            if every[0].scale_info.get(scale, info) != info:
                 raise InputError(f"{name}: scale '{scale}' is another one than in {names[0]}")
-        sessions = ratings.rows[["participant", "part", "session"]].drop_duplicates()
-        for who in sessions.itertuples(index=False, name=None):
+        for who in (
+            ratings.rows[["participant", "part", "session"]].drop_duplicates().itertuples(index=False, name=None)
+        ):
             if (other := seen.setdefault(who, name)) != name:
                 raise InputError(
                     f"{name}: has session {who[2]} of participant '{who[0]}', as {other} has: is one a copy of the "

@@ -1,3 +1,4 @@
+from .power import JOD_SPREAD as JOD_SPREAD
 from .power import people_for_sign as people_for_sign
 from .power import people_for_signed_rank as people_for_signed_rank
 from .power import sign_power as sign_power
@@ -16,7 +17,6 @@ from .rank_tests import kendalls_w as kendalls_w
 from .rank_tests import rank_biserial as rank_biserial
 from .rank_tests import smallest_p as smallest_p
 from .rank_tests import wilcoxon_exact as wilcoxon_exact
-from .thurstone import JOD_SPREAD as JOD_SPREAD
 from .thurstone import Scores as Scores
 from .thurstone import jod_scores as jod_scores
 from .thurstone import left_out_scores as left_out_scores

@@ -14,13 +14,13 @@ from __future__ import annotations
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
+from scipy.special import log_ndtr, ndtr, stdtrit
 
+from .power import JOD_SPREAD
 from .rank_tests import bca_shares
 
 Array = NDArray[np.float64]
 
-JOD_SPREAD = float(1 / ndtri(0.75))  # of the difference of two judgements, so that 1 JOD gives 75 %
 PRIOR_SD = 5.0  # of a score and of the threshold, JOD: a difference of 5 JOD is one that 99.96 % see
 HALF_TIE = 0.5  # added to the ties, so that a resample without one still has a threshold
 _STEPS, _CLOSE = 100, 1e-9
