@@ -198,7 +198,7 @@ ROOMS = {
     "study": (12133, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (91664, 58000)
+TEST_LINES = (91659, 58000)
 
 
 def lines_of(paths: list[Path]) -> int:
