@@ -541,19 +541,15 @@ def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOp
     every, seen = list[Ratings](), dict[tuple[str, str, int], str]()
     for name in names:
         if name.endswith(".toml") or not Path(name).is_file():
-            raise InputError(
-                f"{name}: beside other sources expected a table of ratings that is there: export each study first "
-                "('hmdwarp study export')"
-            )
+            wanted = "beside other sources expected a table of ratings that is there: export each study first"
+            raise InputError(f"{name}: {wanted} ('hmdwarp study export')")
         every.append(ratings := from_csv(Path(name), options))
         if ratings.origin != every[0].origin:
             raise InputError(f"{name}: ratings of origin '{ratings.origin}', and '{every[0].origin}' in {names[0]}")
         for scale, info in ratings.scale_info.items():
             if every[0].scale_info.get(scale, info) != info:
                 raise InputError(f"{name}: scale '{scale}' is another one than in {names[0]}")
-        for who in (
-            ratings.rows[["participant", "part", "session"]].drop_duplicates().itertuples(index=False, name=None)
-        ):
+        for who in dict.fromkeys(ratings.rows[["participant", "part", "session"]].itertuples(index=False, name=None)):
             if (other := seen.setdefault(who, name)) != name:
                 raise InputError(
                     f"{name}: has session {who[2]} of participant '{who[0]}', as {other} has: is one a copy of the "
