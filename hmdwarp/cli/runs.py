@@ -22,11 +22,10 @@ from ._show import sayer
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
-    if AUTO in (options.warp, options.guard):
-        choice = run.choose(options, sayer(said["quiet"]))
-        options = _told(choice, quiet=said["quiet"])
     required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
     stored = baseline.stored(options.out)
+    if AUTO in (options.warp, options.guard):
+        options = _told(run.choose(options, sayer(said["quiet"])), quiet=said["quiet"])
     result = _replay(options, said["quiet"])
     differences = baseline.differences(stored, result.folder, options.command)
     hold(required.missed([result.summary], result.against, differences))

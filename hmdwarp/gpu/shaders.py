@@ -311,15 +311,15 @@ class ShaderLibrary:
         """
         strips = self.strips if grid is not None and self.strips.skips else None
         defines |= {} if strips is None else {"HIDES": 1}
-        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, strips))
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, strips), strips and grid)
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
         """Return the vertex and fragment program of the two paths."""
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
-    def _get(self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Program]) -> Program:
-        key = (*paths, *sorted(defines.items()))
-        if key not in self._cache:
-            self._cache[key] = make()
-        program: Program = self._cache[key]
+    def _get(
+        self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Program], *over: object
+    ) -> Program:
+        key = (*paths, *sorted(defines.items()), *over)
+        program: Program = self._cache.get(key) or self._cache.setdefault(key, make())
         return program

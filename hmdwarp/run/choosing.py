@@ -146,8 +146,8 @@ def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
     size = options.size or headset.eye_size_px
     build_plan_for(options.with_pair("none", "none"), headset, None)
     rows = read_rows(path)
-    machine = rows[0]["machine"] if rows else {"gl_renderer": "no machine", "cpu_count": 0}
-    notes = [f"{name} was measured on {machine['gl_renderer']} with {machine['cpu_count']} cores."]
+    machines = {f"{row['machine']['gl_renderer']} with {row['machine']['cpu_count']} cores": None for row in rows}
+    notes = [f"{name} was measured on {', and on '.join(machines)}."]
     for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
         try:
             build_plan_for(options.with_pair(warp, fill), headset, None)

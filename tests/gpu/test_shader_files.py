@@ -56,9 +56,9 @@ class Recorder(ShaderLibrary):
         self._cache, self.strips = gpu.shaders._cache, gpu.shaders.strips
         self.used: set[tuple[str, tuple]] = set()
 
-    def _get(self, paths, defines, make):
+    def _get(self, paths, defines, *made):
         self.used |= {(path, tuple(sorted(defines.items()))) for path in paths}
-        return super()._get(paths, defines, make)
+        return super()._get(paths, defines, *made)
 
 
 @pytest.fixture(scope="module")

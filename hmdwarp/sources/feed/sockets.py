@@ -63,7 +63,7 @@ LINK = {
 }
 # Buffer of the kernel for each connection.
 KERNEL_BYTES = 1 << 14
-_EVERY_MS, _MOST_EVENTS = 20, 256
+_EVERY_MS, _MOST_EVENTS = 20, 4096
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
 _RTT, _RTT_AT = struct.Struct("=I"), 68
 _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
@@ -246,19 +246,18 @@ class Connections:
         Those that come and go must not keep it from looking at the others.
         """
         with self._lock:
-            events = iter(lambda: waiting_parts(self._zmq, self._accepted), [])
-            come = [self._note(event) for event in itertools.islice(events, _MOST_EVENTS)]
-            # Not before their ends are noted: what came and went, its descriptor may be another's.
+            events = list(itertools.islice(iter(lambda: waiting_parts(self._zmq, self._accepted), []), _MOST_EVENTS))
+            # By descriptor, the last of each: what came and went costs no look at it.
+            last = {descriptor: kind for kind, descriptor in (struct.unpack_from("=HI", event[0]) for event in events)}
+            for descriptor in last:
+                self._leave(descriptor)
+            come = [self._note(one) for one, kind in last.items() if kind == self._zmq.EVENT_ACCEPTED]
             for new in come:
                 if new is not None and self._of.get(new.wire.descriptor) is new:
                     self._make_place(new)
-        return len(come) < _MOST_EVENTS
+        return len(events) < _MOST_EVENTS
 
-    def _note(self, event: list[bytes]) -> Connection | None:
-        kind, descriptor = struct.unpack_from("=HI", event[0])
-        if kind != self._zmq.EVENT_ACCEPTED:
-            self._leave(descriptor)
-            return None
+    def _note(self, descriptor: int) -> Connection | None:
         try:
             wire = Wire.of(descriptor)
             with wire.handle() as one:
