@@ -9,7 +9,7 @@ Every entry registers itself the same way, as a class or as an object with a `na
     class Forward(Warp):
         name = "forward"
 
-Where a module declares several small entries, its registry names the module of each (`modules`).
+Where a module declares several small entries, its registry names it for each (`modules`).
 An entry that is data alone is a table, NAME.toml, in the registries that say what to make of one.
 
 Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
@@ -86,7 +86,7 @@ class Registry(Generic[T]):
         self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
         self._columns = columns  # of describe()
         self._holds_objects = holds_objects  # whether an entry is an object: a class that registers is made
-        self._modules = modules  # the module of each entry, where one declares several
+        self._modules = modules or {}  # by entry, the module that declares it with others
         self._entries: dict[str, T] = {}
 
     def register(self, entry: E) -> E:
@@ -111,7 +111,7 @@ class Registry(Generic[T]):
             if self._of_table is not None and name in (tables := self._tables()):
                 self._entries[name] = self._of_table(name, tomllib.loads(tables[name].read_text(encoding="utf-8")))
             elif name in self._shipped:
-                importlib.import_module(f"{self.package}.{name if self._modules is None else self._modules[name]}")
+                importlib.import_module(f"{self.package}.{self._modules.get(name, name)}")
             elif name in self._foreign():
                 self._load(self._foreign()[name])
             else:
@@ -132,13 +132,12 @@ class Registry(Generic[T]):
 
     @functools.cached_property
     def _shipped(self) -> frozenset[str]:
-        if self._modules is not None:
-            return frozenset(self._modules)
         if not self.package:
             return frozenset()
         path = importlib.import_module(self.package).__path__
-        modules = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
-        return frozenset(modules if self._of_table is None else modules | self._tables().keys())
+        files = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
+        tables = () if self._of_table is None else self._tables()
+        return frozenset((files - set(self._modules.values())) | self._modules.keys() | set(tables))
 
     def _tables(self) -> dict[str, Path]:
         folders = importlib.import_module(self.package).__path__

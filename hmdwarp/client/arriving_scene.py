@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..frames.layers import Inbox
-from ..frames.layers.scene_update import Delivery
+from ..frames.layers.scene_parts import Delivery
 from ..geometry import View
 from ..scenes import Mesh, Pieces, Scene, pieces_of
 from ..sources.server import ArrivingLight, SceneBuffers, Server, Target

@@ -166,7 +166,7 @@ class DrawnModel(Surfaces):
 class WholeScene(Store):
     """A scene that is drawn with all that is in it: mirrors, glass, overlays.
 
-    wanted: a Simplified of frames.layers.difference: share of the triangles of plain surfaces,
+    wanted: a Simplified of frames.layers.scene_parts: share of the triangles of plain surfaces,
     scale of textures, whether lit. With a share and a scale of 1, lit, it is drawn as the server
     draws it, to the last bit.
     """

@@ -12,6 +12,6 @@ from .layers import EyeSizes as EyeSizes
 from .layers import Surface as Surface
 from .layers.ids import BodyIds as BodyIds
 from .layers.others import Others as Others
+from .layers.pictures import Transparent as Transparent
 from .layers.reflection import Mirrored as Mirrored
 from .layers.reflection import Reflection as Reflection
-from .layers.transparent import Transparent as Transparent

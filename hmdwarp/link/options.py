@@ -12,7 +12,7 @@ import attrs
 from ..errors import InputError
 from ..options import Declared, Number, Option, one_of, option
 from .delays import DelayModel, delay_models
-from .delays.constant import ConstantDelay
+from .delays.models import ConstantDelay
 from .link import QUEUE_MS, Bandwidth, GilbertElliott, Link
 from .response import StageTimes, parse_response
 

@@ -21,7 +21,7 @@ from hmdwarp.client.warps import Output
 from hmdwarp.colour import picture_from_linear, srgb_from_linear
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
-from hmdwarp.frames.layers.difference import Simplified
+from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.link.codec import Coding

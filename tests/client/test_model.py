@@ -14,7 +14,7 @@ from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, 
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
-from hmdwarp.frames.layers.difference import Simplified
+from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions

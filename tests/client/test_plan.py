@@ -39,7 +39,7 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
 from hmdwarp.frames.layers import readable_names
-from hmdwarp.frames.layers.difference import Simplified
+from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, ShaderLibrary, allocate
 from hmdwarp.headsets import load_headset

@@ -26,7 +26,7 @@ from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
-from hmdwarp.frames.layers.difference import Simplified
+from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import DepthLayer, Fov, Fovea, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.gpu.hidden import SeenRows

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import GilbertElliott, delay_models
-from hmdwarp.link.delays.normal import NormalJitter
+from hmdwarp.link.delays.models import NormalJitter, UniformJitter
 from hmdwarp.link.delays.trace import DelayTrace, read_delays
-from hmdwarp.link.delays.uniform import UniformJitter
 
 MS = 1_000_000
 MANY = 20_000

@@ -14,9 +14,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, response_figures
-from hmdwarp.link.delays.constant import ConstantDelay
-from hmdwarp.link.delays.normal import NormalJitter
-from hmdwarp.link.delays.uniform import UniformJitter
+from hmdwarp.link.delays.models import ConstantDelay, NormalJitter, UniformJitter
 
 MS = 1_000_000
 

@@ -9,7 +9,7 @@ import moderngl
 
 from ...errors import PlanError
 from ...frames import Needs
-from ...frames.layers.difference import Simplified
+from ...frames.layers.scene_parts import Simplified
 from ...geometry import View, WarpMap
 from ...gpu.textures import SCALAR, Canvas, allocate
 from ...sources.server import BYTES_BINDING, display_bytes

@@ -8,8 +8,7 @@ import attrs
 import moderngl
 
 from ...frames import Needs
-from ...frames.layers.difference import Simplified
-from ...frames.layers.scene_update import Delivery
+from ...frames.layers.scene_parts import Delivery, Simplified
 from ...gpu.textures import Canvas
 from ..arriving_scene import ArrivingScene
 from ..client_scene import ClientScene

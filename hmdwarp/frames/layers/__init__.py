@@ -1,4 +1,4 @@
-"""The layers that a frame can carry, one file each: a table, or a class where it is no texture."""
+"""The layers that a frame can carry: tables, and classes where one is no texture, by family."""
 
 from __future__ import annotations
 
@@ -379,7 +379,12 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Layer]:
     return type(name, (Layer,), {**facts, "name": name})
 
 
-layers: Registry[type[Layer]] = Registry("layer", __name__, of_table=_of_table)
+_MODULES = {
+    **dict.fromkeys(("cube", "light", "peeled", "transparent", "views", "wide"), "pictures"),
+    **dict.fromkeys(("foveated", "foveated_depth"), "foveated"),
+    **dict.fromkeys(("difference", "scene_update"), "scene_parts"),
+}
+layers: Registry[type[Layer]] = Registry("layer", __name__, of_table=_of_table, modules=_MODULES)
 
 
 def readable_names() -> tuple[str, ...]:

@@ -82,3 +82,12 @@ class Foveated(FoveatedLayer):
     name = "foveated"
     summary = "the rendered picture, coarser away from where the eye looks"
     formats = ("rgba16f",)
+
+
+@layers.register
+class FoveatedDepth(FoveatedLayer):
+    """In 1/m: of the pixels that one of the rim holds, the mean over their nearest surface."""
+
+    name = "foveated_depth"
+    summary = "inverse depth of the rendered picture, coarser away from where the eye looks"
+    formats = ("r32f",)

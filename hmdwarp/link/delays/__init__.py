@@ -1,4 +1,4 @@
-"""Delay models of the network: one file each."""
+"""Delay models of the network."""
 
 from __future__ import annotations
 
@@ -64,6 +64,8 @@ def milliseconds(what: str, text: str) -> float:
     return value
 
 
-delay_models: Registry[type[DelayModel]] = Registry("delay model", __name__)
+delay_models: Registry[type[DelayModel]] = Registry(
+    "delay model", __name__, modules=dict.fromkeys(("constant", "normal", "uniform"), "models")
+)
 
 __all__ = ["delay_models", "LONGEST_MS", "DelayModel", "milliseconds"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ....frames import EyeImage
-from ....frames.layers.difference import Simplified
+from ....frames.layers.scene_parts import Simplified
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, display_bytes

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....frames.layers import Outbox, Update
-from ....frames.layers.scene_update import Delivery
+from ....frames.layers.scene_parts import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
 from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen

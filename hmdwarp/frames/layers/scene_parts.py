@@ -1,4 +1,4 @@
-"""The picture less that of a simplified scene, which the client draws itself."""
+"""The scene for a client that draws it: its parts as they are needed, or what the picture adds."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 from numpy.typing import NDArray
 
-from . import Layer, between, layers
+from . import MOST_BUDGET, Delivered, Layer, between, layers
 
 if TYPE_CHECKING:
     import moderngl
@@ -22,6 +22,28 @@ class Simplified:
     share: float = attrs.field(default=0.2, validator=between(1e-6, 1))
     texture: float = attrs.field(default=1.0, validator=between(1e-6, 1))
     lit: bool = True
+
+
+@attrs.frozen(order=True)
+class Delivery:
+    """A scene that is delivered little by little."""
+
+    # Share of the triangles, scale of the textures, whether with light.
+    share: float = attrs.field(default=1.0, validator=between(1e-6, 1))
+    texture: float = attrs.field(default=1.0, validator=between(1e-6, 1))
+    lit: bool = True
+    # Bytes of each frame, at most.
+    budget: int = attrs.field(default=20_000, validator=between(1, MOST_BUDGET))
+
+
+@layers.register
+class SceneUpdate(Delivered):
+    """An Update for each Delivery. The amount is the frozenset of them."""
+
+    name = "scene_update"
+    summary = "parts of the scene, packed: what the head sees or is about to see first, until all has arrived"
+    drawn_by = "scene_update"
+    something = frozenset({Delivery()})
 
 
 @layers.register
