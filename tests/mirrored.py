@@ -10,7 +10,7 @@ import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Ball, Material, Quad, Scene, Texture, checker
-from hmdwarp.scenes.textures import ripples
+from hmdwarp.scenes.library._models import textures_named
 
 # Plain by themselves, so that what is wrong in them is wrong in what they show.
 FLOOR = Quad((0.0, 0.0, -3.0), (3.0, 0, 0), (0, 0, -3.0), -1, (0.3, 0.3, 0.32), (4, 4))
@@ -28,7 +28,7 @@ def mirrored_scene(*, uneven: bool = True, curved: bool = True) -> Scene:
     textures = (
         Texture("checker", checker(8, 32, (60, 60, 70), (235, 230, 225), 3)),
         Texture("checker-fine", checker(16, 16, (110, 100, 95), (240, 238, 230), 4)),
-        Texture("ripples", ripples(64), srgb=False),
+        Texture("ripples", textures_named("floor-normals")[0].image[::4, ::4], srgb=False),
     )
     floor = Material(reflectivity=0.3, normal_map=2, normal_scale=0.08) if uneven else Material(reflectivity=0.3)
     meshes = [attrs.evolve(one.mesh(f"plain-{i}"), double_sided=False) for i, one in enumerate(PLAIN_SHAPES)]

@@ -264,7 +264,6 @@ SAME_NAME = {
     "run": "the package and its class",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
-    "textures": "on the GPU; of the scenes",
 }
 # Names that differ by an s.
 APART_BY_S = {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import lzma
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +20,30 @@ from .._gltf_file import GltfFile
 from .._mesh import Material, Mesh, Texture
 from .._scene import ATLAS, Background
 from ..shapes import Quad, Triple, checker
-from ..textures import textures_named
 
 SKY = Background((0.13, 0.30, 0.66), (0.68, 0.78, 0.90), (0.30, 0.34, 0.22))
 
 
+_CLAMPED = {"flag", "hud", "label-1", "label-2", "page-1", "page-2", "paintings", "sun-floor"}
+_LINEAR = {"floor-normals"}
+
+
+def textures_named(*names: str) -> list[Texture]:
+    """Return the library's textures of these names; each is read when its image is first used."""
+    return [
+        Texture(name, partial(_image, name), srgb=name not in _LINEAR, repeat=name not in _CLAMPED) for name in names
+    ]
+
+
+def _image(name: str) -> NDArray[np.uint8]:
+    from PIL import Image
+
+    with Image.open(Path(__file__).with_name("textures") / f"{name}.webp") as found:
+        return np.asarray(found)
+
+
 def deck_textures(*more: str) -> list[Texture]:
-    """Paint the textures of the deck, then those of these names."""
+    """Return the textures of the deck, then those of these names."""
     country = ("foliage", "grass", "roof", "facade", "map", "posters")
     return textures_named("planks", "wood", "bricks", "plaster", "fabric", "speckle", *country, *more)
 
@@ -74,16 +92,8 @@ class StoredModel:
 
     def doubles(self, name: str, columns: int) -> NDArray[np.float64]:
         """Return the (n, columns) numbers of the buffer view of that name."""
-        return np.frombuffer(self._view(name), "<f8").reshape(-1, columns)
-
-    def mask(self, name: str) -> NDArray[np.bool_]:
-        """Return the (h, w) black and white image of that name."""
-        names = [image.get("name") for image in self._file.items("images")]
-        return self._file.image(names.index(name), name)[..., 0] > 127
-
-    def _view(self, name: str) -> bytes:
         (view,) = (view for view in self._file.items("bufferViews") if view.get("name") == name)
-        return self._file.view(view)
+        return np.frombuffer(self._file.view(view), "<f8").reshape(-1, columns)
 
 
 BORDER = 1  # texels around each chart, so that light never blends with another's

@@ -7,8 +7,7 @@ so that what is 3 m behind the floor sways by 5 cm.
 from __future__ import annotations
 
 from .._scene import Background, Scene, SceneSource, scenes
-from ..textures import textures_named
-from ._models import StoredModel
+from ._models import StoredModel, textures_named
 
 SUMMARY = "a gallery with an uneven polished floor, a wall mirror and a chrome ball"
 EFFECTS = ("planar_reflections", "glossy_reflections", "curved_reflections")

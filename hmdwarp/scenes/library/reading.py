@@ -6,7 +6,7 @@ from ...geometry import Pose
 from .._panels import Panel
 from .._scene import Background, Scene, SceneSource, scenes
 from ..shapes import Quad
-from ..textures import textures_named
+from ._models import textures_named
 
 SUMMARY = "a page of text behind a post, and a label fixed to the head, which turn over: panels, occluded_panels"
 QUADS = (

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from .._mesh import Texture
 from .._scene import Scene, SceneSource, scenes
-from ..textures import sun_floor, textures_named
-from ._models import SKY, StoredModel
+from ._models import SKY, StoredModel, textures_named
 
 SUMMARY = (
     "a furnished room with a window view: fine texture, thin, near (0.4 m) and far (beyond 20 m) things, baked light"
@@ -15,13 +13,10 @@ WALK_BOUNDS_M = ((-1.6, 0.8, -1.6), (1.6, 2.2, 1.6))
 
 def build() -> Scene:
     """Return the room; the same to the last bit every time."""
-    model = StoredModel("room")
     textures = textures_named("planks", "wood", "bricks", "wallpaper", "plaster", "fabric", "speckle", "foliage")
-    textures += textures_named("grass", "roof", "facade", "mesh", "map", "books", "posters")
-    planks = textures[0]
-    floor = Texture("sun-floor", lambda: sun_floor(planks.image, model.mask("sun-shadow")), repeat=False)
-    textures.append(floor)
-    return Scene("room", SUMMARY, model.meshes(textures), textures, SKY, walk_bounds_m=WALK_BOUNDS_M)
+    textures += textures_named("grass", "roof", "facade", "mesh", "map", "books", "posters", "sun-floor")
+    meshes = StoredModel("room").meshes(textures)
+    return Scene("room", SUMMARY, meshes, textures, SKY, walk_bounds_m=WALK_BOUNDS_M)
 
 
 scenes.register(SceneSource("room", SUMMARY, build))
