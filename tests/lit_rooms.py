@@ -2,13 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Pose, RigidState
-from hmdwarp.scenes import Background, Body, Lamp, Pendulum, Scene, Waving
-from hmdwarp.scenes.library._models import box, in_atlas, textures, wall
+from hmdwarp.scenes import ATLAS, Background, Body, Lamp, Pendulum, Quad, Scene, Waving
+from hmdwarp.scenes.library._models import textures
+
+BORDER = 1  # texels around each chart, so that light never blends with another's
+
+
+def wall(centre: tuple, right: tuple, up: tuple, albedo: tuple, texture: int = 0) -> Quad:
+    """Return a wall with half edges right and up, its texture 2 m wide."""
+    sides = (float(np.linalg.norm(right)), float(np.linalg.norm(up)))
+    return Quad(centre, right, up, texture, albedo, sides)
+
+
+def box(low: tuple, high: tuple, albedo: tuple, texture: int = 0) -> list[Quad]:
+    """Return the sides of a box and its top; it stands on the floor."""
+    middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
+    x, y, z = np.diag(half)
+    outwards = ((x, -z, y), (-x, z, y), (z, x, y), (-z, -x, y), (y, x, -z))  # side, right, up
+    return [wall(tuple(middle + side), tuple(right), tuple(up), albedo, texture) for side, right, up in outwards]
+
+
+def in_atlas(quads: Iterable[Quad], texel_m: float) -> list:
+    """Return the quads as meshes placed in the light atlas, tallest first; texel_m: about wide."""
+    quads = list(quads)
+    counts = [
+        [max(1, round(2 * float(np.linalg.norm(half)) / texel_m)) for half in (quad.right, quad.up)] for quad in quads
+    ]
+    meshes: dict = {}
+    column = row = tallest = 0
+    for index in sorted(range(len(quads)), key=lambda i: -counts[i][1]):
+        wide, high = counts[index]
+        if column + wide + 2 * BORDER > ATLAS[0]:
+            column, row, tallest = 0, row + tallest, 0
+        low = np.array([column, row]) + BORDER
+        corners = low + np.array([(0, 0), (wide, 0), (wide, high), (0, high)])
+        meshes[index] = attrs.evolve(quads[index].mesh(f"surface-{index}"), light_uv=corners)
+        column, tallest = column + wide + 2 * BORDER, max(tallest, high + 2 * BORDER)
+    return [meshes[index] for index in range(len(quads))]
+
 
 GREY = (0.6, 0.6, 0.6)
 DARK = Background()

@@ -47,9 +47,7 @@ from ._scene import Background as Background
 from ._scene import Lamp as Lamp
 from ._scene import Scene as Scene
 from ._scene import SceneMirror as SceneMirror
-from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
-from ._scene import scenes as scenes
 from .input_events import ACTIONS as ACTIONS
 from .input_events import GRAB as GRAB
 from .input_events import INPUT_COLUMNS as INPUT_COLUMNS
@@ -64,6 +62,8 @@ from .input_events import InputLog as InputLog
 from .input_events import inputs_beside as inputs_beside
 from .input_events import read_inputs as read_inputs
 from .input_events import take_inputs as take_inputs
+from .library import SceneSource as SceneSource
+from .library import scenes as scenes
 from .motions import REACH_M as REACH_M
 from .motions import REACH_S as REACH_S
 from .motions import Joint as Joint

@@ -11,8 +11,9 @@ import attrs
 
 from ..errors import InputError, unknown_name
 from ..options.declared import option_of
-from ._scene import Scene, SceneSource, scenes
+from ._scene import Scene
 from .input_events import InputLog
+from .library import SceneSource, scenes
 from .options import FILE_ENDINGS, SceneOptions
 
 

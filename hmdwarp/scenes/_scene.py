@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
-from ..registry import Registry
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
 from ._panels import MOST_PANELS, Panel
 from .input_events import InputLog
@@ -294,18 +293,3 @@ def is_cutout(scene: Scene, mesh: Mesh) -> bool:
     alpha = scene.textures[mesh.texture].image[..., 3:]
     between = (alpha > ALPHA_TOLERANCE) & (alpha < 255 - ALPHA_TOLERANCE)
     return alpha.size > 0 and float(between.mean()) < MOST_EDGES
-
-
-@attrs.frozen(eq=False)
-class SceneSource:
-    """A registered scene before it is built; listing scenes builds nothing."""
-
-    name: str
-    summary: str
-    build: Callable[[], Scene]  # makes the scene, the same arrays every time
-    effects: tuple[str, ...] = ()  # names of the effects that the built scene's content calls for
-    # The fields of the built scene, by name, that follow from inputs; None where none do.
-    reacts: Callable[[InputLog], dict[str, Any]] | None = None
-
-
-scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes", columns="effects")

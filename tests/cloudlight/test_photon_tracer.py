@@ -5,12 +5,11 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from lit_rooms import GREY, Fixed, cube, scene_of
+from lit_rooms import GREY, Fixed, box, cube, scene_of, wall
 
 from hmdwarp.cloudlight.photons import PhotonTracer, TracedPhotons, kernel, kernel_factors, light_keys
 from hmdwarp.cloudlight.radiosity import of_atlas, transport_of
 from hmdwarp.scenes import Background, Lamp, lamps_at, load_scene
-from hmdwarp.scenes.library._models import box, wall
 
 COLOUR = (1.5, 1.0, 0.5)
 POINT = (np.array((0.3, 0.2, -0.4, 1.0)), COLOUR)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from lit_rooms import GREY, cube, placed, scene_of
+from lit_rooms import GREY, box, cube, in_atlas, placed, scene_of, wall
 
 from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, with_lamps_stopped
-from hmdwarp.scenes.library._models import box, in_atlas, wall
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from lit_rooms import box, in_atlas, wall
 
 from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
 from hmdwarp.scenes import Scene, load_scene
-from hmdwarp.scenes.library._models import box, in_atlas, wall
 
 GREY = (0.6, 0.6, 0.6)
 

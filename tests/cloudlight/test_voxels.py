@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 import pytest
-from lit_rooms import placed
+from lit_rooms import box, in_atlas, placed, wall
 from worlds import read
 
 from hmdwarp.client import lit_by, parse_indirect
@@ -16,7 +16,6 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
-from hmdwarp.scenes.library._models import box, in_atlas, wall
 from hmdwarp.sources.server import Server
 
 SIZE = (40, 32)

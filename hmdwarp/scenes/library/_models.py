@@ -1,25 +1,24 @@
 """Models of the library's scenes: geometry with baked light in GLB files next to their modules.
 
-README.md in this folder says what the files hold and how to edit them. Rooms of boxes and walls,
-for scenes whose light moves, have places in the light atlas instead.
+README.md in this folder says what the files hold and how to edit them.
 """
 
 from __future__ import annotations
 
 import lzma
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry import Pose
 from .._gltf_file import GltfFile
 from .._mesh import Material, Mesh, Texture
-from .._scene import ATLAS, Background
-from ..shapes import Quad, Triple, checker
+from .._scene import Background, Scene
+from ..shapes import checker
 
 SKY = Background((0.13, 0.30, 0.66), (0.68, 0.78, 0.90), (0.30, 0.34, 0.22))
 
@@ -54,6 +53,7 @@ _FIELDS = {
     "uv": "TEXCOORD_0",  # v up as in Mesh, not down as in glTF: 1 - v would round
     "light": "COLOR_0",
     "albedo": "_ALBEDO",
+    "light_uv": "_LIGHT_UV",
 }
 
 
@@ -83,7 +83,7 @@ class StoredModel:
         return Mesh(
             name,
             triangles=file.numbers(primitive["indices"], name, 1).reshape(-1, 3),
-            texture=index[gltf["name"]],
+            texture=index[gltf["name"]] if "name" in gltf else -1,
             double_sided=gltf.get("doubleSided", False),
             material=Material(**settings),
             body=node.get("extras", {}).get("body", 0),
@@ -96,7 +96,20 @@ class StoredModel:
         return np.frombuffer(self._file.view(view), "<f8").reshape(-1, columns)
 
 
-BORDER = 1  # texels around each chart, so that light never blends with another's
+def stored_scene(name: str, table: Mapping[str, Any]) -> Scene:
+    """Return the scene of a table that has a model and nothing that moves."""
+    held = textures_named(*table["textures"])
+    where: dict[str, Any] = {"viewpoint": Pose(table["viewpoint_m"])} if "viewpoint_m" in table else {}
+    colours = [*map(tuple, table["background"])] * (3 if len(table["background"]) == 1 else 1)
+    return Scene(
+        name,
+        table["summary"],
+        StoredModel(name).meshes(held),
+        held,
+        Background(*colours),
+        walk_bounds_m=table["walk_bounds_m"],
+        **where,
+    )
 
 
 def textures() -> tuple[Texture, ...]:
@@ -105,36 +118,3 @@ def textures() -> tuple[Texture, ...]:
         Texture("plaster", checker(16, 16, (205, 200, 192), (225, 220, 212), 3)),
         Texture("tiles", checker(16, 16, (120, 112, 104), (216, 206, 190), 4)),
     )
-
-
-def wall(centre: Triple, right: Triple, up: Triple, albedo: Triple, texture: int = 0) -> Quad:
-    """Return a wall with half edges right and up, its texture 2 m wide."""
-    sides = (float(np.linalg.norm(right)), float(np.linalg.norm(up)))
-    return Quad(centre, right, up, texture, albedo, sides)
-
-
-def box(low: Triple, high: Triple, albedo: Triple, texture: int = 0) -> list[Quad]:
-    """Return the sides of a box and its top; it stands on the floor."""
-    middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
-    x, y, z = np.diag(half)
-    outwards = ((x, -z, y), (-x, z, y), (z, x, y), (-z, -x, y), (y, x, -z))  # side, right, up
-    return [wall(tuple(middle + side), tuple(right), tuple(up), albedo, texture) for side, right, up in outwards]
-
-
-def in_atlas(quads: Iterable[Quad], texel_m: float) -> list[Mesh]:
-    """Return the quads as meshes placed in the light atlas, tallest first; texel_m: about wide."""
-    quads = list(quads)
-    counts = [
-        [max(1, round(2 * float(np.linalg.norm(half)) / texel_m)) for half in (quad.right, quad.up)] for quad in quads
-    ]
-    meshes: dict[int, Mesh] = {}
-    column = row = tallest = 0
-    for index in sorted(range(len(quads)), key=lambda i: -counts[i][1]):
-        wide, high = counts[index]
-        if column + wide + 2 * BORDER > ATLAS[0]:
-            column, row, tallest = 0, row + tallest, 0
-        low = np.array([column, row]) + BORDER
-        corners = low + np.array([(0, 0), (wide, 0), (wide, high), (0, high)])
-        meshes[index] = attrs.evolve(quads[index].mesh(f"surface-{index}"), light_uv=corners)
-        column, tallest = column + wide + 2 * BORDER, max(tallest, high + 2 * BORDER)
-    return [meshes[index] for index in range(len(quads))]

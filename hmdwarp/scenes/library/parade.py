@@ -6,8 +6,9 @@ import attrs
 import numpy as np
 
 from .._mesh import Deformation
-from .._scene import Scene, SceneSource, scenes
+from .._scene import Scene
 from ..motions import Joint, Skinned, Waving
+from . import SceneSource, scenes
 from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a walled deck with a waving flag and a marching figure that waves: soft motion by itself"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .._mesh import Texture
-from .._scene import Background, Scene, SceneSource, scenes
+from .._scene import Background, Scene
 from ..shapes import Quad, checker
+from . import SceneSource, scenes
 
 QUADS = (
     Quad((-0.5, 1.5, -1.0), (0.35, 0, 0), (0, 0.35, 0), 0, (1.0, 0.75, 0.6)),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from ...geometry import Pose
 from .._panels import Panel
-from .._scene import Background, Scene, SceneSource, scenes
+from .._scene import Background, Scene
 from ..shapes import Quad
+from . import SceneSource, scenes
 from ._models import textures_named
 
 SUMMARY = "a page of text behind a post, and a label fixed to the head, which turn over: panels, occluded_panels"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from .._mesh import Texture
-from .._scene import Background, Scene, SceneSource, scenes
+from .._scene import Background, Scene
 from ..shapes import Ball, Quad, checker
+from . import SceneSource, scenes
 
 BALLS = (
     Ball((-0.35, 1.45, -0.9), 0.22, 0, (1.0, 0.55, 0.45)),

@@ -7,8 +7,9 @@ from scipy.spatial.transform import Rotation
 
 from ...geometry import Pose
 from .._mesh import Body
-from .._scene import Scene, SceneSource, scenes
+from .._scene import Scene
 from ..motions import Spinning, Thrown, Track
+from . import SceneSource, scenes
 from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a walled deck with a turning fan, a cart on its round and a thrown ball: rigid motion by itself"
