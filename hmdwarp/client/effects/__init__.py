@@ -1,11 +1,18 @@
-"""Effects: content that a plain warp gets wrong. One file each, registered by name.
+"""Effects: content that a plain warp gets wrong. By family, registered by name.
 
-An effect's file says which meshes call for it, which layers frames carry for it, and which pass
+An entry says which meshes call for it, which layers frames carry for it, and which pass
 compensates it.
 """
 
 from ._base import Effect, EffectPass, EffectRegistry, RenderedPass, ShownPass, Tools
 
-effects = EffectRegistry("effect", __name__, columns="pass=made_by.name without source")
+_MODULES = {
+    **dict.fromkeys(
+        ("planar_reflections", "glossy_reflections", "curved_reflections", "reflections_from_pictures"), "mirrors"
+    ),
+    **dict.fromkeys(("rigid_motion", "soft_motion"), "motion"),
+    **dict.fromkeys(("panels", "occluded_panels"), "text"),
+}
+effects = EffectRegistry("effect", __name__, columns="pass=made_by.name without source", modules=_MODULES)
 
 __all__ = ["Effect", "EffectPass", "EffectRegistry", "RenderedPass", "ShownPass", "Tools", "effects"]
