@@ -52,7 +52,7 @@ READS = {
     "photons": {"photons"},
     "points": {"points"},
     "proxy": {"colour"},
-    "rotation": MOVES,
+    "rotation": {"colour"},
     "soft_bodies": MOVES - {"velocity"},
     "views": MOVES | {"views"},
     "voxels": MOVES,
