@@ -477,7 +477,7 @@ class VoxelStrategy(Strategy):
         "the server sends a picture with depth, lit from a grid of voxels that all its users share, and the client "
         "warps it; --warp and --fill say how; at none of nine measured settings nearer than a late picture"
     )
-    crosses = "colour and depth; colour alone for a warp that reads no depth"
+    crosses = "colour and depth; layers of effects; colour alone for a warp that reads no depth"
     client = "shows the picture, or warps it and fills the holes"
     late = "what was hidden, and all light"
     classes = (1, 2, 3)

@@ -234,10 +234,10 @@ class RemoteFrames:
             missing = left_out(found, eye) | frozenset(PICTURE).difference(self.requested.pictures)
             whole = frozenset(PICTURE) if pending.looks else missing
             self.server.take_in(arrays_of(found, eye, target.size, whole), target)
-            error = depth_error(found, self.remote.wish)
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
-            asked = pending.views[eye]
-            seen = attrs.evolve(view, hidden=asked.hidden) if view.fov == asked.fov else view
+            asked, error = pending.views[eye], depth_error(found, self.remote.wish)
+            hidden = asked.hidden if view.fov == asked.fov else view.hidden
+            seen = attrs.evolve(view, hidden=hidden, gaze=asked.gaze)
             made_of = EyeImage(seen, *textures, drawn_ns=drawn_ns, depth_error=error, left_out=missing)
             eyes.append(self._foveated(found, eye, made_of) if pending.looks else made_of)
         if found.layers:  # a server may choose the size of some

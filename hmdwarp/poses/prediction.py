@@ -21,7 +21,7 @@ from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
 from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
 
-_WINDOW_NS = 50_000_000  # of known motion, as of the head's predictor constant_velocity
+KNOWN_NS = 50_000_000  # of motion before a prediction, as of the head's predictor constant_velocity
 _HORIZON_NS = 100_000_000  # beyond it a pursuit has long been corrected by a leap
 _UNKNOWN = (np.nan,) * 3
 
@@ -36,9 +36,9 @@ def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose |
     now = _in_world(track, now_ns)
     if now is None:
         return None
-    before = _in_world(track, now_ns - _WINDOW_NS) if ahead_ns > 0 else None
+    before = _in_world(track, now_ns - KNOWN_NS) if ahead_ns > 0 else None
     if before is not None and not _leapt(track, now_ns):
-        now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / _WINDOW_NS
+        now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / KNOWN_NS
         now = now / np.linalg.norm(now)
     x, y, z = ((head or track.at(now_ns).pose).rotation_matrix.T @ now).tolist()
     return x, y, z
@@ -52,7 +52,7 @@ def _in_world(track: PoseTrack, time_ns: int) -> NDArray[np.float64] | None:
 def _leapt(track: PoseTrack, now_ns: int) -> bool:
     """Return whether the eyes leapt in the world, or were lost, in the window before an instant."""
     assert track.gaze is not None, "it is known"
-    seen = slice(max(track.index_at(now_ns - _WINDOW_NS), 0), track.index_at(now_ns) + 1)
+    seen = slice(max(track.index_at(now_ns - KNOWN_NS), 0), track.index_at(now_ns) + 1)
     world = quaternions.rotate(track.orientation_xyzw[seen], track.gaze[seen])
     return not np.isfinite(world).all() or bool((_speeds(world, track.time_ns[seen]) > SACCADE_DEG_S).any())
 
@@ -114,7 +114,7 @@ def predict(
 
     method: name of a predictor. horizon_ns: how far ahead of the last sample at most, by default
     the predictor's own; beyond it the pose stays constant. A target at or before the last known
-    sample is looked up, not predicted.
+    sample is looked up, not predicted. The gaze is the last known one, held in the world.
     Errors: UnknownNameError; InputError for a negative horizon.
     """
     predictor = predictors.get(method)
@@ -125,7 +125,8 @@ def predict(
     i = track.index_at(now_ns)
     if i >= 0 and target_ns <= int(track.time_ns[i]):
         return track.at(target_ns)
-    return predictor.predict(track, now_ns, target_ns, horizon_ns)
+    sample, known_ns = predictor.predict(track, now_ns, target_ns, horizon_ns), min(now_ns, int(track.time_ns[i]))
+    return sample if track.gaze is None else attrs.evolve(sample, gaze=foreseen_gaze(track, known_ns, 0, sample.pose))
 
 
 @attrs.frozen
@@ -182,8 +183,6 @@ GRID_NS = 5 * _MS  # 200 Hz
 MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
 LATENCIES_MS = (20, 50, 100, 200, 400, 600, 800)
 SPEED_PERCENTILES = (50, 95, 99, 99.9)
-# Known motion before each prediction that is counted: the window of constant_velocity.
-KNOWN_NS = 50 * _MS
 
 
 @attrs.frozen

@@ -36,29 +36,30 @@ NEAR_DEG = 5.0
 class NearGaze:
     """Figures of measured pictures whose gaze is known, or asked for."""
 
+    looks_ahead: bool = False  # whether frames without a gaze are drawn for one straight ahead
     _psnr_db: list[float] = attrs.field(factory=list)
     _off_deg: list[float] = attrs.field(factory=list)
 
     def add(self, now: Compared, shown: View, rendered: View) -> None:
         """Take a picture in. shown: of the eye, with its gaze at that instant. rendered: drawn."""
         near = flip_rows(near_gaze(shown, now.shown.shape[1::-1]))
-        if near.any():
-            # As a picture one pixel high.
+        if near.any():  # as a picture one pixel high
             self._psnr_db.append(psnr_db(now.shown[near][None], now.truth[near][None]))
-        ahead, then = _in_world(shown), _in_world(rendered)
-        self._off_deg.append(math.degrees(math.acos(min(1.0, float(ahead @ then)))))
+        if rendered.gaze is not None or shown.gaze is None or self.looks_ahead:  # else, as of recordings, not known
+            off = float(_in_world(shown) @ _in_world(rendered))
+            self._off_deg.append(math.degrees(math.acos(min(1.0, off))))
 
     def entry(self) -> dict[str, Any]:
         """Return the `gaze` of summary.json.
 
-        psnr_db: mean over pictures, within within_deg of the gaze. off_deg: between the gaze when
-        the picture is seen and the one that its frame was drawn for, both in the world.
+        psnr_db: mean over pictures, within within_deg of the gaze. off_deg: from the gaze that a
+        frame was drawn for to that when it is seen, in the world; None where that is never known.
         """
-        if not self._off_deg:
+        if not self._off_deg and not self._psnr_db:
             return {}
-        off = {f"p{share}": float(np.percentile(self._off_deg, share)) for share in (50, 95)}
+        off = self._off_deg and {f"p{share}": float(np.percentile(self._off_deg, share)) for share in (50, 95)}
         psnr = math.fsum(self._psnr_db) / len(self._psnr_db) if self._psnr_db else None
-        return {"gaze": {"within_deg": NEAR_DEG, "psnr_db": psnr, "off_deg": off}}
+        return {"gaze": {"within_deg": NEAR_DEG, "psnr_db": psnr, "off_deg": off or None}}
 
 
 def near_gaze(view: View, size: tuple[int, int]) -> NDArray[np.bool_]:
@@ -70,8 +71,7 @@ def near_gaze(view: View, size: tuple[int, int]) -> NDArray[np.bool_]:
 
 
 def _in_world(view: View) -> NDArray[np.float64]:
-    x, y = gaze_tangent(view)
-    ray = view.pose.rotation_matrix @ np.array([x, y, -1.0])
+    ray = view.pose.rotation_matrix @ np.array([*gaze_tangent(view), -1.0])
     return np.asarray(ray / np.linalg.norm(ray))
 
 
@@ -106,7 +106,7 @@ class Probe:
         # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
         # left empty, and its PSNR where what it should see was recorded.
         self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
-        self.near_gaze = NearGaze()
+        self.near_gaze = NearGaze(setup.options.fovea is not None)
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
 
@@ -259,9 +259,7 @@ def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
 
 def _about_scanout(setup: ReplayRun) -> str:
     how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
-    told = [
-        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}.",
-        f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in "
-        "the middle of it.",
-    ]
-    return " ".join(told)
+    return (
+        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}. The truth is "
+        f"drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in its middle."
+    )

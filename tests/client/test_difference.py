@@ -39,12 +39,12 @@ def frame(gpu, server: Server, spec: str, view: View = HERE, guard: float = 1.0)
     return server.draw_frame([view], 0, SIZE, guard, choice.entry.needs(choice.settings)).eyes[0]
 
 
-def shown_of(gpu, geometry: ClientScene, spec: str, late: EyeImage, shown: View) -> tuple[np.ndarray, np.ndarray]:
+def shown_of(gpu, geometry: ClientScene, spec: str, late: EyeImage, shown: View, shown_ns: int = 0):
     """Colour and inverse depth, top row first."""
     choice = parse_warp(spec)
     warp = choice.entry(gpu, late.size, SIZE, choice.settings, Output(depth=True), geometry)
     canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    warp.run_with_depth(PassInputs(late, shown), canvas, depth)
+    warp.run_with_depth(PassInputs(late, shown, shown_ns=shown_ns), canvas, depth)
     gpu.barrier()
     found = download(canvas.texture), download(depth)
     warp.close()
@@ -112,22 +112,24 @@ def test_however_many_simplified_scenes_are_asked_for_few_are_kept(gpu):
         np.testing.assert_array_equal(asked(0), first)  # made anew
 
 
-@pytest.mark.parametrize("shown", [HERE, THERE], ids=["here", "there"])
-@pytest.mark.parametrize("guard", [1.0, 1.4])
-def test_the_warp_is_its_twin(gpu, shown, guard):
-    """Where the tests and borders leave no doubt in float32.
+@pytest.mark.parametrize(
+    ("scene", "shown", "guard", "shown_ns"),
+    [("room", HERE, 1.0, 0), ("room", HERE, 1.4, 0), ("room", THERE, 1.4, 0), ("workshop", THERE, 1.0, 400_000_000)],
+)
+def test_the_warp_is_its_twin(gpu, scene, shown, guard, shown_ns):
+    """Where the tests and borders leave no doubt in float32; with bodies that move meanwhile.
 
     A difference is stored to 2**-10 of its light, at most 0.22 of a byte; the sum to 2**-10 of its
     own light, at most 0.11; and the place is right to 1e-4 of a pixel, between bytes of 255.
     """
-    geometry = ClientScene(gpu, "room")
+    geometry = ClientScene(gpu, scene)
     late = frame(gpu, geometry.server, "difference:share=0.1", guard=guard)
     each = Simplified(0.1)
-    found, depth = shown_of(gpu, geometry, "difference:share=0.1", late, shown)
+    found, depth = shown_of(gpu, geometry, "difference:share=0.1", late, shown, shown_ns)
     pictures = []
-    for view, size in ((shown, SIZE), (late.view, late.size)):
+    for view, size, time_ns in ((shown, SIZE, shown_ns), (late.view, late.size, 0)):
         made = ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR))
-        geometry.store(WholeScene, each).draw(view, made, 0)
+        geometry.store(WholeScene, each).draw(view, made, time_ns)
         pictures.append((download(made.colour.texture)[::-1], download(made.depth)[::-1]))
     sent = srgb_from_linear(download(late["difference"][each])[::-1, :, :3].astype(np.float64)) * 510 - 255
     wanted, doubtful = reference.warped(

@@ -186,9 +186,12 @@ def test_the_nearer_of_two_panels_is_in_front(gpu):
     white, black = (np.full((4, 4, 3), light, np.uint8) for light in (255, 0))
     near, far = Panel(white, Pose((0, 0, -1.0)), (0.2, 0.2)), Panel(black, Pose((0, 0, -2.0)), (2.0, 2.0))
     for panels in ([near, far], [far, near]):
-        found = laid(gpu, panels, View(Pose(), FOV), np.full((48, 64, 4), 0.5))
-        assert found[21, 29, 0] == pytest.approx(1, abs=1e-3)
-        assert found[21, 12, 0] < 1e-6
+        server = Server(gpu, Scene("panels", "", (), panels=panels))
+        drawn = read(server.draw(View(Pose(), FOV), (64, 48)).colour)
+        server.close()
+        for found in (laid(gpu, panels, View(Pose(), FOV), np.full((48, 64, 4), 0.5)), drawn):
+            assert found[21, 29, 0] == pytest.approx(1, abs=1e-3)
+            assert found[21, 12, 0] < 1e-6
 
 
 def test_a_scan_out_that_stands_still_is_no_scan_out(gpu):
@@ -290,14 +293,29 @@ def test_through_the_lens_each_colour_is_sampled_where_the_lens_shows_it(gpu, na
         assert (np.abs(found[..., channel] - expected) <= slack)[inside].all()
 
 
-def through_lens(gpu, panel, view, headset, eye, shown_size, size):
+def test_each_row_of_a_display_with_a_lens_has_the_pose_of_its_instant(gpu):
+    """As without one: each row is that of a whole picture with the view of its instant."""
+    chosen, shown_size, size = load_headset("rift-dk1"), (67, 53), (61, 83)
+    first = chosen.views(Pose())[0]
+    last = attrs.evolve(first, pose=first.pose @ Pose((0, 0, 0), turned(0.05)))
+    panel = Panel(picture((24, 20), 3), Pose(first.pose.position_m + (0.0, 0.0, -0.5)), (2.4, 2.0))
+    found = through_lens(gpu, panel, first, chosen, 0, shown_size, size, last)
+    for row in (8, 40, 74):
+        share = 1 - (row + 0.5) / size[1]
+        view = attrs.evolve(first, pose=first.pose.towards(last.pose, share))
+        alone = through_lens(gpu, panel, view, chosen, 0, shown_size, size)
+        assert np.abs(found[row] - alone[row]).max() < 5e-3, row
+
+
+def through_lens(gpu, panel, view, headset, eye, shown_size, size, last=None):
     """The pass's picture over a grey display."""
     gl, lens = gpu.gl, lenses.get(headset.lens.model)(gpu, headset, size)
     made = PanelsPass(gpu, frozenset({"panels"}), (1, 1), shown_size, attrs.evolve(TOOLS, lens=lens))
     canvas, empty = Canvas(gl, size), allocate(gl, (1, 1), COLOUR)
     canvas.texture.write(np.full((*size[::-1], 4), 1, np.float16).tobytes(), alignment=1)
     held = HeldPanel(panel, panel_texture(gpu, panel.pictures[0].image))
-    made.run_through_lens(PassInputs(EyeImage(view, empty, empty, {"panels": [held]}), view, eye), canvas)
+    inputs = PassInputs(EyeImage(view, empty, empty, {"panels": [held]}), view, eye, shown_last=last)
+    made.run_through_lens(inputs, canvas)
     gl.memory_barrier()
     return read(canvas.texture)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from client_scene import ClientScene
 from gl_clock import counting_made
-from lit_rooms import Fixed, placed, plain
+from lit_rooms import Fixed, cube, placed, plain, scene_of
 from reference.photons import photons, received, seen
 from replays import run, small
 from worlds import read
@@ -26,7 +26,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import ATLAS, Lamp, lamps_at, load_scene, scenes, with_lamps_stopped
+from hmdwarp.scenes import ATLAS, Lamp, Still, lamps_at, load_scene, scenes, with_lamps_stopped
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -128,6 +128,31 @@ def test_the_picture_is_albedo_times_direct_light_and_the_twins_light_between_lo
     shadow = np.abs(error).max(axis=1) > 0.5 * (there.albedo[lit] * first).max(axis=1) + 0.05
     assert shadow.mean() < 0.02, "a pixel is on either side of a shadow's edge"
     assert np.sqrt(np.mean(error[~shadow] ** 2)) < 0.1 * np.mean(there.albedo[lit] * late[lit])
+
+
+def test_direct_light_is_that_of_rays_for_each_kind_of_lamp(gpu):
+    """A spot, a point and a sun in a white box without a lid, before anything indirect comes."""
+    down, aslant = ((np.sin(turn), 0, 0, np.cos(turn)) for turn in (-np.pi / 4, -np.pi / 5))
+    lamps = [
+        Lamp(Still(Pose((0.2, 0.8, 0.1), down)), (0.9, 0.5, 0.3), cone=(0.15, 0.7)),
+        Lamp(Still(Pose((-0.5, 0.3, 0.2))), (0.1, 0.2, 0.1)),
+        Lamp(Still(Pose((0, 0, 0), aslant)), (0.1, 0.1, 0.3), is_sun=True),
+    ]
+    open_box = [side for side in cube((1.0, 1.0, 1.0)) if side.centre[1] < 0.9]
+    view = View(Pose((0.0, 0.7, 0.6), (np.sin(-0.35), 0, 0, np.cos(-0.35))), FOV)
+    for each in lamps:
+        scene = scene_of(open_box, 0.2, [each])
+        geometry = client_of(gpu, scene)
+        got, there = shown(gpu, geometry, 0, view=view)[0][..., :3], seen(scene, view, SIZE)
+        places, normals = there.places, there.normals
+        on = np.isfinite(places).all(axis=-1)
+        lit = direct_light(
+            transport_of(scene).blockers, places[on] + 1e-3 * normals[on], normals[on], lamps_at(scene, 0)
+        )
+        wrong = np.abs(got[on] - lit).max(axis=1) > 0.01 * lit.max(axis=1) + 1e-3
+        # A pixel is on either side of a shadow's or a wall's edge.
+        assert wrong.mean() < 0.02 and (lit.max(axis=1) > 0.02).mean() > 0.15
+        geometry.close()
 
 
 def test_before_any_photon_there_is_direct_light_alone(gpu):

@@ -8,7 +8,7 @@ import pytest
 from replays import run
 from worlds import read
 
-from hmdwarp import warp_image
+from hmdwarp import Warper, warp_image
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.geometry import Fov, Hidden, Pose, View
 from hmdwarp.headsets import headset_toml, load_headset, reported_headset
@@ -122,12 +122,19 @@ def picture_with_corners():
     return np.where(seen[..., None], np.uint8(180), np.uint8(0)).repeat(3, axis=2), np.where(seen, 2.0, 0.0), view
 
 
-def test_corners_of_others_pictures_stay_black():
-    colour, depth, view = picture_with_corners()
-    moved = View(Pose((0.05, 0, 0)), SQUARE, hidden=view.hidden)
-    out = warp_image(colour, depth, view, moved, gpu=None)
-    seen = moved.seen((64, 64))
-    assert not out.colour[~seen].any()
+@pytest.mark.parametrize("by", [warp_image, Warper])
+def test_what_a_view_hides_is_a_hole_as_rendered_and_black_as_shown(gpu, by):
+    """Another corner of each view, in which the late picture may hold anything."""
+    other = tuple((-x, -y) for x, y in CORNER)
+    late, shown = (
+        View(Pose((x, 0, 0)), SQUARE, hidden=Hidden((corner,), SQUARE)) for x, corner in ((0, CORNER), (0.05, other))
+    )
+    colour = np.where(late.seen((64, 64))[..., None], np.uint8(180), np.array((255, 0, 90), np.uint8))
+    arguments, options = (colour, np.full((64, 64), 2.0), late, shown), {"gpu": gpu}
+    with Warper((64, 64), **options) as warper:
+        out = warper.warp(*arguments) if by is Warper else warp_image(*arguments, **options)
+    seen = shown.seen((64, 64))
+    assert not out.colour[~seen].any() and 0.05 < 1 - seen.mean() < 0.2
     # A wall of one colour, from which 0.05 / 2 of a tangent of the right edge had been hidden.
     np.testing.assert_allclose(out.colour[seen], 180, atol=1)
 

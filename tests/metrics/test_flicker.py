@@ -2,6 +2,7 @@
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import View, WarpMap
+from hmdwarp.geometry import Hidden, View, WarpMap
 from hmdwarp.metrics import error_image, flicker
 
 from .pictures import FOV, noise, turned
@@ -99,6 +100,15 @@ def test_only_where_both_exist():
     assert flicker(a, turned(0), b, turned(0)) == 0.5
     assert flicker(a, turned(math.radians(45)), b, turned(0)) == pytest.approx(1)
     assert flicker(a, turned(-math.radians(45)), b, turned(0)) == pytest.approx(0)
+
+
+def test_what_either_view_hides_does_not_count():
+    """The lower half is seen, where nothing changes."""
+    plain, before = turned(0), np.zeros((SIZE[1], SIZE[0], 3))
+    lower, now = attrs.evolve(plain, hidden=Hidden.of_rows(np.tile((0.0, 0.5), (4, 1)), FOV)), before.copy()
+    now[: SIZE[1] // 2] = 1
+    assert flicker(now, lower, before, plain) == flicker(now, plain, before, lower) == 0
+    assert flicker(now, plain, before, plain) == 0.5
 
 
 def test_views_without_a_common_direction_have_no_flicker():

@@ -19,7 +19,7 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.scenes import Body, Material, Spinning, Still, load_scene
+from hmdwarp.scenes import Body, Material, Panel, Spinning, Still, load_scene
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -104,6 +104,17 @@ def test_moving_bodies_count_as_changes(gpu, scene_name):
     finally:
         server.close()
     assert bounds[0] < 1e-9 < bounds[1] < bounds[2]
+
+
+def test_a_panel_whose_page_turns_is_a_change(gpu):
+    pages = tuple(np.full((4, 4, 3), light, np.uint8) for light in (0, 255))
+    panel = Panel(pages, Pose((0.0, 0.0, -1.0)), (0.5, 0.5), seconds=0.2)
+    scene = attrs.evolve(load_scene("planes"), panels=[panel])
+    server, changes, view = Server(gpu, scene), Changes(scene), View(Pose((0.0, 0.0, 0.5)), FOV)
+    changes.sent(frame_of(server, [view]))
+    assert changes.moved_px([view], 199_000_000) < 1e-9 and changes.moved_px([view], 401_000_000) < 1e-9
+    assert changes.moved_px([view], 201_000_000) == math.inf
+    server.close()
 
 
 def test_what_moves_is_bounded_from_the_nearer_place_and_in_the_farthest_corner(gpu):

@@ -1,4 +1,4 @@
-"""Every strategy in a room where all moves, over a link that loses and reorders.
+"""Every strategy in a room where all moves, turns or appears, over a link that loses and reorders.
 
 What crosses and when is compared with an account kept here; what is drawn, with a scene that stands
 still as it was at that instant, so that no clock of the renderer's is trusted.
@@ -21,13 +21,14 @@ from hmdwarp.client import ShownPicture, WholeScene
 from hmdwarp.client.strategies import strategies
 from hmdwarp.colour import srgb_from_linear
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Pose
+from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download
 from hmdwarp.pipeline import source_of
 from hmdwarp.run import RunOptions, set_up_replay
-from hmdwarp.scenes import Still, indirect_atlas
+from hmdwarp.scenes import Body, Panel, Still, indirect_atlas
 from hmdwarp.sources.server import Server
 
+APPEARS_NS = 950_000_000  # between the frame that is looked at and the instant that shows it
 SIZE, RATE_HZ, SECONDS, MS = (48, 41), 30.0, 0.5, 1_000_000
 LATENCY_MS, JITTER_MS, LOSS, MBIT, QUEUE_MS, SEED = 100.0, 90.0, 0.2, 12.0, 20.0, 4
 NETWORK = {
@@ -37,12 +38,12 @@ NETWORK = {
     "queue": QUEUE_MS,
     "link_seed": SEED,
 }
-MOVES = {"colour", "inverse_depth", "ids", "velocity"}
+MOVES = {"colour", "inverse_depth", "ids", "velocity", "panels"}
 # What each reads of a frame where bodies move: all that crosses, and nothing else does.
 READS = {
     "depth_image": MOVES,
     "difference": {"difference"},
-    "environment": {"cube"},
+    "environment": {"cube", "panels"},
     "imposter": {"colour"},
     "irradiance": {"irradiance"},
     "layered": MOVES | {"peeled"},
@@ -52,7 +53,7 @@ READS = {
     "photons": {"photons"},
     "points": {"points"},
     "proxy": {"colour"},
-    "rotation": MOVES,
+    "rotation": {"colour"},
     "soft_bodies": MOVES - {"velocity"},
     "views": MOVES | {"views"},
     "voxels": MOVES,
@@ -62,6 +63,27 @@ PIXEL = {"colour": 8, "inverse_depth": 4, "ids": 2, "velocity": 8, "difference":
 NAMES = strategies.names()
 # Fewer triangles would be others where the same scene stands still; light is solved twice in a run.
 CHEAP = {**CHEAPER, "difference": "difference:share=1,texture=0.25", "irradiance": "irradiance:updates=5"}
+
+
+class Appears:
+    """Out of sight below the floor, and before the eyes from an instant on."""
+
+    def state(self, time_ns: int) -> RigidState:
+        return RigidState(Pose((-0.5, 1.3 if time_ns >= APPEARS_NS else -9.0, -1.2)))
+
+
+def crowded_room():
+    """Return the moving room, a box that appears, and two panels: the page of the farther turns."""
+    room = moving_room()
+    boxes = [attrs.evolve(mesh, body=2) for mesh in room.meshes if mesh.body == 1]
+    boxes = [attrs.evolve(mesh, light_uv=None) for mesh in boxes]
+    near, *pages = (np.full((4, 4, 3), light, np.uint8) for light in (40, 120, 250))
+    panels = [
+        Panel(near, Pose((0.05, 1.95, -1.5)), (0.3, 0.2)),
+        Panel(tuple(pages), Pose((-0.1, 2.0, -1.8)), (0.7, 0.4), seconds=0.19),
+    ]
+    bodies = [*room.bodies, Body("late", Appears())]
+    return attrs.evolve(room, meshes=[*room.meshes, *boxes], bodies=bodies, panels=panels)
 
 
 @contextmanager
@@ -147,7 +169,8 @@ def frozen(scene, time_ns: int):
         for mesh in still.meshes
     ]
     lamps = [attrs.evolve(lamp, motion=Still(lamp.motion.state(time_ns).pose)) for lamp in scene.lamps]
-    return attrs.evolve(still, meshes=there, lamps=lamps, light_ns=None)
+    panels = [attrs.evolve(panel, pictures=panel.pictures[panel.showing(time_ns)]) for panel in scene.panels]
+    return attrs.evolve(still, meshes=there, lamps=lamps, light_ns=None, panels=panels)
 
 
 def drawn(gpu, scene, time_ns: int, views, needs: Needs):
@@ -162,7 +185,7 @@ def drawn(gpu, scene, time_ns: int, views, needs: Needs):
 def pictures_in(frame) -> dict[str, list[np.ndarray]]:
     found: dict[str, list[np.ndarray]] = {}
     for layer, data in frame.contents():
-        if layer.name not in ("photons", "points", "ids", "velocity"):
+        if layer.name not in ("photons", "points", "ids", "velocity", "panels"):
             found.setdefault(layer.name, []).extend(download(one).astype(np.float64) for one in layer.sent(data))
     return found
 
@@ -176,7 +199,7 @@ def off(one: np.ndarray, other: np.ndarray, where: np.ndarray | None = None) -> 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_byte_and_instant_is_that_of_the_account(gpu, name):
     """And each refresh shows the newest frame that has arrived by then, for the head of then."""
-    scene, sent, shown = moving_room(), [], []
+    scene, sent, shown = crowded_room(), [], []
     with flying(gpu, name, scene) as setup:
         channel, track = setup.channel, setup.track
         passed_on = channel.send
@@ -236,10 +259,10 @@ DRAWS = {"model", "irradiance", "photons", "difference", "light", "soft_bodies"}
 @pytest.mark.parametrize("name", NAMES)
 def test_every_picture_is_of_its_instant(gpu, name):
     """What the server draws is as late as the frame, what the client draws is of now."""
-    scene, drawn_ns = moving_room(), []
+    scene, drawn_ns = crowded_room(), []
     if name == "soft_bodies":  # the flag alone is of now
-        (body,), (lamp,) = ([stopped(thing) for thing in things] for things in (scene.bodies, scene.lamps))
-        scene = attrs.evolve(scene, bodies=[body], lamps=[lamp])
+        bodies, lamps = ([stopped(thing) for thing in things] for things in (scene.bodies, scene.lamps))
+        scene = attrs.evolve(scene, bodies=bodies, lamps=lamps)
     with flying(gpu, name, scene, {}) as setup:
         for number, instant_ns in setup.schedule.numbered():
             drawn_ns.append(instant_ns)
@@ -257,7 +280,7 @@ def test_every_picture_is_of_its_instant(gpu, name):
         shown = download(refresh.eyes[0].shown.texture).astype(np.float64)
         assert same(refresh.eyes[0].view.pose, eyes.views(track.at(instant_ns).pose)[0].pose)
     if name in DRAWS:
-        check_shown(gpu, scene, shown, refresh.eyes[0].view, instant_ns)
+        check_shown(gpu, scene, shown, refresh.eyes[0].view, instant_ns, refresh.frame.drawn_ns)
 
 
 def stopped(thing):
@@ -273,7 +296,7 @@ def update_of(time_ns: int) -> int:
 def check_frame(gpu, name, scene, setup, frame, late, views) -> None:
     """Compare what the server drew with the scene as it stood then."""
     wanted, then_ns = setup.requested.needs, frame.drawn_ns
-    needs = Needs(**{layer: wanted[layer] for layer in ("cube", "light", "peeled") if layer in wanted})
+    needs = Needs(**{layer: wanted[layer] for layer in ("cube", "light", "peeled", "panels") if layer in wanted})
     still = drawn(gpu, scene, then_ns, views, needs)
     # The light of voxels is of the last update.
     for layer in (READS[name] & still.keys()) - ({"colour"} if name == "voxels" else set()):
@@ -287,10 +310,11 @@ def check_frame(gpu, name, scene, setup, frame, late, views) -> None:
     for eye, view in zip(frame.eyes, views, strict=True):
         assert same(eye.view.pose, view.pose)
         for image in eye.get("views", ()):
-            (other, _), _ = drawn(gpu, scene, then_ns, [image.view, image.view], Needs()).values()
+            alone = Needs(**{layer: wanted[layer] for layer in ("panels",) if layer in wanted})
+            (other, _), _ = drawn(gpu, scene, then_ns, [image.view, image.view], alone).values()
             assert off(download(image.colour).astype(float), other) < 0.02
         if "ids" in eye:
-            (body,), motion, step = eye["ids"].bodies, scene.bodies[0].motion, 100_000
+            (body, _), motion, step = eye["ids"].bodies, scene.bodies[0].motion, 100_000
             ends = [motion.state(then_ns + way * step).pose.position_m for way in (-1, 1)]
             assert np.allclose(body.pose.position_m, motion.state(then_ns).pose.position_m)
             assert np.allclose(body.velocity_m_s, (ends[1] - ends[0]) / (2e-9 * step), atol=1e-6)
@@ -313,12 +337,14 @@ def simple(gpu, setup, frame, simplified) -> np.ndarray:
     return found
 
 
-def check_shown(gpu, scene, shown, view, instant_ns: int) -> None:
-    """Where something has moved within a refresh, it shows this instant."""
-    ways = (-1, 0, 1)
-    seen = [drawn(gpu, scene, instant_ns + way * round(1e9 / RATE_HZ), [view] * 2, Needs()) for way in ways]
-    for beside in (seen[0], seen[2]):
-        moved = np.abs(seen[1]["inverse_depth"][0] - beside["inverse_depth"][0]) > 0.005
+def check_shown(gpu, scene, shown, view, instant_ns: int, late_ns: int) -> None:
+    """Where something has moved within a refresh, or since the frame, it shows this instant."""
+    step = round(1e9 / RATE_HZ)
+    here, *others = (
+        drawn(gpu, scene, ns, [view] * 2, Needs()) for ns in (instant_ns, instant_ns - step, instant_ns + step, late_ns)
+    )
+    for beside in others:
+        moved = np.abs(here["inverse_depth"][0] - beside["inverse_depth"][0]) > 0.005
         assert moved.sum() > 10
-        now, then = (off(shown, one["colour"][0], moved) for one in (seen[1], beside))
+        now, then = (off(shown, one["colour"][0], moved) for one in (here, beside))
         assert now < then

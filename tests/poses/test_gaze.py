@@ -13,8 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, quaternions, synthesise
+from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, predict, quaternions, synthesise
 from hmdwarp.poses.formats import formats
+from hmdwarp.poses.predictors import predictors
 from hmdwarp.poses.track import SACCADE_DEG_S
 
 MS = 1_000_000
@@ -102,6 +103,19 @@ def test_nothing_after_now_is_known():
     gazes = [towards(0.2 * n) for n in range(20)]
     other = gazes[:11] + [towards(-30)] * 9
     assert foreseen_gaze(track(gazes), 100 * MS, 50 * MS) == foreseen_gaze(track(other), 100 * MS, 50 * MS)
+
+
+@pytest.mark.parametrize("method", predictors.names())
+@pytest.mark.parametrize("now", [-5 * MS, 3 * MS, 500 * MS, 707 * MS])
+def test_a_predicted_head_looks_where_the_eyes_last_did(method, now):
+    """In the world, at the last sample that is known; nowhere before the first."""
+    seen = with_eyes(synthesise("look-around", seconds=1))
+    predicted, last = predict(seen, now, now + 80 * MS, method), max(seen.index_at(now), 0)
+    if now < 0:
+        assert predicted.gaze is None
+        return
+    known = seen.pose(last).rotation_matrix @ seen.gaze[last]
+    assert predicted.pose.rotation_matrix @ predicted.gaze == pytest.approx(known, abs=1e-9)
 
 
 # --- files --------------------------------------------------------------------------------------

@@ -7,10 +7,13 @@ import math
 import attrs
 import numpy as np
 import pytest
+from eyes import with_eyes
+from replays import run
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Compared
+from hmdwarp.poses import synthesise, write_synthetic
 from hmdwarp.run.measuring import NEAR_DEG, NearGaze, near_gaze
 
 SIZE = (60, 48)
@@ -52,3 +55,34 @@ def test_the_gaze_is_off_by_what_eyes_and_head_have_moved():
     near.add(Compared(blank, blank, AHEAD), shown, rendered)
     assert near.entry()["gaze"]["off_deg"] == pytest.approx({"p50": 2.0, "p95": 2.0})
     assert NearGaze().entry() == {}
+
+
+def test_a_gaze_that_a_frame_lacks_is_not_taken_for_straight_ahead():
+    blank, here = np.zeros((*SIZE[::-1], 3), np.uint8), looking_left(3)
+    for looks_ahead, off in ((False, None), (True, {"p50": 3.0, "p95": 3.0})):
+        near = NearGaze(looks_ahead)
+        near.add(Compared(blank, blank, AHEAD), here, AHEAD)
+        found = near.entry()["gaze"]["off_deg"]
+        assert (found and pytest.approx(found)) == off
+
+
+def test_a_predicted_head_has_the_gaze_of_the_head_that_is_held(tmp_path, gpu):
+    """Prediction turns the head; the eyes rest in the world, as they do for a fovea."""
+    with (tmp_path / "eyes.csv").open("w", encoding="utf-8") as file:
+        write_synthetic(with_eyes(synthesise("look-around", seconds=2)), file)
+    found = [
+        run(
+            tmp_path / "out",
+            gpu=gpu,
+            trace=str(tmp_path / "eyes.csv"),
+            latency_ms=100.0,
+            rate_hz=50.0,
+            force=True,
+            **how,
+        )
+        for how in ({"predict": "none"}, {"predict": "cautious"}, {"predict": "cautious", "fovea_deg": 40.0})
+    ]
+    off = [result.summary["gaze"]["off_deg"] for result in found]
+    # Each refresh lies on a sample, so that all know the same.
+    assert off[0]["p95"] > 0.5 and off[1] == pytest.approx(off[0], abs=1e-4)
+    assert off[2] == pytest.approx(off[0], abs=1e-4)

@@ -54,6 +54,9 @@ CASES = {
 }
 
 
+WARPS = [("rotation", "rotation"), ("iterative", f"iterative:seed=rotation,steps={STEPS}")]
+
+
 @pytest.fixture(scope="module")
 def rendered(gpu):
     """(h, w, 4) sRGB and coverage, (h, w) in 1/m of the room, with sky and holes, from the top."""
@@ -81,24 +84,39 @@ def _base64(array: np.ndarray) -> str:
     return json.dumps(base64.b64encode(np.ascontiguousarray(array).tobytes()).decode())
 
 
-def in_browser(
-    browser: Browser, colour, depth, rendered: View, shown: View, size, chain: str, panels: str = "[]"
-) -> np.ndarray:
-    """(h, w, 4) light and coverage from the top, as the page's chain has them before its fill."""
+# What a warp finds, its depth, and what is shown once holes are filled.
+READ = """
+(shown, name, panels) => {
+  const light = chain.read(0, shown, name, panels), depth = new Float32Array(light.length), { gl } = chain;
+  gl.readBuffer(gl.COLOR_ATTACHMENT1);
+  gl.readPixels(0, 0, ...shown.size, gl.RGBA, gl.FLOAT, depth);
+  gl.readBuffer(gl.COLOR_ATTACHMENT0);
+  const filled = chain.scratch(shown.size);
+  chain.show(0, shown, name, filled.target, [0, 0], "pyramid", panels);
+  const bytes = chain.pixels(filled.target, shown.size);
+  chain.dropped(filled);
+  return [light, depth, bytes].map(packed);
+}
+"""
+
+
+def in_browser(browser: Browser, colour, depth, rendered: View, shown: View, size, chain: str, panels: str = "[]"):
+    """Return light and coverage (h, w, 4) before the page's fill, their depth, sRGB after it."""
     given = {"size": [colour.shape[1], colour.shape[0]], "view": _view(rendered)}
     numbers = f"new Float32Array(bytes({_base64(depth)}).buffer)"
     picture = f"colour: bytes({_base64(colour)}), depth: {{numbers: {numbers}}}"
     browser.does(f"chain.takeIn(0, {{...{json.dumps(given)}, {picture}}})")
     view = json.dumps({**_view(shown), "size": list(size)})
-    found = browser.does(f"packed(chain.read(0, {view}, {json.dumps(chain)}, {panels}))")
-    return np.frombuffer(base64.b64decode(found), np.float32).reshape(size[1], size[0], 4)[::-1]
+    found = [base64.b64decode(text) for text in browser.does(f"({READ})({view}, {json.dumps(chain)}, {panels})")]
+    light, depths, shown_bytes = (
+        np.frombuffer(one, kind).reshape(*size[::-1], 4) for one, kind in zip(found, ("f4", "f4", "u1"), strict=True)
+    )
+    return light[::-1], depths[::-1, :, 0], shown_bytes[..., :3]
 
 
 @pytest.mark.parametrize("where", ["near the origin", "a thousand kilometres off"])
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize(
-    ("chain", "warp"), [("rotation", "rotation"), ("iterative", f"iterative:seed=rotation,steps={STEPS}")]
-)
+@pytest.mark.parametrize(("chain", "warp"), WARPS)
 def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
     colour, depth = rendered
     moved, fov, size = CASES[case]
@@ -107,11 +125,36 @@ def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
     with np.errstate(divide="ignore"):
         metres = np.where(depth < 0, np.nan, 1 / depth)
     here = warp_image(colour, metres, from_, to, warp, "none", size, result="linear")
-    there = in_browser(browser, colour, depth, from_, to, size, chain)
+    there, _, _ = in_browser(browser, colour, depth, from_, to, size, chain)
     seen, there_seen = here.coverage > 0, there[..., 3] > 0
     assert np.mean(seen != there_seen) <= MOST_PARTED
     assert np.abs(here.colour - there[..., :3])[seen & there_seen].max(initial=0) <= MOST_OFF
     assert seen.mean() > 0.5 or case == "turned away"
+
+
+@pytest.mark.parametrize("case", [name for name in CASES if name != "turned away"])
+@pytest.mark.parametrize(("chain", "warp"), WARPS)
+def test_the_depth_and_the_shown_image_are_those_of_here(browser, chain, warp, case):
+    """A slanted wall of one colour, then with poles before it: holes show the wall, as here."""
+    moved, fov, size = CASES[case]
+    from_, to = View(STANDING, EYE), View(STANDING @ moved, fov)
+    depth = np.broadcast_to(np.linspace(0.2, 0.3, SIZE[0], dtype=np.float32), SIZE[::-1]).copy()
+    colour = np.full((*SIZE[::-1], 4), (40, 120, 200, 255), np.uint8)
+    for has_poles in (False, True):
+        if has_poles:
+            depth[:, 5::12], colour[:, 5::12, :3] = 1.2, (230, 60, 20)
+        here, bare = (
+            warp_image(colour, 1 / depth, from_, to, warp, fill, size, result="srgb8", depth=True)
+            for fill in ("pyramid", "none")
+        )
+        light, there_depth, there = in_browser(browser, colour, depth, from_, to, size, chain)
+        seen = (light[..., 3] > 0) & (bare.coverage > 0)
+        off = np.abs(here.colour.astype(int) - there).max(axis=-1)
+        assert off[seen].max() <= 2 and seen.mean() > 0.4  # half floats, and a byte's rounding
+        # Beside poles the page's depth is that of their fringes.
+        assert has_poles or np.allclose(there_depth[seen], 1 / bare.depth_m[seen], rtol=1e-4, atol=0)
+        # A pole counts by a fiftieth in holes, at each level; by the half this would be 30 to 47.
+        assert np.percentile(off[~seen], 90) <= 10 if (~seen).any() else case in ("unmoved", "moved")
 
 
 def brought(panels: list[Panel], change=lambda content: content) -> str:
@@ -156,7 +199,7 @@ def test_panels_are_laid_as_here(browser, rendered, case, occluded):
         for laid in (panels, None)
     )
     assert browser.does(brought(panels)) is None
-    there = in_browser(browser, colour, depth, from_, to, size, "iterative", "panels.laid")
+    there, _, _ = in_browser(browser, colour, depth, from_, to, size, "iterative", "panels.laid")
     seen, laid = here.coverage > 0, np.abs(here.colour - bare.colour).max(axis=-1) > 0.01
     off = np.abs(here.colour - there[..., :3]).max(axis=-1)
     assert np.mean(seen & ((off > MOST_OFF + MOST_OFF_PANEL) | (there[..., 3] < 1 - 2.0**-9))) <= MOST_PARTED

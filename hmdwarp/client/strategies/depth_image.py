@@ -18,7 +18,7 @@ class DepthImage(Strategy):
 
     name = "depth_image"
     summary = "the server sends a picture with depth, and the client warps it; --warp and --fill say how"
-    crosses = "colour and depth"
+    crosses = "colour and depth; layers of effects"
     client = "warps the picture and fills the holes"
     late = "what was hidden"
     classes = (2, 3)

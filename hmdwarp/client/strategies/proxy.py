@@ -19,7 +19,7 @@ class Proxy(Strategy):
         "a proxy near the client gets pictures with depth and warps them for the newest pose that it knows; the client "
         "shows its picture, or turns it (proxy:client=rotation)"
     )
-    crosses = "colour and depth to the proxy, from there colour"
+    crosses = "colour, depth and layers of effects to the proxy, from there colour"
     client = "shows the picture, or turns it as the head has turned"
     late = "everything, by the second link alone; what was hidden, by both"
     classes = (1,)

@@ -16,7 +16,7 @@ class Views(Strategy):
         "the server draws further pictures from places that the eye may come to, and sends frames only when something "
         "has moved; the client composites them with those that it has"
     )
-    crosses = "colour and depth of several views, when something has moved"
+    crosses = "colour and depth of several views, when something has moved; layers of effects"
     client = "warps several pictures and keeps the nearest"
     late = "what was hidden from all views"
     classes = (3,)

@@ -13,8 +13,6 @@ import attrs
 KEPT = 256
 # A quartz is within this; what lies further apart is a clock that was set, or another machine's.
 MOST_DRIFT = 500e-6
-# Offsets are fitted with a drift over this time, below it they are taken as equal.
-_FIT_NS = 2_000_000_000
 
 
 @attrs.frozen
@@ -79,38 +77,41 @@ class Alignment:
         return bool(self._kept)
 
     @property
-    def round_trip_ns(self) -> int:
-        """The shortest of those kept; half of it bounds the error of the offset."""
-        return min(exchange.round_trip_ns for exchange in self._kept)
+    def _by_round_trip(self) -> list[Exchange]:
+        return sorted(self._kept, key=lambda one: one.round_trip_ns)
 
     @property
-    def drift(self) -> float:
-        """Seconds that their clock gains in one of ours; 0 until it is known."""
-        return self._line()[2]
+    def round_trip_ns(self) -> int:
+        """The shortest of those kept."""
+        return self._by_round_trip[0].round_trip_ns
 
-    def offset_at(self, time_ns: float) -> float:
-        """Return their clock less this one, in ns, at an instant of this one."""
-        middle, offset, drift = self._line()
-        return offset + drift * (time_ns - middle)
+    @property
+    def offset_ns(self) -> float:
+        """Their clock less this one at the shortest round trip, within half of it."""
+        return self._by_round_trip[0].offset_ns
 
-    def _line(self) -> tuple[float, float, float]:
-        """Return the middle of the best exchanges, the offset there, and the drift."""
-        best = sorted(self._kept, key=lambda one: one.round_trip_ns)[: max(1, len(self._kept) // 4)]
+    @property
+    def drift(self) -> float | None:
+        """Seconds that their clock gains in one of ours, by a line through the best exchanges.
+
+        None where their round trips could feign as much as a quartz drifts, and beyond that.
+        """
+        best = self._by_round_trip[: max(1, len(self._kept) // 4)]
         times, offsets = [exchange.middle_ns for exchange in best], [exchange.offset_ns for exchange in best]
+        if best[-1].round_trip_ns >= MOST_DRIFT * (max(times) - min(times)):
+            return None
         middle, offset = sum(times) / len(times), sum(offsets) / len(offsets)
-        if max(times) - min(times) < _FIT_NS:
-            return middle, offset, 0.0
         spread = sum((time - middle) ** 2 for time in times)
         slope = sum((time - middle) * (one - offset) for time, one in zip(times, offsets, strict=True)) / spread
-        return middle, offset, max(-MOST_DRIFT, min(MOST_DRIFT, slope))
+        return slope if abs(slope) <= MOST_DRIFT else None
 
-    def summary(self) -> dict[str, float | int]:
-        """Return what summary.json has of the clocks."""
+    def summary(self) -> dict[str, float | int | None]:
+        """Return what summary.json has of the clocks; a drift of None is not known."""
         if not self._kept:
             return {"jumps": self.jumps}
         return {
-            "offset_ms": self.offset_at(self._kept[-1].heard_ns) / 1e6,
-            "drift_ppm": self.drift * 1e6,
+            "offset_ms": self.offset_ns / 1e6,
+            "drift_ppm": None if self.drift is None else self.drift * 1e6,
             "shortest_round_trip_ms": self.round_trip_ns / 1e6,
             "jumps": self.jumps,
         }

@@ -10,7 +10,6 @@ from contextlib import contextmanager
 import attrs
 import numpy as np
 
-from hmdwarp.sources.feed.alignment import MOST_DRIFT, Alignment
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.listener import Listener
 
@@ -72,13 +71,6 @@ def next_of(caller: Caller) -> list[Arrival]:
     while not (arrived := caller.take()):
         caller.wait_until(time.monotonic_ns() + WHENEVER_MS * 1_000_000)
     return arrived
-
-
-def most_off_ns(clock: Alignment) -> float:
-    """Return how far the offset may be off now: half the longest round trip used, and a drift."""
-    kept = list(clock._kept)
-    used = sorted(one.round_trip_ns for one in kept)[: max(1, len(kept) // 4)]
-    return used[-1] / 2 + MOST_DRIFT * (time.monotonic_ns() - kept[0].sent_ns) + 1
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Clock alignment: the offset is right within half the round trip, a drift and a jump are told."""
+"""Clock alignment: the offset is right within half the shortest round trip, a jump is told."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,25 +20,24 @@ WAYS = st.lists(st.tuples(st.integers(0, 300 * MS), st.integers(0, 300 * MS)), m
 
 
 @given(WAYS, st.integers(-(10**15), 10**15))
-def test_the_offset_is_within_half_the_longest_round_trip_used(ways, offset):
+def test_the_offset_is_within_half_the_shortest_round_trip(ways, offset):
+    """And a drift is told only where there could be none so large that round trips feign."""
     found = Alignment()
     for number, (there, back) in enumerate(ways):
         assert not found.add(exchange(number * 16 * MS, there, back, offset))
-    best = sorted(there + back for there, back in ways)[: max(1, len(ways) // 4)]
-    # Each of those is off by half the difference of its two ways, at most half its round trip; ns.
-    assert abs(found.offset_at(0) - offset) <= max(best) / 2 + 2
+    shortest = min(there + back for there, back in ways)
+    # Rounding to ns.
+    assert abs(found.offset_ns - offset) <= shortest / 2 + 1 and found.round_trip_ns == shortest
+    assert found.drift is None or abs(found.drift) <= MOST_DRIFT
 
 
 @given(st.floats(-2e-4, 2e-4))
 def test_a_drift_is_found(drift):
     found = Alignment()
     for number in range(200):
-        assert not found.add(exchange(number * 100 * MS, 5 * MS, 5 * MS, 10**12, drift))
+        assert not found.add(exchange(number * 100 * MS, MS, MS, 10**12, drift))
     # Both ways take the same, so only rounding to 1 ns is left, over seconds.
     assert abs(found.drift - drift) < 1e-6 + 1e-3 * abs(drift)
-    # Ten seconds after the last one, too: the drift's error over half a minute.
-    later = 30_000 * MS
-    assert abs(found.offset_at(later) - (10**12 + drift * later)) < 2 + (1e-6 + 1e-3 * abs(drift)) * later
 
 
 @given(st.integers(400 * MS, 10**15), st.sampled_from((1, -1)))
@@ -50,7 +49,7 @@ def test_a_jump_is_reported_once_and_followed(jump, sign):
     ]
     assert told.count(True) == 1 and told[10] and found.jumps == 1
     # The two ways differ by 10 ms, and half of that is taken for offset.
-    assert abs(found.offset_at(29 * 16 * MS) - sign * jump) <= 5 * MS + 2
+    assert abs(found.offset_ns - sign * jump) <= 5 * MS + 2
 
 
 def test_what_a_quartz_may_drift_in_a_pause_is_no_jump():
@@ -61,12 +60,12 @@ def test_what_a_quartz_may_drift_in_a_pause_is_no_jump():
     assert found.add(exchange(200_000 * MS, MS, MS, 10**12 + 60 * MS, 0.9 * MOST_DRIFT))
 
 
-def test_a_drift_stays_within_what_a_quartz_may():
-    """The ways differ by 100 ms, and that is not taken for a drift."""
+def test_a_drift_that_the_ways_may_feign_is_not_told():
+    """They differ by 100 ms: a line through these offsets drifts faster than any quartz."""
     found = Alignment()
     for number in range(8):
         found.add(exchange(number * 3000 * MS, 100 * MS * (number % 2), 100 * MS * ((number + 1) % 2), 0))
-    assert abs(found.drift) == MOST_DRIFT
+    assert found.drift is None and found.summary()["drift_ppm"] is None
 
 
 def test_impossible_exchanges_are_left_out():

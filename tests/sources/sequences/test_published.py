@@ -264,6 +264,9 @@ def test_a_focus_that_breathes_is_taken_in_the_middle(folder):
     write_stray_scanner(folder, taken(3), focus=(1.0, 1.1, 1.2))
     wide = [frame.fov.tangents[1] - frame.fov.tangents[0] for frame in sequences.open(folder).frames]
     assert wide == pytest.approx([36 / FX, 36 / FX / 1.1, 36 / FX / 1.2])
+    (folder / "depth/000001.png").unlink()  # a frame that is left out takes its own along
+    wide = [frame.fov.tangents[1] - frame.fov.tangents[0] for frame in sequences.open(folder).frames]
+    assert wide == pytest.approx([36 / FX, 36 / FX / 1.2])
 
 
 def test_a_scale_that_all_matrices_share_is_told_and_others_are_refused(folder):
