@@ -37,12 +37,12 @@ from ..options import (
     parse_size,
     rendered_size_field,
 )
+from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
 from .levels import QualityLevel
 from .proxy_options import (
     DEFAULT_FILL,
-    DEFAULT_PREDICTOR,
     DEFAULT_WARP,
     PROXY,
     RECORDING,
@@ -69,7 +69,7 @@ def _warp_name(value: str) -> str:
 
 
 def _check_predictor(_: object, __: object, value: str) -> None:
-    if value not in names_in("poses/predictors").split(", "):
+    if value not in PREDICTORS:
         poses.predictors.get(value)  # another package's, or none
 
 
@@ -314,7 +314,7 @@ class PipelineOptions(Declared):
     proxy: ProxyOptions = group(ProxyOptions)
     predict: str = option(
         attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
-        f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
+        f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, "
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
         valid=_check_predictor,
         kind=str,

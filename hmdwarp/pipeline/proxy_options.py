@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..link import LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..options import AUTO, DEFAULT_GUARD, Declared, Number, names_in, option, options_of
+from ..poses.options import DEFAULT_PREDICTOR
 
 # frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
 _PICTURE = ("rendered.colour", "rendered.inverse_depth")
@@ -106,8 +107,6 @@ def refuse_with_frames(found: Mapping[str, tuple[str, bool]]) -> None:
 
 # Of what colour and depth allow, the most accurate in docs/results.md for its time.
 DEFAULT_WARP, DEFAULT_FILL = "iterative", "memory+pyramid"
-# Errs short, see docs/results-link.md.
-DEFAULT_PREDICTOR = "cautious"
 _DEPTH = "rendered.inverse_depth"
 
 

@@ -12,6 +12,10 @@ from ..options import Declared, Number, names_in, one_of, option
 
 # Kinds of `poses.synth`, in words.
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
+# Predictors of the head, each with the file of poses/predictors that has it.
+PREDICTORS = {"cautious": "cautious", "cav": "steady", "constant_velocity": "steady", "none": "steady"}
+PREDICTORS["on"] = "cautious"
+DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"

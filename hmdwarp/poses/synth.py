@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
 from . import quaternions
-from .formats.native import write_native
 from .glides import BACKWARD, FORWARD, ROTATE, SIDEWAYS, Glide
 from .track import PoseTrack
+from .writing import write_native
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ..errors import HmdwarpError, MachineError
 from ..poses import Origin, PoseSample
-from ..poses.formats.native import header_text, row_text
+from ..poses.writing import header_text, row_text
 from ..report import counted, refuse_existing, write_error
 from ..resources import __version__
 from ..scenes import INPUTS_HEADER, InputEvent, inputs_beside

@@ -20,7 +20,7 @@ MEASURE = """
 import json, re, sys, time
 from pathlib import Path
 from hmdwarp.poses import load_trace
-import hmdwarp.poses.reading.cleaning, hmdwarp.poses.reading.rows, hmdwarp.poses.formats.native
+import hmdwarp.poses.reading.cleaning, hmdwarp.poses.reading.rows, hmdwarp.poses.writing
 def peak():  # ru_maxrss would count what the parent held when it forked
     return int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
 before = peak()

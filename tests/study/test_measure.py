@@ -15,7 +15,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.formats.native import write_native
+from hmdwarp.poses.writing import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of

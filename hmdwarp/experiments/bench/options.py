@@ -33,7 +33,7 @@ from ...options import (
     several,
     split_names,
 )
-from ...pipeline.proxy_options import DEFAULT_PREDICTOR
+from ...poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ...run.options import RunOptions
 from ..sweep.options import RecordedOptions, own_first
 from .suites import suites, with_suite
@@ -120,7 +120,7 @@ class BenchOptions(RecordedOptions):
     predict: str = same_as(
         _RUN.predict,
         DEFAULT_PREDICTOR,
-        help=f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, and "
+        help=f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, and "
         "cav constant_velocity. All warps have the same late frames.",
     )
     horizon_ms: float | None = same_as(_RUN.horizon_ms)

@@ -1,4 +1,4 @@
-"""Predictors of the head pose from known motion: one file each."""
+"""Predictors of the head pose from known motion."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...registry import Registry
+from ..options import PREDICTORS
 from ..track import Origin, PoseSample, PoseTrack, Samples
 
 
@@ -28,7 +29,7 @@ class Predictor:
     alias_of: str = ""  # the predictor that this is another name of
 
 
-predictors: Registry[Predictor] = Registry("predictor", __package__)
+predictors: Registry[Predictor] = Registry("predictor", __package__, modules=PREDICTORS)
 
 
 def hold(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:

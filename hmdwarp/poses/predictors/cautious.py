@@ -91,10 +91,6 @@ def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> 
     return PoseSample(target_ns, _followed(recent, ahead_ns), Origin.PREDICTED)
 
 
-def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
-    return _extrapolated(track, now_ns, min(ahead_ns, HORIZON_NS))
-
-
 @attrs.frozen
 class _Recent:
     """The last distinct poses, in plain floats: for one prediction quicker than arrays."""
@@ -115,13 +111,6 @@ class _Recent:
         position = [a + share * (b - a) for a, b in zip(p, self.positions_m[i + 1], strict=True)]
         return position, quaternions.slerp(q, self.orientations_xyzw[i + 1], share)
 
-    def first_ns(self) -> int:
-        """Return since when there has been no gap."""
-        for i in range(len(self.time_ns) - 1, 0, -1):
-            if self.time_ns[i] - self.time_ns[i - 1] > self.limit_ns:
-                return self.time_ns[i]
-        return self.time_ns[0]
-
 
 def _recent(track: PoseTrack, i: int) -> _Recent:
     """Return the distinct poses up to sample i that are looked at, each at its first stamp."""
@@ -137,22 +126,21 @@ def _recent(track: PoseTrack, i: int) -> _Recent:
 
 
 def _followed(recent: _Recent, ahead_ns: int) -> Pose:
-    """Extrapolate the last pose: `_extrapolated` for a single instant."""
-    now_ns, first_ns = recent.time_ns[-1], recent.first_ns()
+    """Extrapolate the last pose: `_cautious_many` for a single instant."""
+    now_ns, times = recent.time_ns[-1], recent.time_ns
+    gaps = (i for i in range(len(times) - 1, 0, -1) if times[i] - times[i - 1] > recent.limit_ns)
+    first_ns = times[next(gaps, 0)]
     known = [now_ns - back >= first_ns for back in _BACK]
     heads = {back: recent.at(now_ns - back) for back in dict.fromkeys(_BACK)}
     places, turns = zip(*(heads[back] for back in _BACK), strict=True)
     turning = _trusted_one([quaternions.turn(turns[first], turns[last]) for first, last in _WAYS], known)
-    moving = _trusted_one([_way(places[first], places[last]) for first, last in _WAYS], known)
+    moved = [[b - a for a, b in zip(places[first], places[last], strict=True)] for first, last in _WAYS]
+    moving = _trusted_one(moved, known)
     angle, length = turns_ns(ahead_ns) / WINDOW_NS, min(ahead_ns, MOVES_NS) / WINDOW_NS
     return Pose(
         [a + length * b for a, b in zip(places[0], moving, strict=True)],
         quaternions.turned(turns[0], [angle * part for part in turning]),
     )
-
-
-def _way(a: Sequence[float], b: Sequence[float]) -> tuple[float, ...]:
-    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
 
 
 def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tuple[float, float, float]:
@@ -177,8 +165,9 @@ def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tupl
     return trust * x, trust * y, trust * z
 
 
-def _extrapolated(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
-    """Extrapolate for `ahead_ns` from each of `now_ns`, (n,)."""
+def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
+    """Extrapolate from each of `now_ns`, (n,)."""
+    ahead_ns = min(ahead_ns, HORIZON_NS)
     instants = now_ns[:, None] - _BACK_NS
     found = track.sample_many(instants.ravel())
     q, p = found.orientation_xyzw.reshape(*instants.shape, 4), found.position_m.reshape(*instants.shape, 3)
@@ -207,11 +196,8 @@ def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> 
     are poses, (n, 2 + 3 k). A prediction from before what is known counts as wrong by its whole
     length.
     """
-    now, before, ended, began, window = (
-        slice(0, 1),
-        slice(1, 2),
-        *(slice(2 + i * _COUNT, 2 + (i + 1) * _COUNT) for i in range(3)),
-    )
+    now, before = slice(0, 1), slice(1, 2)
+    ended, began, window = (slice(2 + i * _COUNT, 2 + (i + 1) * _COUNT) for i in range(3))
     share = TESTED_NS / WINDOW_NS
     moved = way(before, now)
     missed = np.where(known[:, window, None], share * way(window, began) - way(began, ended), share * moved)
@@ -219,7 +205,7 @@ def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> 
     return np.where(known[:, before], trust[:, None] * moved[:, 0], 0.0)
 
 
-predictor = predictors.register(
+_cautious = predictors.register(
     Predictor(
         "cautious",
         "the speed of the last 30 ms fades, the sooner the more it has just overshot",
@@ -229,3 +215,5 @@ predictor = predictors.register(
         HORIZON_NS,
     )
 )
+# The predictor for those who do not choose one.
+predictors.register(attrs.evolve(_cautious, name="on", alias_of=_cautious.name))

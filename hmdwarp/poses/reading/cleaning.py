@@ -1,11 +1,10 @@
-"""From rows to one clean track.
-
-Each step looks for one kind of defect, repairs or refuses it, and records what it did.
-"""
+"""From rows to one clean track, by a table of steps, one for each kind of defect."""
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -20,11 +19,7 @@ from .axes import AXES, UP, WRAP, is_inverse
 from .columns import head_rank
 from .file_head import Head
 from .judged_axes import JudgedAxes
-from .plausibility import (
-    find_jumps,
-    inverted,
-    rate_fault,
-)
+from .plausibility import find_jumps, inverted, rate_fault
 from .rows import Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps, absurd_rows, guess_unit, midnights, to_ns, wraps_of
 
@@ -90,84 +85,92 @@ class LoadedTrace:
         return self.track.rate_hz
 
 
+Found = tuple[Any, ...] | None  # the rows concerned, or None for all, and the words of the text
+# The steps, in the order of six questions: which rows are poses of the head; when; which poses are
+# new; are they rotations; in which axes and unit; what is missing between them. `find` is a method
+# of Cleaner, whose words fill the braces of `text` and `done`, and so is `mend`.
+_STEPS = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))["step"]
+
+
 class Cleaner:
     """Run the cleaning steps over the rows of one file."""
 
     def __init__(self, head: Head, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
         self.path, self.where = head.path, str(head.path)
         self.rows, self.layout, self.options = rows, layout, options
-        self._defects_of_devices = head.source.made.nested
-        self._may_be_cut = not ends_with_newline
+        self.defects_of_devices = head.source.made.nested
+        self.may_be_cut = not ends_with_newline
         self.defects: list[Defect] = list(layout.caveats)
         self.segments: list[Segment] = []
         self.time_ns: NDArray[np.int64] = np.zeros(0, np.int64)  # of each row, once `read_times` has run
-        self.time_unit = ""
-        self.judged = JudgedAxes(layout, options, self.where, self._note)
+        self.unit = self.time_unit = ""  # a key of UNITS_NS; in words
+        self.judged = JudgedAxes(layout, options, self.where, self.note)
         self.wrap = ""  # where the clock begins again, in words
         self.epoch_ns = 0
         self.device = ""
+        self.jumps: NDArray[np.int64] = np.zeros(0, np.int64)
 
     def clean(self, origin: str) -> LoadedTrace:
         """Run all steps, each after those that it relies on."""
-        self.drop_cut_row()
-        self.take_one_device()
-        self.drop_zero_quaternions()
-        self.need_two_rows()
-        self.count_by_rate()
-        self.take_one_segment()
-        self.read_times()
-        self.invert()
-        self.trim_default_start()
-        self.drop_duplicate_stamps()
-        self.join_pairs()
-        self.normalise()
-        self.turn_and_scale()
-        self.find_gaze()
-        self.join_hemispheres()
-        self.report_repeats()
-        self.report_gaps()
-        jumps = self.find_jumps()
-        self.judged.report_tilt(self.rows.orientation)
-        self.need_two_rows()
+        for step in _STEPS:
+            found = getattr(self, step["find"])()
+            if found is not None:
+                at, *words = found
+                self.note(step["name"], step.get("text", "{}").format(*words), step["done"].format(*words), at)
+                if "mend" in step:
+                    getattr(self, step["mend"])(at)
+        rows, judged = self.rows, self.judged
         track = PoseTrack(
             self.time_ns - self.time_ns[0],
-            self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3)),
-            self.rows.orientation,
+            rows.position if rows.position is not None else np.zeros((len(rows), 3)),
+            rows.orientation,
             name=self.path.stem,
             origin=origin,
-            axes=self.judged.words(),
+            axes=judged.words(),
             notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
-            jumps=jumps,
-            gaze=self.rows.gaze,
+            jumps=self.jumps.tolist(),
+            gaze=rows.gaze,
         )
-        wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
+        facts = judged.assumptions(self.layout, self.time_unit, rows.position is not None)
+        facts += (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
+        assumed = judged.axes_by is By.NOBODY
         return LoadedTrace(
-            track,
-            self.path,
-            "",
-            self.defects,
-            self.segments,
-            self.time_unit,
-            "",
-            self.judged.axes_by is By.NOBODY,
-            self.device,
-            (*self.judged.assumptions(self.layout, self.time_unit, self.rows.position is not None), *wrap),
+            track, self.path, "", self.defects, self.segments, self.time_unit, "", assumed, self.device, facts
         )
 
-    def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
-        """Record a defect and its repair. at: the rows concerned; count: of what else."""
-        count = count or (1 if at is None else len(at))
-        self.defects.append(Defect(kind, what, done, count, None if at is None else self._line(at[0])))
+    def note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None) -> None:
+        """Record a defect and its repair. at: the rows concerned."""
+        count, line = (1, None) if at is None else (len(at), self.line(at[0]))
+        self.defects.append(Defect(kind, what, done, count, line))
 
-    def _line(self, row: int | np.integer) -> int:
+    def line(self, row: int | np.integer) -> int:
+        """Return the line of a row."""
         return int(self.rows.line[row])
 
-    def _keep(self, which: NDArray[np.bool_] | slice) -> None:
+    def keep(self, which: NDArray[np.bool_] | slice) -> None:
+        """Keep only these rows."""
         self.rows.keep(which)
-        self.time_ns = self.time_ns[which]
+        if len(self.time_ns):
+            self.time_ns = self.time_ns[which]
 
-    def _pose_repeats(self) -> NDArray[np.bool_]:
+    def drop(self, at: NDArray[np.intp]) -> None:
+        """Drop these rows."""
+        which = np.ones(len(self.rows), bool)
+        which[at] = False
+        self.keep(which)
+
+    def reverse(self, _: NDArray[np.intp]) -> None:
+        self.keep(slice(None, None, -1))
+
+    @property
+    def stamps(self) -> Stamps:
+        """Stamps of the rows, until they are read as times."""
+        stamps = self.rows.stamps
+        assert stamps is not None, "count_by_rate gives stamps to a file without time"
+        return stamps
+
+    def pose_repeats(self) -> NDArray[np.bool_]:
         """Return of each row but the last whether the next has the same pose, (n - 1,)."""
         q, p = self.rows.orientation, self.rows.position
         same = (q[1:] == q[:-1]).all(axis=1)
@@ -175,36 +178,36 @@ class Cleaner:
             same &= (p[1:] == p[:-1]).all(axis=1)
         return np.asarray(same)
 
-    def need_two_rows(self) -> None:
-        """Refuse a single row: one pose is no motion."""
+    def count_on(self, found: Wraps, what: str) -> Found:
+        """Take stamps that are counted on where the clock begins again."""
+        self.rows.stamps, self.wrap = found.stamps, what
+        return found.rows, what
+
+    def need_two_rows(self) -> Found:
         if len(self.rows) < 2:
             known = "; ".join(str(d) for d in self.defects[:3])
             so_far = f" ({known})" if known else ""
             raise TraceError(f"{self.where} holds {len(self.rows)} usable row: expected two or more{so_far}")
+        return None
 
-    def drop_cut_row(self) -> None:
-        """Drop a last line without newline that is cut: its norm is off or its time decreases."""
-        rows = self.rows
-        if not self._may_be_cut or len(rows) < 2:
-            return
-        off = np.abs(np.linalg.norm(rows.orientation[-2:], axis=1) - 1)
-        reason = ""
+    def cut_row(self) -> Found:
+        """Find a last line without newline that is cut: its norm is off or its time decreases."""
+        if not self.may_be_cut or len(self.rows) < 2:
+            return None
+        off = np.abs(np.linalg.norm(self.rows.orientation[-2:], axis=1) - 1)
         if off[1] > COARSE_NORM >= off[0]:
-            reason = f"quaternion of length {np.linalg.norm(rows.orientation[-1]):.2f}"
-        elif rows.stamps is not None and rows.stamps[-2:].steps()[0] <= 0:
-            reason = "its time is not after the one before"
-        if reason:
-            what = f"the last row is cut off ({reason}, no newline)"
-            self._note("last-row-cut", what, "dropped", np.array([-1]))
-            rows.keep(slice(None, -1))
+            return np.array([-1]), f"quaternion of length {np.linalg.norm(self.rows.orientation[-1]):.2f}"
+        if self.rows.stamps is not None and self.rows.stamps[-2:].steps()[0] <= 0:
+            return np.array([-1]), "its time is not after the one before"
+        return None
 
-    def take_one_device(self) -> None:
-        """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
+    def devices(self) -> Found:
+        """Find the head's rows, or the first eye's, where rows of several devices are mixed."""
         device, stated = self.rows.device, self.options.device
         if device is None:
             if stated is not None:
                 raise TraceError(f"{self.where} has no column that names devices: leave --device out")
-            return
+            return None
         names, first, counts = np.unique(device, return_index=True, return_counts=True)
         texts = [n.decode("latin-1") for n in names]
         if stated is not None and stated not in texts:
@@ -216,173 +219,138 @@ class Cleaner:
             taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
         else:
             taken = texts.index(stated)
-        self.device = texts[taken]
-        if self.device in self._defects_of_devices:
-            self.defects.append(self._defects_of_devices[self.device])
-        if len(names) < 2:
-            return
-        others = len(device) - int(counts[taken])
-        self._note(
-            "devices-interleaved",
-            f"rows of {len(names)} devices or eyes are interleaved ({', '.join(texts[:6])})",
-            f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out; --device takes another",
-            np.sort(np.delete(first, taken)),
-            others,
+        self.device, self.rows.device = texts[taken], None
+        if self.device in self.defects_of_devices:
+            self.defects.append(self.defects_of_devices[self.device])
+        others = np.flatnonzero(device != names[taken])
+        return (
+            (others, len(names), ", ".join(texts[:6]), counts[taken], self.device, len(others))
+            if len(names) > 1
+            else None
         )
-        self.rows.keep(device == names[taken])
-        self.rows.device = None
 
-    def drop_zero_quaternions(self) -> None:
-        """Drop rows with a zero quaternion, or a matrix without a turn: a mark of lost tracking."""
+    def zero_quaternions(self) -> Found:
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
         if zero.all():
             raise TraceError(
                 f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
             )
-        if zero.any():
-            found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
-            what = f"{counted(int(zero.sum()), 'row')} with a {found}, a marker for no tracking"
-            self._note("zero-quaternion", what, "dropped", np.flatnonzero(zero))
-            self.rows.keep(~zero)
+        found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
+        return (np.flatnonzero(zero), counted(int(zero.sum()), "row"), found) if zero.any() else None
 
-    @property
-    def _stamps(self) -> Stamps:
-        stamps = self.rows.stamps
-        assert stamps is not None, "count_by_rate gives stamps to a file without time"
-        return stamps
-
-    def count_by_rate(self) -> None:
+    def count_by_rate(self) -> Found:
         """Replace the file's clock by --trace-rate."""
         rate = self.options.rate
         if rate is None:
-            return
+            return None
         n, step_ns = len(self.rows), BILLION / rate
         if (n - 1) * step_ns > 2**62:
             raise TraceError(
                 f"{self.where}: {n} rows at a rate of {rate:g} Hz last over 146 years; give a higher --trace-rate"
             )
-        what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
-        self._note("clock-by-rate", what, f"row numbers at {rate:g} Hz, as --trace-rate says")
         self.rows.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
+        return None, "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time", rate
 
-    def take_one_segment(self) -> None:
-        """Split where time decreases, never sorting; keep the longest recording or the chosen."""
-        self._mend_clock()
-        self._judge_order()
-        stamps = self._stamps
+    def midnights(self) -> Found:
+        found = midnights(self.stamps)
+        return found and self.count_on(found, f"the clock passes midnight {counted(len(found.rows), 'time')}")
+
+    def absurd_stamps(self) -> Found:
+        bad = absurd_rows(self.stamps)
+        return (bad, counted(len(bad), "row"), self.stamps[bad[:1]].text()) if len(bad) else None
+
+    def wraps(self) -> Found:
+        found = wraps_of(self.stamps, self.rows.orientation)
+        return found and self.count_on(found, f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}")
+
+    def reversed_rows(self) -> Found:
+        """Find rows that run backwards in time. Errors: TraceError for shuffled ones."""
+        steps = self.stamps.steps()
+        falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
+        if falls > _REVERSED and not (steps > 0).any():
+            return (np.arange(len(steps)),)
+        if falls > _SHUFFLED:
+            raise TraceError(
+                f"{self.where}: time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several "
+                "recordings; sort them by time, or name the clock with --time-column"
+            )
+        return None
+
+    def find_unit(self) -> Found:
+        steps = self.stamps.steps()
+        self.unit = "s" if self.stamps.clock else self.options.time_unit or self.layout.unit or ""
+        if self.unit:
+            return None
+        if not (steps > 0).any():
+            raise TraceError(
+                f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
+                "instead"
+            )
+        step = float(np.median(steps[steps > 0]))
+        self.unit = guess_unit(self.stamps, step)
+        self.layout = attrs.evolve(self.layout, unit=self.unit, unit_by=By.NOBODY)
+        return None, UNIT_NAMES[self.unit], BILLION / (step * UNITS_NS[self.unit])
+
+    def find_segments(self) -> Found:
+        """Split where time decreases, never sorting; choose the longest recording."""
+        stamps = self.stamps
         falls = np.flatnonzero(stamps.steps() < 0) + 1
         starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
-        seconds = UNITS_NS[self._unit(stamps)] / BILLION
         first, last = stamps[starts], stamps[ends - 1]
-        span = ((last.whole - first.whole) + (last.billionths - first.billionths) / BILLION) * seconds
+        span = (last.whole - first.whole) + (last.billionths - first.billionths) / BILLION
+        span = span * (UNITS_NS[self.unit] / BILLION)
         wanted = self.options.segment
         if wanted is not None and wanted > len(span):
             raise TraceError(f"{self.where} holds {counted(len(span), 'recording')}: there is no segment {wanted}")
         taken = int(np.argmax(span)) if wanted is None else wanted - 1
         listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
         self.segments = [
-            Segment(i + 1, self._line(a), self._line(b - 1), int(b - a), float(span[i]), i == taken)
+            Segment(i + 1, self.line(a), self.line(b - 1), int(b - a), float(span[i]), i == taken)
             for i, a, b in ((i, starts[i], ends[i]) for i in listed)
         ]
-        if len(span) > 1:
-            why = "the longest" if wanted is None else "as asked"
-            what = f"time falls {counted(len(falls), 'time')}: the file holds {len(span)} recordings"
-            length = f"{span[taken]:.3f} s of {span.sum():.3f} s"
-            done = f"segment {taken + 1} taken, {why} ({length}); --segment takes another"
-            self._note("clock-restart", what, done, falls)
-            self.rows.keep(slice(starts[taken], ends[taken]))
+        if len(span) < 2:
+            return None
+        why = "the longest" if wanted is None else "as asked"
+        length = f"{span[taken]:.3f} s of {span.sum():.3f} s"
+        return falls, counted(len(falls), "time"), len(span), taken + 1, why, length
 
-    def _judge_order(self) -> None:
-        """Turn rows around that run backwards in time. Errors: TraceError for shuffled ones."""
-        steps = self._stamps.steps()
-        falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
-        if falls > _REVERSED and not (steps > 0).any():
-            what = "time falls from row to row: the file is in reverse order"
-            self._note("rows-reversed", what, "read from its end", np.arange(len(steps)))
-            self.rows.keep(slice(None, None, -1))
-        elif falls > _SHUFFLED:
-            raise TraceError(
-                f"{self.where}: time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several "
-                "recordings; sort them by time, or name the clock with --time-column"
-            )
+    def keep_segment(self, falls: NDArray[np.intp]) -> None:
+        taken = next(segment.number for segment in self.segments if segment.taken)
+        bounds = [0, *falls.tolist(), len(self.rows)]
+        self.keep(slice(bounds[taken - 1], bounds[taken]))
 
-    def _mend_clock(self) -> None:
-        """Count on where the clock wraps or passes midnight, and drop stamps that are none."""
-        found = midnights(self._stamps)
-        if found is not None:
-            self._count_on(found, "midnight", f"the clock passes midnight {counted(len(found.rows), 'time')}")
-        bad = absurd_rows(self._stamps)
-        if len(bad):
-            stamp = self._stamps[bad[:1]]
-            what = f"{counted(len(bad), 'row')} with a time out of line with the others, the first {stamp.text()}"
-            self._note("stamp-absurd", what, "dropped", bad)
-            self.rows.keep(_without(bad, len(self.rows)))
-        found = wraps_of(self._stamps, self.rows.orientation)
-        if found is not None:
-            what = f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}"
-            self._count_on(found, "clock-wrap", what)
-
-    def _count_on(self, found: Wraps, kind: str, what: str) -> None:
-        self._note(kind, what, "counted on", found.rows)
-        self.rows.stamps = found.stamps
-        self.wrap = what
-
-    def _unit(self, stamps: Stamps) -> str:
-        if stamps.clock:
-            return "s"
-        if self.options.time_unit is not None:
-            return self.options.time_unit
-        unit = self.layout.unit
-        if unit is None:
-            steps = stamps.steps()
-            rising = steps[steps > 0]
-            if not len(rising):
-                raise TraceError(
-                    f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
-                    "instead"
-                )
-            step = float(np.median(rising))
-            unit = guess_unit(stamps, step)
-            self.layout = attrs.evolve(self.layout, unit=unit, unit_by=By.NOBODY)
-            done = f"{UNIT_NAMES[unit]} taken, which makes {BILLION / (step * UNITS_NS[unit]):.4g} Hz"
-            self._note("unit-guessed", "the file does not say in what unit its time is", done)
-        return unit
-
-    def read_times(self) -> None:
-        """Convert stamps to nanoseconds since the segment's first row.
+    def read_times(self) -> Found:
+        """Convert stamps to nanoseconds since the segment's first row; find a rate of no tracker.
 
         That row's time is subtracted before anything is scaled.
         """
-        unit, stamps = self._unit(self._stamps), self._stamps
+        unit, stamps = self.unit, self.stamps
         try:
             self.time_ns, self.epoch_ns = to_ns(stamps, unit)
         except OverflowError as error:
             raise TraceError(
                 f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
             ) from None
+        self.rows.stamps = None
         self.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[unit]
         if self.options.rate is not None:
             self.time_unit = f"row numbers at {self.options.rate:g} Hz"
-        elif len(self.time_ns) > 2:
-            self._check_rate(unit)
-        self.rows.stamps = None
-
-    def _check_rate(self, unit: str) -> None:
-        """Warn of a rate that no tracker has, with the unit that would make it one."""
+            return None
         steps = np.diff(self.time_ns)
-        step_ns = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-        if remedy := rate_fault(step_ns, unit) if step_ns else "":
-            what = f"its clock, read as {UNIT_NAMES[unit]}, makes {BILLION / step_ns:.4g} Hz, which no tracker has"
-            self._note("rate-implausible", what, f"kept; {remedy}")
+        if len(steps) < 2 or not (steps > 0).any():
+            return None
+        step_ns = float(np.median(steps[steps > 0]))
+        remedy = rate_fault(step_ns, unit)
+        return (None, UNIT_NAMES[unit], BILLION / step_ns, remedy) if remedy else None
 
-    def invert(self) -> None:
-        """Turn poses that are head from world around."""
+    def invert(self) -> Found:
         if is_inverse(self.layout, self.options):
             self.rows.orientation, self.rows.position = inverted(self.rows.orientation, self.rows.position)
+        return None
 
-    def trim_default_start(self) -> None:
-        """Drop the default pose that some recorders write until tracking starts."""
+    def default_start(self) -> Found:
+        """Find the default pose that some recorders write until tracking starts."""
         q, p = self.rows.orientation, self.rows.position
         differs = (q != q[0]).any(axis=1)
         if p is not None:
@@ -390,50 +358,39 @@ class Cleaner:
         run = int(differs.argmax())
         default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
         if not run or not (default or run >= 3):
-            return
+            return None
         change = slice(run - 1, run + 1)
         metres = None if p is None else p[change] * self.judged.scale()
         if not len(find_jumps(self.time_ns[change], q[change], metres)):
-            return
-        rows = f"{run} rows hold" if run > 1 else "row holds"
-        what = f"the first {rows} one default pose, then the head jumps"
-        self._note("default-start", what, "trimmed", np.arange(run))
+            return None
+        return np.arange(run), f"{run} rows hold" if run > 1 else "row holds"
+
+    def trim(self, at: NDArray[np.intp]) -> None:
+        run = len(at)
         self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
-        self._keep(slice(run, None))
+        self.keep(slice(run, None))
 
-    def drop_duplicate_stamps(self) -> None:
-        """Keep the last of several rows at one instant, which is the newest."""
+    def duplicate_stamps(self) -> Found:
         at = np.flatnonzero(np.diff(self.time_ns) == 0)
-        if len(at):
-            others = int(np.count_nonzero(~self._pose_repeats()[at]))
-            what = f"{counted(len(at), 'row')} with the time stamp of the next, {others} of them with another pose"
-            self._note("duplicate-stamp", what, "the last row of each instant kept", at)
-            self._keep(_without(at, len(self.rows)))
+        others = int(np.count_nonzero(~self.pose_repeats()[at])) if len(at) else 0
+        return (at, counted(len(at), "row"), others) if len(at) else None
 
-    def join_pairs(self) -> None:
-        """Keep the last of two rows at nearly one instant, where the file is made of such pairs."""
+    def paired_rows(self) -> Found:
         steps = np.diff(self.time_ns)
         if len(steps) < _LEAST_PAIRS:
-            return
+            return None
         near = np.flatnonzero(steps * _NEARER < np.quantile(steps, 0.9))
-        if len(near) >= _PAIRED * len(steps):
-            apart_ms = np.median(steps[near]) / 1e6
-            what = f"{len(near)} rows come {apart_ms:.3g} ms before the next, at nearly the same instant"
-            self._note("paired-rows", what, "the last of each pair kept", near)
-            self._keep(_without(near, len(self.rows)))
+        return (near, len(near), np.median(steps[near]) / 1e6) if len(near) >= _PAIRED * len(steps) else None
 
-    def normalise(self) -> None:
-        """Normalise quaternions: slightly off ones silently, bad ones with a warning.
-
-        Refuse the rest.
-        """
+    def normalise(self) -> Found:
+        """Normalise quaternions: slightly off ones silently, bad ones noted; refuse the rest."""
         q = self.rows.orientation
         norm = np.linalg.norm(q, axis=1)
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
         if hopeless.any():
             row = int(hopeless.argmax())
             raise TraceError(
-                f"{self.where}: line {self._line(row)}: a quaternion of length {norm[row]:.3g}, expected 1: "
+                f"{self.where}: line {self.line(row)}: a quaternion of length {norm[row]:.3g}, expected 1: "
                 f"{q[row].tolist()}; were the wrong columns read, or is the row damaged?"
             )
         median = float(np.median(norm))
@@ -443,95 +400,70 @@ class Cleaner:
                 "were the wrong columns read? --columns names the right ones"
             )
         off = np.abs(norm - 1)
-        bad = np.flatnonzero(off > COARSE_NORM)
-        if len(bad):
-            worst = int(off.argmax())
-            self._note(
-                "norm-off",
-                f"{counted(len(bad), 'quaternion')} off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in "
-                f"line {self._line(worst)}",
-                "normalised; do not trust them",
-                bad,
-            )
+        bad, worst = np.flatnonzero(off > COARSE_NORM), int(off.argmax())
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]
+        return (bad, counted(len(bad), "quaternion"), COARSE_NORM, off[worst], self.line(worst)) if len(bad) else None
 
-    def turn_and_scale(self) -> None:
+    def turn_and_scale(self) -> Found:
         """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
         self.judged.weigh(self.time_ns, self.rows)
         self.judged.axes.apply(self.rows.position, self.rows.orientation)
-        scale = self.judged.scale()
         if self.rows.position is None:
-            self._note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
-        elif scale != 1:
+            return (None,)
+        if (scale := self.judged.scale()) != 1:
             self.rows.position *= scale
+        return None
 
-    def find_gaze(self) -> None:
+    def find_gaze(self) -> Found:
         """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
         found = self.rows.gaze
         if found is None:
-            return
+            return None
         length = np.linalg.norm(found, axis=1, keepdims=True)
+        lost = length[:, 0] < WORST_NORM
         if found.shape[1] == 4:
-            # Where the eyes are lost, trackers write no turn at all.
-            lost = (length[:, 0] < WORST_NORM) | ~found[:, :3].any(axis=1)
+            lost |= ~found[:, :3].any(axis=1)  # where the eyes are lost, trackers write no turn at all
             turns = np.where(lost[:, None], (0.0, 0.0, 0.0, 1.0), found / np.maximum(length, _ZERO_NORM))
             self.judged.axes.apply(None, turns)
             world = quaternions.rotate(turns, np.array([[0.0, 0.0, -1.0]]))
             gaze = quaternions.rotate(self.rows.orientation * (-1, -1, -1, 1), world)
         else:
-            lost, gaze = length[:, 0] < WORST_NORM, found @ self.judged.axes.head.T
+            gaze = found @ self.judged.axes.head.T
         lost |= gaze[:, 2] > -_WIDEST_GAZE
-        if lost.any():
-            what = f"the gaze is not known in {counted(int(lost.sum()), 'row')}, as while the eyes blink"
-            self._note("gaze-lost", what, "the gaze before is held", np.flatnonzero(lost))
         gaze[lost] = np.nan
         self.rows.gaze = None if lost.all() else gaze
+        return (np.flatnonzero(lost), counted(int(lost.sum()), "row")) if lost.any() else None
 
-    def join_hemispheres(self) -> None:
+    def sign_flips(self) -> Found:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
-        before = self.rows.orientation[:, 3].copy()
-        if count := quaternions.make_continuous(self.rows.orientation):
-            what = f"the quaternion changes its sign {counted(count, 'time')}"
-            changed = np.atleast_1d((before != self.rows.orientation[:, 3]).argmax())
-            self._note("sign-flip", what, "signs made continuous", changed, count)
+        q = self.rows.orientation
+        flips = np.flatnonzero(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0) + 1
+        quaternions.make_continuous(q)
+        return (flips, counted(len(flips), "time")) if len(flips) else None
 
-    def report_repeats(self) -> None:
-        """Report repeated poses (a tracker slower than the recorder); replay needs their timing."""
-        at = np.flatnonzero(self._pose_repeats()) + 1
-        if len(at):
-            share = 100 * len(at) / len(self.rows)
-            what = f"{counted(len(at), 'row')} ({share:.3g} %) with the pose of the row before"
-            self._note("repeated-pose", what, "kept for replay, left out of speeds and prediction", at)
+    def repeats(self) -> Found:
+        at = np.flatnonzero(self.pose_repeats()) + 1
+        return (at, counted(len(at), "row"), 100 * len(at) / len(self.rows)) if len(at) else None
 
-    def report_gaps(self) -> None:
-        """Report gaps in time, and steps too short to divide by."""
-        if len(self.time_ns) < 2:
-            return
+    def gaps(self) -> Found:
         steps, limit = np.diff(self.time_ns), gap_limit_ns(self.time_ns)
         gaps = np.flatnonzero(steps > limit) + 1
-        if len(gaps):
-            what = f"{counted(len(gaps), 'gap')} longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s"
-            self._note("gap", what, "the pose before is held within them, never interpolated", gaps)
-        short = np.flatnonzero(steps * 10 < int(np.median(steps))) + 1
-        if len(short):
-            least = f"{steps.min() / 1e6:.3g} ms"
-            what = f"{counted(len(short), 'step')} shorter than a tenth of the median, down to {least}"
-            self._note("short-step", what, "kept; speeds are taken over a fixed span, never over one step", short)
+        return (gaps, counted(len(gaps), "gap"), limit / 1e6, steps.max() / 1e9) if len(gaps) else None
 
-    def find_jumps(self) -> list[int]:
+    def short_steps(self) -> Found:
+        """Find steps too short to divide by."""
+        steps = np.diff(self.time_ns)
+        short = np.flatnonzero(steps * 10 < int(np.median(steps))) + 1 if len(steps) else steps
+        return (short, counted(len(short), "step"), steps.min() / 1e6) if len(short) else None
+
+    def find_jumps(self) -> Found:
         """Find teleports: steps that no head can make."""
-        jumps = find_jumps(self.time_ns, self.rows.orientation, self.rows.position)
-        if len(jumps):
-            what = f"{counted(len(jumps), 'jump')} of position or orientation faster than a head can move"
-            self._note("jump", what, "kept; nothing is interpolated or predicted across them", jumps + 1)
-        return [int(i) for i in jumps]
+        self.jumps = find_jumps(self.time_ns, self.rows.orientation, self.rows.position)
+        return (self.jumps + 1, counted(len(self.jumps), "jump")) if len(self.jumps) else None
 
-
-def _without(rows: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
-    """Return which of `count` rows stay without these."""
-    keep = np.ones(count, bool)
-    keep[rows] = False
-    return keep
+    def tilt(self) -> Found:
+        self.judged.report_tilt(self.rows.orientation)
+        return None
 
 
 def _is_index(text: str) -> bool:

@@ -114,10 +114,11 @@ class Head:
         """Fields in the first row."""
         return len(self.rows[0])
 
-    def numbers(self, columns: tuple[int, ...]) -> NDArray[np.float64]:
+    def numbers(self, columns: tuple[int, ...], commas: bool = True) -> NDArray[np.float64]:
         """Return these columns of the first rows, (n, columns), of those with a number in each."""
-        rows = [[row[c].replace(",", ".") for c in columns] for row in self.rows if len(row) > max(columns)]
-        good = [row for row in rows if all(is_number(field) for field in row)]
+        rows = [[row[c] for c in columns] for row in self.rows if len(row) > max(columns)]
+        rows = [[f.replace(",", ".") if commas else f for f in row] for row in rows]
+        good = [row for row in rows if all(is_number(field) and "," not in field for field in row)]
         return np.array(good, dtype=np.float64).reshape(-1, len(columns))
 
     def column(self, name: str) -> int | None:

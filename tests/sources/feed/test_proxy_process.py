@@ -15,7 +15,7 @@ from hmdwarp.gpu import download
 from hmdwarp.metrics import psnr_db
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import PoseTrack
-from hmdwarp.poses.formats.native import write_native
+from hmdwarp.poses.writing import write_native
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import InputBook, load_scene
 from hmdwarp.sources.feed.options import FeedOptions

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import PoseTrack
-from hmdwarp.poses.formats.native import write_native
+from hmdwarp.poses.writing import write_native
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, PILOT, Store
 

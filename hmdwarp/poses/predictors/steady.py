@@ -1,7 +1,8 @@
-"""Constant velocity: the motion of the last 50 ms continues."""
+"""Predictors without a judgement: the last pose is held, or its velocity goes on."""
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +37,7 @@ def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns:
     return PoseSample(target_ns, Pose(moved, turned), Origin.PREDICTED)
 
 
-def _constant_velocity_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
+def _steady_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
     """Interpolate the poses at both ends of the window, so that no result depends on the stamps."""
     share = min(ahead_ns, HORIZON_NS) / WINDOW_NS
     then, now = track.sample_many(now_ns - WINDOW_NS), track.sample_many(now_ns)
@@ -60,22 +61,28 @@ def _window(track: PoseTrack, i: int) -> tuple[int, int]:
     if track.time_ns[i] - track.time_ns[last] >= WINDOW_NS:
         return i, i
     first = last
-    while (
-        first > 0
-        and not track.broken[first - 1]
-        and (first == last or track.time_ns[last] - track.time_ns[first - 1] <= WINDOW_NS)
-    ):
+    earliest = min(int(track.time_ns[last]) - WINDOW_NS, int(track.time_ns[max(last - 1, 0)]))
+    while first > 0 and not track.broken[first - 1] and track.time_ns[first - 1] >= earliest:
         first -= 1
     return first, last
 
 
-predictor = predictors.register(
+def _hold_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
+    return attrs.evolve(track.sample_many(now_ns), time_ns=now_ns + ahead_ns)
+
+
+predictors.register(
+    Predictor("none", "the last known pose is held", "the baseline of every predictor", hold, _hold_many)
+)
+_steady = predictors.register(
     Predictor(
         "constant_velocity",
         "angular and linear velocity of the last 50 ms go on",
         "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
         constant_velocity,
-        _constant_velocity_many,
+        _steady_many,
         HORIZON_NS,
     )
 )
+# The literature's short name for constant angular velocity.
+predictors.register(attrs.evolve(_steady, name="cav", alias_of=_steady.name))

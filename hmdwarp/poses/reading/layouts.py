@@ -1,0 +1,410 @@
+"""What the columns of a file mean: by names in its header, by its shape, or as the user says."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError, TraceError
+from ..assumptions import By, Defect, Layout
+from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
+from ..track import PoseTrack
+from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices
+from .file_head import Head, is_number
+from .pose_messages import COLUMNS as MESSAGES
+
+_ORDER_ASSUMED = Defect(
+    "order-assumed",
+    "nothing in the file says whether w comes first or last in its quaternions",
+    "w last taken, as in TUM files; --quat-order wxyz takes it first",
+)
+_UNSTAMPED = Defect(
+    "stamp-missing", "its messages have no time stamps of their own", "the times at which they were logged taken"
+)
+_MIXED = 4  # rows of several devices change from one to another at least every fourth time
+_CLOCKED = 0.9  # share of the steps in which a clock rises
+_OFF = 0.02  # of a rotation's matrix
+_SYNTAX = (
+    "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8; or m=2-17 in place of q"
+)
+_COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "a": (4,), "e": (3,)}
+
+
+def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
+    """Return a layout from the header's names.
+
+    known: facts of the format: unit, axes, device, scale, caveats.
+    Errors: TraceError for Euler angles only, and for a quaternion that is missing or of unknown
+    order.
+    """
+    if head.names is None:
+        raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
+    found = find_columns(head.names)
+
+    def values(clock: tuple[int, str | None]) -> int:
+        return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
+
+    # Of several clocks the one that takes the most values over the first rows.
+    time, unit = max(found.clocks, key=values, default=(None, None))
+    facts = {
+        **{"time": time, "unit": unit, "unit_by": By.FORMAT if "unit" in known else By.FILE},
+        **{"nanoseconds": found.nanoseconds, "position": found.position, "device": column_of_devices(head)},
+        **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.NOBODY},
+    }
+    if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
+        facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
+    gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
+    turn = _turn(head, found, options, known)
+    if (said := direction_of([head.names[c] for c in turn["orientation"]])) is not None:
+        facts |= {"inverse": said == INVERSE, "direction_by": By.FILE}
+    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
+    return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
+
+
+def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
+    """Return how the orientation is read: fields of Layout. Errors: TraceError."""
+    euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
+    order = options.quat_order
+    if found.orientation is not None and found.numbered:
+        if order is None and head.source.kind == "vectors":
+            return {"orientation": found.orientation, "order_by": By.NOBODY, "caveats": (_ORDER_ASSUMED,)}
+        return {"orientation": ordered(head, found.orientation, order), "order_by": By.USER}
+    if found.orientation is not None:
+        what = f"--quat-order {order} was given, but the header names x, y, z and w"
+        ignored = Defect("quat-order-named", what, "the names are followed")
+        return {"orientation": found.orientation, "caveats": (ignored,) if order else ()}
+    candidates = named_matrices(head.names or [])
+    matrix = next(filter(None, (_arranged(head, cells, options.matrix) for cells in candidates)), None)
+    if matrix is not None:
+        return matrix | {"position": matrix["position"] or found.position}
+    if found.vector is not None and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
+        kind = VECTOR if len(found.vector.columns) == 3 else AXIS_ANGLE
+        by = By.USER if options.euler else By.FILE if found.vector.stated else By.NOBODY
+        stated = euler or Euler(kind, found.vector.degrees)
+        return {"orientation": found.vector.columns, "euler": stated, "order_by": by}
+    if euler is not None and found.angles is not None:
+        axes = "xyz" if euler.order == VECTOR else euler.order
+        columns = tuple(found.angles["xyz".index(axis)] for axis in axes)
+        return {"orientation": columns, "euler": euler, "order_by": By.USER if options.euler else By.FORMAT}
+    if candidates:
+        of_matrix(head, candidates[0], options.matrix)
+    angles = ", ".join(found.euler[:4])
+    if angles and options.euler is not None:
+        raise TraceError(f"{head.path}: --euler takes three angles, called pitch, yaw and roll; found {angles}")
+    if angles:
+        raise TraceError(
+            f"{head.path} gives Euler angles only ({angles}): their order and signs differ from device to device, and "
+            "the file does not state them; --euler does (ZXY,deg is Unity's; vector,rad a rotation vector)"
+        )
+    raise TraceError(
+        f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
+    )
+
+
+def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
+    """Return the layout of time, position and quaternion in this order, without a header.
+
+    Named as a format, the file has w in that order. Blank-separated it is TUM's, w last, as evo and
+    others write and read it; otherwise the order must be stated.
+    Errors: TraceError for fewer columns, or an unknown order.
+    """
+    if head.width < 8:
+        raise TraceError(
+            f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
+        )
+    known = options.quat_order or (order if options.format == name else None)
+    assumed = known is None and head.separator is None
+    stated = By.FORMAT if options.format == name else By.NOBODY
+    return Layout(
+        time=0,
+        position=(1, 2, 3),
+        orientation=ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known),
+        columns_by=stated,
+        order_by=By.USER if options.quat_order else stated,
+        unit=unit,
+        unit_by=By.FORMAT,
+        caveats=(_ORDER_ASSUMED,) if assumed else (),
+    )
+
+
+def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
+    """Return four quaternion columns in the order x y z w. Errors: TraceError if unknown."""
+    if order is None:
+        raise TraceError(
+            f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
+            f"({head.describe()}); say --quat-order wxyz or --quat-order xyzw"
+        )
+    a, b, c, d = columns
+    return (b, c, d, a) if order == "wxyz" else (a, b, c, d)
+
+
+def column_of(head: Head, word: str) -> int:
+    """Return the index of a column by name, or by number from 1. Errors: InputError."""
+    word = word.strip()
+    index = head.column(word)
+    if index is None and word.isdigit() and 1 <= int(word) <= head.width:
+        index = int(word) - 1
+    if index is None:
+        raise InputError(f"{head.path} has no column '{word}' ({head.describe()}); numbers count from 1")
+    return index
+
+
+def column_of_devices(head: Head) -> int | None:
+    """Return the column that names devices, by its own name or by heads or hands in its rows."""
+
+    def names_bodies(fields: list[str]) -> bool:
+        changes = sum(a != b for a, b in itertools.pairwise(fields))
+        named = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+        return named and _MIXED * changes > len(fields)
+
+    names = head.names or []
+    if (named := find_columns(names).device) is not None:
+        return named
+    return next((c for c in range(len(names)) if names_bodies([r[c] for r in head.rows if c < len(r)])), None)
+
+
+def columns_read(head: Head, layout: Layout, device: str) -> str:
+    """Return which columns were read as what, by name, or by number from 1.
+
+    device: whose rows were taken; "" where the file does not say.
+    """
+    names = head.names or []
+    parts: dict[str, tuple[int | None, ...]] = {
+        **{"time": (layout.time, layout.nanoseconds), "device": (layout.device,)},
+        **{"position": layout.position or (), "orientation": layout.orientation, "gaze": layout.gaze},
+    }
+    words = {
+        part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
+        for part, columns in parts.items()
+    }
+    if device:
+        words["device"] += f" = {device}"
+    return "; ".join(f"{part}: {columns}" for part, columns in words.items() if columns)
+
+
+def stated_layout(head: Head, options: TraceOptions) -> Layout:
+    """Return the layout of --columns; w is last unless --quat-order says otherwise."""
+    text = options.columns or ""
+    parts = [part.partition("=") for part in text.split(",")]
+    stated = {key.strip(): _columns_of(head, value) for key, _, value in parts if value}
+    turns = [key for key in stated if key in "qmrae"]
+    counted = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
+    if len(stated) != len(parts) or len(turns) != 1 or not counted:
+        raise InputError(f"--columns '{text}': expected {_SYNTAX}")
+    key, columns = turns[0], stated[turns[0]]
+    facts: dict[str, Any] = {"orientation": columns, "order_by": By.USER}
+    if key == "m":
+        facts = of_matrix(head, columns, options.matrix)
+    elif key == "q":
+        facts["orientation"] = ordered(head, columns, options.quat_order or "xyzw")
+    elif key == "e" and options.euler is None:
+        raise InputError("--columns e= names angles: --euler states their order and unit (ZXY,deg is Unity's)")
+    elif options.euler:
+        facts["euler"] = parse_euler(options.euler)
+    else:
+        facts |= {"euler": Euler(VECTOR if key == "r" else AXIS_ANGLE, degrees=False), "order_by": By.NOBODY}
+    (time,), place = stated.get("t", (None,)), facts.get("position") or stated.get("p")
+    return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
+
+
+def _columns_of(head: Head, text: str) -> tuple[int, ...]:
+    """Return columns by name or number, apart by +, or from one number to another (2-17)."""
+    if (found := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", text)) and head.column(text) is None:
+        return tuple(column_of(head, str(number)) for number in range(int(found[1]), int(found[2]) + 1))
+    return tuple(column_of(head, word) for word in text.split("+"))
+
+
+def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
+    """Return how a stated matrix is read. Errors: TraceError for numbers that are no rotation."""
+    found = _arranged(head, cells, order)
+    if found is None:
+        last = ", nor 0,0,0,1 in the last row or column" if len(cells) == 16 else ""
+        raise TraceError(
+            f"{head.path}: its {len(cells)} numbers of a matrix are no rotations by {order or 'rows or columns'}{last}"
+            ": were the wrong columns read? --columns m=2-17 names them"
+        )
+    return found
+
+
+def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | None:
+    """Return fields of Layout for a matrix; None where the numbers are no rotation."""
+    numbers = head.numbers(cells)
+    numbers = numbers[np.abs(numbers).max(axis=1, initial=0.0) > 0]  # lost tracking writes zeros
+    fits = [layout for layout in (ROWS, COLUMNS) if order in (None, layout) and _holds(numbers, layout)]
+    if not fits:
+        return None
+    # A transposed rotation is a rotation: only the place of a translation or of 0,0,0,1 decides.
+    decided = len(fits) == 1 and len(cells) > 9
+    last = ("0,0,0,1 is its last row", "3x4") if fits[0] == ROWS else ("0,0,0,1 is its last column", "4x3")
+    grid = _grid(len(cells), fits[0])
+    return {
+        "orientation": tuple(cells[i] for i in grid[:3, :3].ravel()),
+        "position": tuple(cells[i] for i in grid[:3, 3]) if len(cells) > 9 else None,
+        "matrix": f"by {fits[0]}" + (f" ({last[len(cells) == 12]})" if decided else ""),
+        "order_by": By.USER if order else By.FILE if decided else By.NOBODY,
+    }
+
+
+def _grid(count: int, order: str) -> NDArray[np.intp]:
+    """Return the places of a matrix's numbers, row by row."""
+    rows, columns = SHAPES[count]
+    return np.arange(count).reshape(rows, columns) if order == ROWS else np.arange(count).reshape(columns, rows).T
+
+
+def _holds(numbers: NDArray[np.float64], order: str) -> bool:
+    if not len(numbers):
+        return False
+    grid = _grid(numbers.shape[1], order)
+    if grid.size == 16 and np.median(np.abs(numbers[:, grid[3]] - (0, 0, 0, 1)).max(axis=1)) > _OFF:
+        return False
+    matrices = numbers[:, grid[:3, :3].ravel()].reshape(-1, 3, 3)
+    off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    return bool(np.median(off) < _OFF and np.median(np.linalg.det(matrices)) > 0)
+
+
+# What a table of a format names where a header does not tell: how it is recognised (the score of
+# `TraceFormat.sniff`), and how it is read.
+
+
+def _sniff_named(head: Head) -> int:
+    return 10 if head.names is not None else 0
+
+
+def _sniff_json(head: Head) -> int:
+    return 20 if head.source.kind == "json" and head.names is not None else 0
+
+
+def _sniff_ros2(head: Head) -> int:
+    whole = head.names is not None and find_columns(head.names).nanoseconds is not None
+    return 50 if whole and any("header" in name.lower() for name in head.names or ()) else 0
+
+
+def _sniff_ticks(head: Head) -> int:
+    """Recognise stamps of 18 digits."""
+    time = head.column("timestamp") if head.names else 0
+    stamp = head.rows[0][time] if time is not None and time < head.width else ""
+    if not (len(stamp) == 18 and stamp.isdigit()):
+        return 0
+    if head.names is None:
+        return 6 if head.width == 8 else 0
+    return 85 if {"timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"} <= set(head.names) else 0
+
+
+def _sniff_frames(head: Head) -> int:
+    """Recognise six bare columns: the second a frame number, the last four of length 1."""
+    if head.names is not None or head.separator is not None or head.width != 6:
+        return 0
+    rows = [r for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
+    if not rows or not all(r[1].isdigit() for r in rows):
+        return 0
+    frames = [int(r[1]) for r in rows]
+    unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
+    return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
+
+
+def _sniff_matrices(head: Head) -> int:
+    alone = head.names is None and head.width >= 12 and sum(map(is_number, head.rows[0])) >= 12
+    return 50 if alone and _bare_matrix(head) else 0
+
+
+def _bare_matrix(head: Head) -> Cells | None:
+    """Return neighbouring columns that are a matrix with a position, 4x4 before 3x4."""
+    runs = (tuple(range(a, a + n)) for n in (16, 12) for a in range(head.width - n + 1))
+    return next((cells for cells in runs if _arranged(head, cells, None) is not None), None)
+
+
+def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    cells = _bare_matrix(head)
+    if cells is None:  # the last columns, as a file of matrices alone has them
+        count = 16 if head.width >= 16 else 12
+        if head.width < count:
+            raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
+        cells = tuple(range(head.width - count, head.width))
+    first, matrix = cells[0], of_matrix(head, cells, options.matrix)
+
+    def rises(column: int) -> bool:
+        steps = np.diff(head.numbers((column,))[:, 0])
+        return len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED
+
+    def likely(column: int) -> tuple[bool, int, bool, float]:
+        """Return how likely a rising column is the clock, and no number of the frame."""
+        numbers = head.numbers((column,))[:, 0]
+        step = float(np.median(np.diff(numbers))) if len(numbers) > 1 else 0.0
+        return column < first, len(set(numbers.tolist())), bool((numbers % 1).any()), step
+
+    others = [column for column in range(head.width) if column not in cells and rises(column)]
+    return Layout(time=max(others, key=likely, default=None), columns_by=By.NOBODY, **matrix)
+
+
+def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    if head.width < 6:
+        raise TraceError(
+            f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame and a quaternion"
+        )
+    turn, by = ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), By.USER if options.quat_order else By.FORMAT
+    return Layout(time=0, orientation=turn, columns_by=By.FORMAT, order_by=by, unit_by=By.FORMAT, **facts)
+
+
+def _of_ticks(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    return (
+        named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
+    )
+
+
+def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    if {"yaw", "pitch", "roll"} <= set(head.names or ()) and head.column("w") is None:
+        raise TraceError(
+            f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
+            "read the twin of this file that holds quaternions"
+        )
+    return named_layout(head, options, **facts)
+
+
+def _of_colmap(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    return Layout(time=None, orientation=(1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts)
+
+
+def _of_messages(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
+    stamped = any(int(row[0]) for row in head.rows)
+    return Layout(
+        time=MESSAGES.index("stamp_ns" if stamped else "log_time_ns"),
+        unit_by=By.FORMAT,
+        columns_by=By.FORMAT,
+        device=MESSAGES.index("topic"),
+        position=(3, 4, 5),
+        orientation=(6, 7, 8, 9),
+        caveats=() if stamped else (_UNSTAMPED,),
+        **facts,
+    )
+
+
+def refuse_hanging(head: Head, track: PoseTrack) -> None:
+    """Refuse frames whose head hangs upside down, and would be upright had w come last.
+
+    Upside down means a tenth of the time. The vertical part of the head's own up is 1 - 2 (x^2 +
+    y^2) in the file's axes. Read in the wrong order it swings with the heading instead, so only a
+    head that has turned reveals the order. Errors: TraceError.
+    """
+    x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
+    as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
+    if np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5:
+        raise TraceError(
+            f"{head.path} has the shape of 't frame w x y z', but read so the head hangs upside down: "
+            "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
+        )
+
+
+SNIFFS: dict[str, Callable[[Head], int]] = {
+    **{"named": _sniff_named, "json": _sniff_json, "ros2": _sniff_ros2, "ticks": _sniff_ticks},
+    **{"frames": _sniff_frames, "matrices": _sniff_matrices},
+}
+LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
+    **{"matrices": _of_matrices, "frames": _of_frames, "ticks": _of_ticks, "multiviewpoint": _of_multiviewpoint},
+    **{"colmap": _of_colmap, "messages": _of_messages},
+}

@@ -1,0 +1,130 @@
+"""Write head traces, so that reading them gives the same poses bit for bit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from typing import IO, Any
+
+import numpy as np
+
+from ..geometry import Pose
+from ..resources import import_extra
+from .reading.axes import OPENXR, parse_axes
+from .reading.pose_messages import EXTRA, METADATA
+from .track import PoseTrack
+
+COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+GAZE = ("gaze_x", "gaze_y", "gaze_z")
+TITLE = "hmdwarp head trace"
+AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forward, metres; quaternion x y z w"
+_EUROC = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
+_BLOCK = 65536  # rows written at a time
+_LARGEST_NS = 2**62  # what the readers accept
+_SECOND_NS = 1_000_000_000
+MCAP_AXES = "ros"
+
+
+def clock_offset_ns(track: PoseTrack) -> int:
+    """Return what restores the recording's own clock; 0 where that is beyond 2^62 ns."""
+    fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
+    return track.epoch_ns if fits else 0
+
+
+def write_rows(
+    track: PoseTrack,
+    stream: IO[str],
+    separator: str,
+    order: str = "xyzw",
+    stamp: Callable[[int], str] = str,
+    decimals: tuple[int, int] | None = None,
+    gaze: bool = False,
+) -> None:
+    """Write time, position and quaternion of every sample.
+
+    order: xyzw or wxyz. stamp: nanoseconds to text. decimals: of positions and quaternions; None
+    writes the shortest text that reads back as the same number. gaze: where the eyes look, too, if
+    the track has it; 0 0 0 where it is not known.
+    """
+    offset, columns = clock_offset_ns(track), ["xyzw".index(c) for c in order]
+    seen = track.gaze if gaze else None
+    row = ""
+    for a in range(0, len(track), _BLOCK):
+        part = slice(a, a + _BLOCK)
+        position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
+        if seen is not None:
+            orientation = np.hstack([orientation, np.nan_to_num(seen[part])])
+        if decimals is not None:  # + 0.0 turns a rounded -0.0 into 0.0
+            position, orientation = np.round(position, decimals[0]) + 0.0, np.round(orientation, decimals[1]) + 0.0
+            row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * orientation.shape[1])
+        for time, p, q in zip(track.time_ns[part].tolist(), position.tolist(), orientation.tolist(), strict=True):
+            text = row % (*p, *q) if row else separator.join(map(repr, p + q))
+            stream.write(f"{stamp(time + offset)}{separator}{text}\n")
+
+
+def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:
+    """Write header, column names, rows. decimals: of positions, quaternions; None for every bit."""
+    columns = COLUMNS if track.gaze is None else (*COLUMNS, *GAZE)
+    stream.write(header_text(track.origin, track.rate_hz, track.notes, columns))
+    write_rows(track, stream, ",", decimals=decimals, gaze=True)
+
+
+def header_text(origin: str, rate_hz: float, notes: Iterable[str] = (), columns: Iterable[str] = COLUMNS) -> str:
+    """Return what is above the rows. origin: of the motion, in words. notes: for readers."""
+    head = [TITLE, f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
+    # One line each: a note with a newline in it would become a row.
+    return "".join(f"# {' '.join(text.split())}\n" for text in head) + ",".join(columns) + "\n"
+
+
+def row_text(time_ns: int, pose: Pose) -> str:
+    """Return one sample in full precision, for a trace that is written while it grows."""
+    numbers = (*pose.position_m.tolist(), *pose.orientation_xyzw.tolist())
+    return f"{time_ns},{','.join(map(repr, numbers))}\n"
+
+
+def _write_euroc(track: PoseTrack, stream: IO[str]) -> None:
+    stream.write(f"# axes: {OPENXR}\n{_EUROC}\n")
+    write_rows(track, stream, ",", "wxyz")
+
+
+def _write_tum(track: PoseTrack, stream: IO[str]) -> None:
+    def seconds(time_ns: int) -> str:
+        whole, rest = divmod(abs(time_ns), _SECOND_NS)
+        return f"{'-' * (time_ns < 0)}{whole}.{rest:09d}"
+
+    stream.write(f"# axes: {OPENXR}\n# timestamp tx ty tz qx qy qz qw\n")
+    write_rows(track, stream, " ", stamp=seconds)
+
+
+def _object(**properties: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON schema of an object."""
+    return {"type": "object", "properties": properties}
+
+
+def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
+    """Write foxglove.PoseInFrame as JSON. Source: MCAP specification; Foxglove schemas."""
+    place, turn = (_object(**{name: {"type": "number"} for name in names}) for names in ("xyz", "xyzw"))
+    stamp = _object(sec={"type": "integer", "minimum": 0}, nsec={"type": "integer", "minimum": 0})
+    pose = _object(position=place, orientation=turn)
+    schema = {"title": "foxglove.PoseInFrame", **_object(timestamp=stamp, frame_id={"type": "string"}, pose=pose)}
+    writer = import_extra("mcap.writer", "mcap", EXTRA).Writer(stream)
+    writer.start(profile="", library="hmdwarp")
+    writer.add_metadata(METADATA, {"axes": MCAP_AXES, "origin": track.origin})
+    known = writer.register_schema(schema["title"], "jsonschema", json.dumps(schema).encode())
+    channel = writer.register_channel("/head", "json", known)
+    times = track.time_ns + clock_offset_ns(track)
+    times -= min(0, int(times[0]))  # a log begins at 0 or later
+    basis = parse_axes(MCAP_AXES).world
+    position, turned = track.position_m @ basis, track.orientation_xyzw[:, :3] @ basis
+    turned = np.column_stack([turned, track.orientation_xyzw[:, 3]])
+    for time_ns, p, q in zip(times.tolist(), position.tolist(), turned.tolist(), strict=True):
+        sample = {"position": dict(zip("xyz", p, strict=True)), "orientation": dict(zip("xyzw", q, strict=True))}
+        sec, nsec = divmod(time_ns, _SECOND_NS)
+        text = json.dumps({"timestamp": {"sec": sec, "nsec": nsec}, "frame_id": "world", "pose": sample})
+        writer.add_message(channel, time_ns, text.encode(), time_ns)
+    writer.finish()
+
+
+WRITERS: dict[str, Callable[[PoseTrack, IO[Any]], None]] = {
+    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap},
+}
