@@ -241,6 +241,8 @@ def _suite_cells(row: Mapping[str, Any]) -> list[str]:
 
 def strategies_suite(folder: Path, *ready: str) -> None:
     """Compare some strategies over people, scenes and lived links: means with intervals."""
+    from hmdwarp.report.compare_page import ran_text
+
     command = "compare --suite brief --strategy rotation,proxy,depth_image,multi,difference"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare-suite", "compare.json")
     about, rows = data["suite"], data["suite"]["over_all"]
@@ -251,7 +253,8 @@ def strategies_suite(folder: Path, *ready: str) -> None:
         for row in rows
     ]  # fmt: skip
     counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
-    told = f"Suite `{about['name']}` {about['version']} at {rows[0]['latency_ms']:g} ms, {counts}."
+    told = f"Suite `{about['name']}` {about['version']} at {rows[0]['latency_ms']:g} ms, {counts}. Each run: "
+    told += f"{ran_text(data['rows'])}."
     replace("strategies suite", f"{told}\n\n{markdown(heads, cells, texts=2)}")
 
 
@@ -259,15 +262,16 @@ def strategies(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, the figures, and who can run it."""
     from hmdwarp.client.classes import client_names
     from hmdwarp.client.strategies import strategies as every
-    from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
+    from hmdwarp.report.compare_page import assigned_table, chosen_markdown, compare_markdown, ran_text
 
     command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     listed = [(f"`{each.name}`", each.crosses, each.client, each.late) for each in sorted(every, key=lambda s: s.name)]
     replace("strategies", markdown(("strategy", "crosses the link", "the client", "late"), listed, texts=4))
-    replace("strategies chosen", chosen_markdown(data, (2, 5)))
-    replace("strategies measured", compare_markdown(data["rows"]))
-    replace("strategies assigned", assigned_markdown(data))
+    ran = f"Each run: {ran_text(data['rows'])}.\n\n"
+    replace("strategies chosen", ran + chosen_markdown(data, (2, 5)))
+    replace("strategies measured", ran + compare_markdown(data["rows"]))
+    replace("strategies assigned", assigned_table(data).markdown())
 
 
 def rgbd(_: Path, *ready: str) -> None:

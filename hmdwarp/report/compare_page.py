@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
+from ..scenes.options import KNOWS
 from .bench.page import suite_section
 from .bench.rows import Column
 from .charts import (
@@ -66,10 +67,6 @@ def _quality(name: str) -> Column:
     return Column(metrics.get(name).short_figure, lambda row: row["quality"][name]["mean"])
 
 
-def _rated(figure: Figure) -> Column:
-    return Column(figure, lambda row: ratings_of(row).get(figure.name))
-
-
 def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> Column:
     return Column(Figure(name, label, unit, digits, scale), lambda row: row[name])
 
@@ -90,7 +87,10 @@ COLUMNS = {
     )
 }
 # Where ColorVideoVDP rated the clips.
-RATED = tuple(_rated(figure) for figure in (JOD, TRUTH_PREFERRED))
+RATED = (
+    Column(JOD, lambda row: ratings_of(row).get(JOD.name)),
+    Column(TRUTH_PREFERRED, lambda row: ratings_of(row).get(TRUTH_PREFERRED.name)),
+)
 # What a front is drawn over: the error against each of these.
 COSTS = ("client_ms", "mbit_s")
 
@@ -98,8 +98,7 @@ COSTS = ("client_ms", "mbit_s")
 def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     """Return the page from the content of compare.json.
 
-    data: also `cases`, how many there are where `rows` are the first of more. pictures: of each
-    row.
+    data: also `cases`, how many there are where `rows` are the first. pictures: of each row.
     """
     rows: list[Row] = list(data["rows"])
     count, cases = len(data["strategies"]), _cases(rows, pictures)
@@ -110,7 +109,18 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
     clients = [_client(client, rows, numbers, drawn) for client in data["clients"]]
-    strategies = [(strategy["name"], _strategy_text(strategy)) for strategy in data["strategies"]]
+    strategies = [
+        (
+            one["name"],
+            f"{one['summary'][0].upper()}{one['summary'][1:]}. Crosses the link: {one['crosses']}. "
+            f"Late: {one['late']}. ({one['source']})",
+        )
+        for one in data["strategies"]
+    ]
+    suite = data.get("suite")
+    if suite is not None:  # names as its table has them: a strategy over a link
+        lines = [{**one, "warp": f"{one['strategy']}, {one['over']}", "strategy": ""} for one in suite["over_all"]]
+        suite = {**suite, "over_all": lines}
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
@@ -118,12 +128,12 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         facts=_facts(rows),
         command=data.get("command") or "",
         sections=(
-            suite_section(_as_of_bench(data.get("suite"))),
+            suite_section(suite),
             notes_section(_notes(data)),
             Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
             Section("By class of client", clients, id="clients", link="By class of client"),
             Section(
-                "Who can run what", [Text(texts("compare")["notes"]["assigned"]), _assigned(data)], id="assigned",
+                "Who can run what", [Text(texts("compare")["notes"]["assigned"]), assigned_table(data)], id="assigned",
                 link="Who can run what",
             ),
             Section("The strategies", [Terms(strategies)], id="strategies", link="The strategies", style="reading"),
@@ -133,14 +143,6 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
             *machine_pairs(data["hmdwarp"], data["machine"], data["clock"]), ("Run in", minutes(data["seconds"])),
         ],
     )  # fmt: skip
-
-
-def _as_of_bench(suite: Row | None) -> Row | None:
-    """Return a suite's means with names as its table has them: a strategy over a link."""
-    if suite is None:
-        return None
-    lines = [{**one, "warp": f"{one['strategy']}, {one['over']}", "strategy": ""} for one in suite["over_all"]]
-    return {**suite, "over_all": lines}
 
 
 def compare_table(rows: Iterable[Row]) -> TerminalTable:
@@ -185,11 +187,6 @@ def compare_markdown(rows: Iterable[Row]) -> str:
         for row in _ordered(group)
     ]
     return Table.of("", heads, lines, words=2).markdown()
-
-
-def assigned_markdown(data: Mapping[str, Any]) -> str:
-    """Return which classes can run what, as a Markdown table. data: as compare.json."""
-    return _assigned(data).markdown()
 
 
 def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
@@ -293,9 +290,23 @@ def _facts(rows: Sequence[Row]) -> list[str]:
         *([("links", lived)] if lived else []),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", first["link"]["codec"]),
-        ("refreshes a run", max(row["frames"] for row in rows)),
+        ("each run", ran_text(rows)),
     ]
     return [fact(label, text) for label, text in facts]
+
+
+def ran_text(rows: Sequence[Row]) -> str:
+    """Return how long runs are, of how many people and scenes, and what clients know of motion."""
+    refreshes, pictures = (
+        max(each)
+        for each in zip(*((row["frames"], row.get("measured", {}).get(PRIMARY, 0)) for row in rows), strict=True)
+    )
+    people, scenes = (len({row[name] for row in rows}) for name in ("trace", "scene"))
+    knows = "; ".join(f"what moves {KNOWS[name]}" for name in dict.fromkeys(row["client_motion"] for row in rows))
+    return (
+        f"{refreshes / rows[0]['rate_hz']:.1f} s, {refreshes} refreshes, {counted(pictures, 'picture')} measured, of "
+        f"{counted(people, 'recorded head')} in {counted(scenes, 'scene')}; {knows}"
+    )
 
 
 def _notes(data: Mapping[str, Any]) -> list[str]:
@@ -323,26 +334,20 @@ def _table(label: str, group: Sequence[Row]) -> Table:
 
 def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[Picture]:
     """Return the truth and what each strategy shows."""
+    from PIL import Image
+
     both = [(row, load) for row, load in zip(group, pictures, strict=True) if "nothing" not in row]
     if not both:
         return []
     by_row = sorted(both, key=lambda pair: _error(pair[0]))
     shown = [("what should be seen", by_row[0][1]()[1])]
     shown += [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", load()[0]) for row, load in by_row]
-    return [Picture(caption, data_uri(_small(picture)), caption) for caption, picture in shown]
-
-
-def _small(picture: NDArray[Any]) -> NDArray[Any]:
-    from PIL import Image
-
-    small = Image.fromarray(picture)
-    small.thumbnail((_PICTURE_WIDTH, _PICTURE_WIDTH), Image.Resampling.LANCZOS)
-    return np.asarray(small)
-
-
-def _strategy_text(one: Mapping[str, Any]) -> str:
-    summary = one["summary"][0].upper() + one["summary"][1:]
-    return f"{summary}. Crosses the link: {one['crosses']}. Late: {one['late']}. ({one['source']})"
+    pictures_of = []
+    for caption, picture in shown:
+        small = Image.fromarray(picture)
+        small.thumbnail((_PICTURE_WIDTH, _PICTURE_WIDTH), Image.Resampling.LANCZOS)
+        pictures_of.append(Picture(caption, data_uri(np.asarray(small)), caption))
+    return pictures_of
 
 
 def _client(
@@ -389,7 +394,15 @@ def _front(
     with canvas((label, client, content), size, x=across, y="FLIP, lower is better", box=box) as axes:
         if rows:
             _draw(axes, rows, best, cost, numbers)
-            _draw_legend(axes, rows, numbers, ncols)
+            here = {row["strategy"]: row["warp"] for row in rows}
+            handles = [
+                mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
+                for name in sorted(here, key=numbers.__getitem__)
+            ]
+            legend(  # names of the numbers, below the chart
+                axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
+                borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
+            )  # fmt: skip
         else:
             not_measured(axes)
         drawn[content] = svg_text(axes.get_figure())
@@ -410,20 +423,7 @@ def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str, number
     draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best, PAGE)
 
 
-def _draw_legend(axes: Any, rows: Sequence[Row], numbers: Mapping[str, int], ncols: int) -> None:
-    """Name the numbers below the chart."""
-    here = {row["strategy"]: row["warp"] for row in rows}
-    handles = [
-        mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
-        for name in sorted(here, key=numbers.__getitem__)
-    ]
-    legend(
-        axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8, borderaxespad=0.1,
-        handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
-    )  # fmt: skip
-
-
-def _assigned(data: Mapping[str, Any]) -> Table:
+def assigned_table(data: Mapping[str, Any]) -> Table:
     """Return which classes the thesis gives each strategy, which can run it here, and why not."""
     lines = []
     names = [client["name"] for client in data["clients"]]

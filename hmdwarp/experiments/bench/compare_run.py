@@ -79,11 +79,7 @@ def compare(
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
     work = _Work(options.sweep.measuring(options.workers))
-    with experiment(options, FILES, work, cases, progress, say) as (
-        out,
-        swept,
-        described,
-    ):
+    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
         data = described(
@@ -278,6 +274,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
         **summary,
         "machine": {**summary["machine"], "host": platform.node()},
         "latency_ms": run.total_latency_ms,
+        "client_motion": run.client_motion,
         "over": over_text(run.network),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(result.rows, name).items()} for name in MEASURES

@@ -35,6 +35,7 @@ from ...options import (
 )
 from ...poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ...run.options import RunOptions
+from ...scenes.options import EXTRAPOLATED
 from ..sweep.options import RecordedOptions, own_first
 from .suites import suites, with_suite
 
@@ -217,6 +218,7 @@ class CompareOptions(RecordedOptions):
     start_s: float = same_as(_RUN.start_s, START_S)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
+    client_motion: str = same_as(_RUN.client_motion, EXTRAPOLATED)  # no client foresees
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
     gaze: str = same_as(_RUN.gaze)

@@ -132,7 +132,7 @@ def test_means_are_over_all_cases_of_a_method_and_on_the_page():
     assert best["behind"]["mean"] == 0 and other["behind"]["interval"] == pytest.approx([0.1, 0.1])
     assert suite_entry("", rows) == {}
     page = render_bench_page({"rows": [], **suite_entry("quick", rows)})
-    assert "Suite quick 2: over all heads and scenes" in page and "0.1000 to 0.1000" in page
+    assert "Suite quick 3: over all heads and scenes" in page and "0.1000 to 0.1000" in page
     assert "Suite" not in render_bench_page({"rows": []})
 
 

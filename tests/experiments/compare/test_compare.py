@@ -327,6 +327,14 @@ def test_the_standard_suite_has_half_a_minute_of_each_strategy_and_lives_the_lin
     assert len(options.recordings) * options.seconds >= 30
 
 
+def test_no_client_foresees_motion_unless_it_is_asked_for():
+    """Also in a suite; a brief one has 10 s a cell, so that a loss of 1 % is many frames."""
+    for said in ({}, {"suite": "quick"}, {"suite": "brief"}, {"suite": "standard"}):
+        assert CompareOptions.of(said).client_motion == "extrapolated"
+    assert CompareOptions.of({"client_motion": "foreseen"}).client_motion == "foreseen"
+    assert CompareOptions.of({"suite": "brief"}).seconds >= 10
+
+
 def test_the_cost_of_a_suite_is_of_all_that_is_drawn():
     """Not of what is measured alone; a run costs something whatever it draws."""
 
@@ -346,7 +354,7 @@ def test_a_suite_is_run_over_its_scenes_and_links_and_says_its_cost_first(tmp_pa
         recordings=("mmsys18-1",), size=(32, 24), samples=1, seconds=0.05, strategies=("rotation", "imposter"),
     )  # fmt: skip
     result = compare(options, say=said.append)
-    assert said[0].startswith("suite quick 2: 6 cases, 12 pictures to measure")
+    assert said[0].startswith("suite quick 3: 6 cases, 12 pictures to measure")
     rows = list(result.data["rows"])
     assert [(row["scene"], row["strategy"]) for row in rows] == [
         (scene, name) for scene in ("room", "spheres", "workshop") for name in options.strategies
@@ -357,7 +365,10 @@ def test_a_suite_is_run_over_its_scenes_and_links_and_says_its_cost_first(tmp_pa
         values = [row["quality"]["flip"]["mean"] for row in rows if row["strategy"] == name]
         assert entry["flip"]["mean"] == pytest.approx(sum(values) / 3) and entry["scenes"] == 3
     page = (tmp_path / "out" / "compare.html").read_text(encoding="utf-8")
-    assert "Suite quick 2" in page and "rotation, 25 Mbit/s, 1 % lost" in page and "workshop" in page
+    assert "Suite quick 3" in page and "rotation, 25 Mbit/s, 1 % lost" in page and "workshop" in page
+    assert (
+        "2 pictures measured, of 1 recorded head in 3 scenes; what moves is known to the client by the newest" in page
+    )
 
 
 def test_means_of_a_suite_are_those_of_a_bench_link_by_link():

@@ -152,16 +152,23 @@ def judged(name: str, *numbers: dict[str, float | None]) -> dict:
         ("reflections-missed", [{"psnr_db": 25.0}, {"psnr_db": 25.5}], [{"psnr_db": 25.0}, {"psnr_db": 25.0}]),
         ("irradiance-bandwidth", [{"mbit_s": 10.0}, {"mbit_s": 12.0}], [{"mbit_s": 10.0}, {"mbit_s": 2.0}]),
         ("classes", [{"value": 1.0}], [{"value": 0.75}]),
+        ("fig31", [{"gain_db": 9.0}], [{"gain_db": 0.5}]),
+        ("mesh-cracks", [{"crack_share": 0.0}], [{"crack_share": 2e-5}]),
+        ("imposters", [{"psnr_db": 32.0}], [{"psnr_db": 24.0}]),
+        ("fig10-bandwidth", [{"full_size_mbit_s": 14.0}], [{"full_size_mbit_s": 18.4}]),
     ],
 )
 def test_a_verdict_is_that_of_made_up_figures(name, holding, failing):
-    assert judged(name, *holding)["verdict"] == "holds"
-    one = judged(name, *failing)
+    holds, one = judged(name, *holding)["verdict"], judged(name, *failing)
     count = len(one["cells"])
-    assert one["verdict"] == "does not hold" and one["fails_at"].startswith(f"{count} of {count} settings: ")
+    assert (
+        holds.startswith("holds")
+        and one["verdict"].startswith("does not hold")
+        and one["fails_at"].startswith(f"{count} of {count} settings: ")
+    )
     assert (one["holds_at"], one["unknown_at"]) == ("", "")
     unknown = judged(name, *({} for _ in failing))
-    assert unknown["verdict"] == "cannot be told" and unknown["unknown_at"] and not unknown["fails_at"]
+    assert unknown["verdict"].startswith("cannot be told") and unknown["unknown_at"] and not unknown["fails_at"]
 
 
 def test_one_of_four_is_mostly_no_and_a_weak_stand_in_says_so():
