@@ -80,7 +80,7 @@ def serve(
         source = _source(options)
         with Gpu() as gpu, closing(_renderer(gpu, source, options)) as server:
             say(f"listening at {listener.address}: {source.title}")
-            with _door(options, listener.address, source, secret, pair, say) if options.web else nullcontext():
+            with _door(options, listener, source, secret, pair, say) if options.web else nullcontext():
                 answering(listener, server, functools.partial(_drawn, server), goes_on)
 
 
@@ -127,7 +127,12 @@ def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
 
 
 def _door(
-    options: ServeOptions, feed: str, source: Source, secret: str, pair: KeyPair | None, say: Callable[[str], None]
+    options: ServeOptions,
+    listener: Listener,
+    source: Source,
+    secret: str,
+    pair: KeyPair | None,
+    say: Callable[[str], None],
 ) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
     if options.codec != AUTO:
@@ -150,8 +155,9 @@ def _door(
         if options.out is not None:
             logs = opened.enter_context(closing(SessionLog(options.out, say)))
         door = web.Door(
-            options.web, feed, about | {"reports": logs is not None}, traces, lock=lock,
-            certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin, say=say,
+            options.web, listener.address, about | {"reports": logs is not None}, traces, lock=lock,
+            certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin,
+            places=listener.places, say=say,
         )  # fmt: skip
         opened.enter_context(closing(door))
         say(f"for a browser: open {door.address}")

@@ -141,6 +141,13 @@ class GltfFile:
             raise self.error(f"{user} uses number {index!r} of {len(found)} {kind}; export it again")
         return found[index]
 
+    def count(self, table: dict[str, Any], name: str) -> int:
+        """Return how many elements an accessor says that it has, 0 where that is no number."""
+        index, found = table.get(name), self.items("accessors")
+        is_one = isinstance(index, int) and 0 <= index < len(found)
+        count = found[index].get("count") if is_one and isinstance(index, int) else 0
+        return count if isinstance(count, int) else 0
+
     def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray[Any]:
         """Return the (n, columns) numbers of an accessor as they are stored.
 
@@ -170,6 +177,8 @@ class GltfFile:
         """Return an array of a component type; place: what has its buffer view and offset."""
         number, (count, width) = np.dtype(_NUMBERS[kind]).newbyteorder("<"), shape
         if "bufferView" not in place:
+            if count > (most := sum(map(len, self.buffers))):
+                raise self.error(f"{user} has {count} elements without data; expected at most {most}, the file's bytes")
             return np.zeros(shape)
         view = self.item("bufferViews", place["bufferView"], user)
         binary = self._buffer_of(view, user)

@@ -23,6 +23,7 @@ from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
+_TIMES = 16  # of which the places of all nodes are kept
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -97,11 +98,22 @@ class Nodes:
         self.root = np.eye(4)
         self.parents = self._parents_of()
         self._rest = [self._rest_of(index) for index in range(len(self._nodes))]
+        self._matrices: dict[int, Array] = {}  # of nodes at rest, see _local
+        # By the root and the time, what `at` found for each node: the last few times.
+        self._found: dict[tuple[int, float], tuple[Array, dict[int, tuple[Array, Array]]]] = {}
         self.curves: dict[int, dict[str, Curve]] = {}
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
+        shows = [
+            ((node.get("extensions") or {}).get(VISIBILITY) or {}).get("visible", True) is False for node in self._nodes
+        ]
+        # Of each node, whether it or an ancestor is animated; is hidden (KHR_node_visibility).
+        self._moving, self._hidden = (
+            self.inherited([node in self.curves for node in range(len(shows))]),
+            self.inherited(shows),
+        )
         ends = [curve.times_s[-1] for curves in self.curves.values() for curve in curves.values()]
         self.period_s = float(max(ends, default=0.0))
 
@@ -128,30 +140,46 @@ class Nodes:
             notes.add(f"plays animation {played}; --animation plays another: {', '.join(map(repr, most))}{more}")
         return playing
 
+    def inherited(self, own: Sequence[bool]) -> list[bool]:
+        """Return of each node whether something is so of it or of an ancestor, by whether of it."""
+        found = list(own)
+        for node in self._order:
+            found[node] |= self.parents[node] >= 0 and found[self.parents[node]]
+        return found
+
     def moves(self, node: int) -> bool:
         """Return whether the node or an ancestor is animated."""
-        return any(parent in self.curves for parent in self.line(node))
+        return self._moving[node]
 
     def is_visible(self, node: int) -> bool:
         """Return whether the node and all above it are (Khronos 2025, KHR_node_visibility)."""
-        said = ((self._nodes[parent].get("extensions") or {}).get(VISIBILITY) or {} for parent in self.line(node))
-        return all(one.get("visible", True) is not False for one in said)
+        return not self._hidden[node]
 
     def line(self, node: int) -> list[int]:
         """Return the node and its ancestors, the topmost first."""
         found = [node]
-        while self.parents[found[0]] >= 0:
-            found.insert(0, self.parents[found[0]])
-        return found
+        while self.parents[found[-1]] >= 0:
+            found.append(self.parents[found[-1]])
+        return found[::-1]
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
         seconds = self._seconds(time_ns)
-        placed, moving = self.root, np.zeros((4, 4))
-        for parent in self.line(node):
-            local, change = self._local(parent, seconds)
-            placed, moving = placed @ local, moving @ local + placed @ change
-        return placed, moving
+        key = id(self.root), seconds
+        kept = self._found.get(key)
+        if kept is None:  # each node is placed once a time, however many hang below it
+            if len(self._found) >= _TIMES:
+                self._found = {}
+            kept = self._found[key] = self.root, {-1: (self.root, np.zeros((4, 4)))}
+        found, way = kept[1], []
+        while node not in found:
+            way.append(node)
+            node = self.parents[node]
+        for below in reversed(way):
+            (placed, moving), (local, change) = found[self.parents[below]], self._local(below, seconds)
+            found[below] = placed @ local, moving @ local + placed @ change
+            node = below
+        return found[node]
 
     def _seconds(self, time_ns: int) -> float:
         return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
@@ -161,7 +189,9 @@ class Nodes:
         if isinstance(rest, np.ndarray):
             return rest, np.zeros((4, 4))
         if not curves:
-            return _matrix(rest), np.zeros((4, 4))
+            if node not in self._matrices:
+                self._matrices[node] = _matrix(rest)
+            return self._matrices[node], np.zeros((4, 4))
         parts = {path: (rest[path], np.zeros(_WIDTH[path])) for path in _WIDTH} | {
             path: curve.at(seconds) for path, curve in curves.items()
         }
@@ -199,12 +229,15 @@ class Nodes:
                 if parents[child] >= 0 or child == index:
                     raise self._file.error(f"node {child} has two parents; expected a tree")
                 parents[child] = index
-        for index in range(len(parents)):
-            above, steps = parents[index], 0
-            while above >= 0:
-                above, steps = parents[above], steps + 1
-                if steps > len(parents):
-                    raise self._file.error(f"node {index} is its own ancestor; expected a tree")
+        below: dict[int, list[int]] = {}
+        for index, parent in enumerate(parents):
+            below.setdefault(parent, []).append(index)
+        self._order = list(below.get(-1, []))  # parents first
+        for index in self._order:
+            self._order += below.get(index, [])
+        if len(self._order) < len(parents):
+            index = min(set(range(len(parents))) - set(self._order))
+            raise self._file.error(f"node {index} is its own ancestor, or below one that is; expected a tree")
         return parents
 
     def _read_animation(self, animation: dict[str, Any], name: str, notes: Notes) -> None:

@@ -45,12 +45,14 @@ class GltfContent:
         self.notes = notes
         self.bodies: list[Body] = []
         self._body_numbers: dict[int, int] = {}  # by node
-        self._file = GltfFile.read(path)
+        self._file, self._left = GltfFile.read(path), MOST_TRIANGLES
         check_extensions(self._file, notes)
         self._nodes = Nodes(self._file, notes, animation)
         self._nodes.root = units
         self._looks = Looks(self._file, notes)
         self.textures = self._looks.textures
+        own = [bool((node.get("extras") or {}).get("head_locked")) for node in self._file.items("nodes")]
+        self._locked = self._nodes.inherited(own)  # to the head, of each node
         self.drafts = [
             attrs.evolve(draft, normals=normals_of(draft.positions, draft.triangles))
             for draft in filter(None, (self._draft(*place) for place in self._places()))
@@ -86,23 +88,26 @@ class GltfContent:
 
     def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
         """Return name, node and primitive of all triangles that the file shows."""
-        found, hidden = [], 0
+        file, found, hidden, left = self._file, [], 0, MOST_TRIANGLES
         for index in self._shown_nodes():
-            node = self._file.items("nodes")[index]
+            node = file.items("nodes")[index]
             if "mesh" not in node:
                 continue
             if not self._nodes.is_visible(index):
                 hidden += 1
                 continue
-            mesh = self._file.item("meshes", node["mesh"], f"node {index}")
+            mesh = file.item("meshes", node["mesh"], f"node {index}")
             for number, primitive in enumerate(mesh.get("primitives", [])):
-                name = f"{self._file.path.stem}-{index}-{number}"
+                name = f"{file.path.stem}-{index}-{number}"
                 if primitive.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP, _FAN):
                     self.notes.add("points and lines are left out", f"mesh '{name}'")
                 elif "POSITION" in primitive.get("attributes", {}):
                     found.append((name, index, primitive))
+                    left -= max(file.count(primitive, "indices"), file.count(primitive["attributes"], "POSITION")) // 3
+                    if left < 0:
+                        raise file.error(f"more than {MOST_TRIANGLES} triangles; simplify the scene")
         if hidden and not found:
-            raise self._file.error(f"{VISIBILITY} hides all {hidden} nodes with a mesh; show some, and export it again")
+            raise file.error(f"{VISIBILITY} hides all {hidden} nodes with a mesh; show some, and export it again")
         return found
 
     def _shown_nodes(self) -> list[int]:
@@ -118,7 +123,8 @@ class GltfContent:
         roots = set(scene.get("nodes", []))
         for root in roots:
             file.item("nodes", root, "a scene")
-        return [index for index in range(len(nodes.parents)) if nodes.line(index)[0] in roots]
+        own = [parent < 0 and index in roots for index, parent in enumerate(nodes.parents)]
+        return [index for index, is_shown in enumerate(nodes.inherited(own)) if is_shown]
 
     def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:
         """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
@@ -133,8 +139,7 @@ class GltfContent:
             raise file.error(
                 f"{user}: position {int(np.argmax(bad))} is not a finite number; export it again without it"
             )
-        locked = any((nodes[n].get("extras") or {}).get("head_locked") for n in self._nodes.line(node))
-        look = self._looks.look_of(primitive, locked)
+        look = self._looks.look_of(primitive, self._locked[node])
         if look is None or not len(triangles):
             return None
         uv = _uv(file, attributes, look, user, len(rest))
@@ -144,7 +149,8 @@ class GltfContent:
         colour = look.colour * np.clip(np.nan_to_num(colours[:, :3]), 0, None)
         skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)
         if instances is not None and skin is None:
-            if len(instances) * len(triangles) > MOST_TRIANGLES:
+            self._left -= len(instances) * len(triangles)
+            if self._left < 0:
                 raise file.error(f"{user}: {len(instances)} instances of {len(triangles)} triangles; export fewer")
             rest, triangles = _repeated(rest, triangles, instances)
             uv, colour = np.tile(uv, (len(instances), 1)), np.tile(colour, (len(instances), 1))

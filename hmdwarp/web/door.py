@@ -12,6 +12,7 @@ import asyncio
 import hmac
 import ipaddress
 import json
+import logging
 import mimetypes
 import re
 import secrets
@@ -32,8 +33,9 @@ from ..errors import InputError
 from ..gpu.shaders import VERSION, flatten
 from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
-from ..sources.feed.sockets import is_local, set_options
+from ..sources.feed.sockets import Places, is_local, set_options
 from .certificate import certified, hosts_at
+from .visitors import SILENT_S, OneLine, Visitor, Visitors
 
 PAGE = Path(__file__).parent / "page"
 _IMAGE = re.compile(r"layout\(r32f\) readonly uniform image2D")
@@ -61,7 +63,6 @@ _TOKEN_BYTES = 16
 _TOKEN_AT = 52  # in a request, docs/feed.md
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1}
 _MOST_UNSENT = 1 << 16  # bytes, in the system
-MOST_PAGES, SILENT_S = 64, 10.0  # connections, and until a new one is cut that says nothing
 MOST_REPORT = 1 << 16  # letters of a page's report
 _HEADERS = {
     "X-Frame-Options": "DENY",
@@ -93,7 +94,8 @@ class Door:
 
     feed: its address, as the server says it. about: what the page is told, by key. files: by path,
     what makes JSON, such as a trace. certificate: a PEM file with key and certificate, made if
-    missing; None for plain HTTP. log: makes what takes the reports of a connection.
+    missing; None for plain HTTP. log: makes what takes the reports of a connection. places: those
+    of the feed's door, whose limits hold here too.
     Errors: InputError for an address that cannot be listened at, and for one beyond this machine
     without a certificate unless is_open.
     """
@@ -109,6 +111,7 @@ class Door:
         certificate: Path | None = None,
         is_open: bool = False,
         log: Callable[[], Log] | None = None,
+        places: Places | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         if not (is_local(_checked(address)) or certificate or is_open):
@@ -117,7 +120,8 @@ class Door:
                 "which a browser offers no VR; or give --open to send pictures and cookies unencrypted"
             )
         self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
-        self._log = log
+        self._feed_host = self._feed.partition("://")[2].rpartition(":")[0]
+        self._log, self._places = log, places or Places(lambda _, __, text: say(text))
         self._tls: ssl.SSLContext | None = None
         if certificate is not None:
             self._tls, fingerprint, is_new = certified(certificate, address.rpartition(":")[0])
@@ -137,10 +141,10 @@ class Door:
         host, port = self._listener.getsockname()[:2]
         host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        self._context, self._pages = zmq.asyncio.Context(), 0
+        self._context = zmq.asyncio.Context()
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
         self._loop = asyncio.new_event_loop()
-        self._runner = self._loop.run_until_complete(self._begin())
+        self._runner, self._visitors = self._loop.run_until_complete(self._begin())
         self._thread = threading.Thread(target=self._work, name="web", daemon=True)
         self._thread.start()
 
@@ -153,32 +157,42 @@ class Door:
     def _scheme(self) -> str:
         return "http" if self._tls is None else "https"
 
-    async def _begin(self) -> web.AppRunner:
+    async def _begin(self) -> tuple[web.AppRunner, Visitors]:
         app = web.Application(middlewares=[self._guard], client_max_size=0)
         app.router.add_get("/feed", self._pass)
         app.router.add_get("/{path:.*}", self._give)
-        runner = web.AppRunner(app, access_log=None, handle_signals=False, shutdown_timeout=0.5)
+        logger = logging.Logger("web")
+        logger.addHandler(OneLine(self._places.note))
+        runner = web.AppRunner(app, access_log=None, handle_signals=False, shutdown_timeout=0.5, logger=logger)
         await runner.setup()
-        await web.SockSite(runner, self._listener, ssl_context=self._tls).start()
-        return runner
+        assert runner.server is not None, "it is set up"
+        return runner, Visitors(self._loop, self._listener, runner.server, self._tls, self._places)
 
     def _work(self) -> None:
         asyncio.set_event_loop(self._loop)
         self._loop.run_forever()
+        self._visitors.close()
         self._loop.run_until_complete(self._runner.cleanup())
         self._loop.close()
 
     @web.middleware
     async def _guard(self, request: Any, handler: Any) -> Any:
         """Let nobody in by another name (DNS rebinding), from another page, or without a cookie."""
-        host, headers = request.host, {**_HEADERS, "Content-Security-Policy": self._policy(request.host)}
-        origins = set(request.headers.getall("Origin", []))
+        try:
+            host, origins = request.host, set(request.headers.getall("Origin", []))
+            given, cookie = request.query.get("token"), request.cookies.get(self._cookie, "")
+        except ValueError:  # such as an address that is none
+            host, given, cookie = "", None, ""
+        if not host or len(request.headers.getall("Host", [])) != 1:
+            return web.Response(status=400, text="expected a request with one Host\n")
         if not _is_own(host) or not origins <= {f"{self._scheme}://{host}"}:
             return web.Response(status=403, text="open this page by the address that hmdwarp printed\n")
-        if (given := request.query.get("token")) is not None:
+        if given is not None:
             return self._let_in(request, given)
-        if not self._knows(request.cookies.get(self._cookie, "")):
+        if not self._knows(cookie):
             return web.Response(status=403, text="open the address that hmdwarp printed: its token counts once\n")
+        headers = {**_HEADERS, "Content-Security-Policy": self._policy(host)}
+        request["visitor"] = self._visitors.heard(request)
         response = await handler(request)
         if not response.prepared:
             response.headers.update(headers)
@@ -192,13 +206,13 @@ class Door:
         )
 
     def _knows(self, cookie: str) -> bool:
-        return hmac.compare_digest(cookie.encode(), self._signed(cookie.partition(".")[0]).encode())
+        return hmac.compare_digest(_bytes(cookie), _bytes(self._signed(cookie.partition(".")[0])))
 
     def _signed(self, name: str) -> str:
-        return f"{name}.{hmac.digest(self._key, b'a cookie of hmdwarp ' + name.encode(), 'sha256').hex()}"
+        return f"{name}.{hmac.digest(self._key, b'a cookie of hmdwarp ' + _bytes(name), 'sha256').hex()}"
 
     def _let_in(self, request: Any, given: str) -> Any:
-        if not hmac.compare_digest(given.encode(), self._token.encode()):
+        if not hmac.compare_digest(_bytes(given), self._token.encode()):
             text = "this token was used already, or is none: take the newest address that hmdwarp printed\n"
             return web.Response(status=403, text=text)
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
@@ -220,30 +234,41 @@ class Door:
 
     async def _pass(self, request: Any) -> Any:
         """Pass messages both ways until either end goes, or says nothing at all."""
-        if self._pages >= MOST_PAGES:
-            return web.Response(status=503, text=f"{MOST_PAGES} pages are here already: close some\n")
-        self._pages += 1
+        visitor: Visitor = request["visitor"]
+        visitor.is_page = True
+        port = self._own_port(visitor.address)
         try:
-            return await self._passed(request)
+            return await self._passed(request, visitor, port)
         finally:
-            self._pages -= 1
+            self._places.guests.pop(port, None)
+            visitor.is_page = False
 
-    async def _passed(self, request: Any) -> Any:
+    def _own_port(self, address: str) -> int:
+        """Return a free port to speak to the feed from, which counts it as the page's address."""
+        host = self._feed_host.strip("[]")
+        with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
+            probe.bind((host, 0))
+            port = int(probe.getsockname()[1])
+        self._places.guests[port] = address
+        return port
+
+    async def _passed(self, request: Any, visitor: Visitor, port: int) -> Any:
         browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
         _hold_few(request.transport.get_extra_info("socket"))
         server = self._context.socket(zmq.DEALER)
-        set_options(zmq, server, _FEED)
+        set_options(zmq, server, _FEED | {"IPV6": "[" in self._feed})
         if (pair := self._lock.pair) is not None:
             server.curve_serverkey = pair.public
             server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
-        server.connect(self._feed)
+        server.connect(self._feed.replace("://", f"://{self._feed_host}:{port};"))
         log = self._log() if self._log is not None else None
         down = asyncio.ensure_future(self._pass_down(server, browser))
         silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
             async for message in browser:
                 silent.cancel()
+                visitor.heard_s = self._loop.time()
                 if log is not None and isinstance(message.data, str):
                     await asyncio.to_thread(log.take, message.data)  # a slow disk holds up no frames
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
@@ -310,6 +335,10 @@ def _listener(address: str) -> socket.socket:
         raise InputError(
             f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
         ) from error
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode("utf-8", "backslashreplace")  # of bytes that are no text, too
 
 
 def _is_own(host: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import math
+import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Collection
@@ -38,6 +39,7 @@ from .sockets import (
     SILENT_NS,
     Connection,
     Connections,
+    Places,
     address_of,
     is_local,
     set_options,
@@ -111,23 +113,26 @@ class _Log:
         self._say = say
         self._second = self._left_out = 0
         self._said: Counter[tuple[str, str]] = Counter()
+        self._lock = threading.RLock()  # the web's door has a thread of its own
 
     def say(self, kind: str, address: str, text: str) -> None:
         """Say a line; what came from a client is in it as letters that a terminal only shows."""
-        self.next_second()
-        self._said[kind, address] += 1
-        if self._said[kind, address] > _MOST_LINES or self._said.total() - self._left_out > _MOST_LINES_IN_ALL:
-            self._left_out += 1
-        else:
-            self._say("".join(letter if letter.isprintable() else " " for letter in text))
+        with self._lock:
+            self.next_second()
+            self._said[kind, address] += 1
+            if self._said[kind, address] > _MOST_LINES or self._said.total() - self._left_out > _MOST_LINES_IN_ALL:
+                self._left_out += 1
+            else:
+                self._say("".join(letter if letter.isprintable() else " " for letter in text))
 
     def next_second(self) -> None:
         """Begin to count anew once the second is over."""
-        if (second := time.monotonic_ns() // 1_000_000_000) != self._second:
-            if self._left_out:
-                self._say(f"left out {self._left_out} more lines like these")
-            self._second, self._left_out = second, 0
-            self._said.clear()
+        with self._lock:
+            if (second := time.monotonic_ns() // 1_000_000_000) != self._second:
+                if self._left_out:
+                    self._say(f"left out {self._left_out} more lines like these")
+                self._second, self._left_out = second, 0
+                self._said.clear()
 
 
 class Listener:
@@ -163,6 +168,8 @@ class Listener:
             )
         self._zmq: Any = zmq_module()
         self._token, self._log, self._is_encrypted = token_of(secret), _Log(say), pair is not None
+        # For the web's door beside it.
+        self.places = Places(self._log.say, per_address)
         self._clients: dict[bytes, _Client] = {}
         # Who has a turn since when, and what the client with the last turn had spent before it.
         self._drawn_for: tuple[bytes, int] | None = None
@@ -180,7 +187,7 @@ class Listener:
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
             self._socket.curve_server = True
-        self._connections = Connections(self._zmq, self._socket, per_address)
+        self._connections = Connections(self._zmq, self._socket, self.places)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:

@@ -191,6 +191,19 @@ class Connection:
         return takes_more(self.wire.descriptor)
 
 
+@attrs.define(eq=False)
+class Places:
+    """What the feed's door and the web's share: limits, who has come by the web, and the log."""
+
+    # Takes a kind, an address, and a line, of which so many a second are written.
+    note: Callable[[str, str, str], None] = lambda kind, address, text: None
+    per_address: int = MOST_OF_ADDRESS
+    # The pages' addresses, by the local port from which the web's door speaks for each.
+    guests: dict[int, str] = attrs.field(factory=dict)
+    # Connections to the web's door beside those of pages.
+    visitors: int = 0
+
+
 class Connections:
     """Cut connections that send on without finishing a message, that are silent, or too many.
 
@@ -199,8 +212,8 @@ class Connections:
     Linux.
     """
 
-    def __init__(self, zmq: Any, router: Any, most_of_address: int) -> None:
-        self._zmq, self._most_of_address = zmq, most_of_address
+    def __init__(self, zmq: Any, router: Any, places: Places) -> None:
+        self._zmq, self._places, self._most_of_address = zmq, places, places.per_address
         self._of: dict[int, Connection] = {}
         # Those that have ended, and the address and the reason of each that was cut.
         self.gone: deque[Connection] = deque()
@@ -261,7 +274,9 @@ class Connections:
         try:
             wire = Wire.of(descriptor)
             with wire.handle() as one:
-                new = self._of[descriptor] = Connection(wire, _host_of(one), time.monotonic_ns())
+                peer, own = one.getpeername(), one.getsockname()
+                page = self._places.guests.get(peer[1]) if peer[0] == own[0] else None
+                new = self._of[descriptor] = Connection(wire, page or host_of(one), time.monotonic_ns())
         except OSError:  # closed since
             return None
         return new
@@ -270,7 +285,7 @@ class Connections:
         of_address = [one for one in self._of.values() if one.address == new.address]
         if len(of_address) > self._most_of_address:
             self._cut_idle(of_address, new, f"more than {self._most_of_address} from one address, see --per-address")
-        elif len(self._of) > MOST_CONNECTIONS:
+        elif len(self._of) + self._places.visitors > MOST_CONNECTIONS:
             counts = Counter(one.address for one in self._of.values())
             most = [one for one in self._of.values() if counts[one.address] == max(counts.values())]
             self._cut_idle([*most, new], new, f"more than {MOST_CONNECTIONS} in all")
@@ -342,7 +357,7 @@ class Hearing:
         return self.silent_ns > patience * SILENCE_NS + 1000 * int(_RTT.unpack_from(info, _RTT_AT)[0])
 
 
-def _host_of(one: socket.socket) -> str:
+def host_of(one: socket.socket) -> str:
     """Return whom a connection is counted for. Errors: OSError where it has ended."""
     host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
     if isinstance(host, ipaddress.IPv6Address):
