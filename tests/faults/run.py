@@ -52,7 +52,7 @@ def main() -> None:
     known = json.loads(chosen.results.read_text(encoding="utf-8")) if chosen.results.exists() else {}
     chosen.results.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="hmdwarp-faults-") as folder:
-        tree = Path(folder)
+        tree = Path(folder) / "tree"
         if not chosen.list:
             copy_to(tree)
         for number, fault in enumerate(faults, chosen.only or 1):
@@ -60,12 +60,14 @@ def main() -> None:
             path = file_of(fault)
             if path is None:
                 fault["verdict"] = "line has changed"
-            elif chosen.list or (key in known and not chosen.again):
+            elif chosen.list or (known.get(key, "").startswith(VERDICTS[:2]) and not chosen.again):
                 fault["verdict"] = known.get(key, "not run")
             else:
                 fault["verdict"] = known[key] = plant(fault, tree / path, tree, known)
                 chosen.results.write_text(json.dumps(known, indent=1), encoding="utf-8")
-            print(f"{number:3} {fault['room']:9} {fault['verdict']:9} {fault['file']}: {fault['wrong']}", flush=True)
+            verdict, _, by = fault["verdict"].partition(":")
+            print(f"{number:3} {fault['room']:9} {verdict:9} {fault['file']}: {fault['wrong']}", flush=True)
+            print(f"{'':14}{by}" if by else "", end="\n" if by else "", flush=True)
     print_table(faults)
 
 
@@ -89,38 +91,43 @@ def file_of(fault: dict) -> Path | None:
 
 
 def plant(fault: dict, path: Path, tree: Path, known: dict[str, str]) -> str:
-    """Return whether the fault's tests fail with it; first they must pass without."""
+    """Return whether the fault's tests fail with it, and which; first they must pass without."""
     tests = [f"tests/{name}" for name in fault["tests"]]
-    if known.setdefault(" ".join(tests), "caught") == "caught":  # never seen to pass
-        known[" ".join(tests)] = "caught" if fails(tests, tree) else "passed"
-    if known[" ".join(tests)] == "caught":
-        return "tests fail without it"
+    if known.get(" ".join(tests)) != "passed":
+        if failed := failing(tests, tree):
+            return f"tests fail without it: {failed}"
+        known[" ".join(tests)] = "passed"
     text, times = path.read_text(encoding="utf-8"), path.stat()
     path.write_text(text.replace(fault["before"], fault["after"]), encoding="utf-8")
     try:
-        return "caught" if fails(tests, tree) else "survived"
+        return f"caught: {failed}" if (failed := failing(tests, tree)) else "survived"
     finally:  # its time as well: Python looks at it to see whether a module is to be compiled again
         path.write_text(text, encoding="utf-8")
         os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
 
 
-def fails(tests: list[str], tree: Path) -> bool:
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--no-header", "--tb=line"]
+def failing(tests: list[str], tree: Path) -> str:
+    """Return the first test that fails, "" if none does."""
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=no", "-rfE"]
     command += ["-o", f"faulthandler_timeout={HANG_S}", *tests]
-    env = os.environ | {"PYTHONPATH": str(tree)}
-    with (tree.with_suffix(".log")).open("w", encoding="utf-8") as log:
-        process = subprocess.Popen(command, cwd=tree, env=env, stdout=log, stderr=log, start_new_session=True)
+    log = tree.with_name("log")
+    with log.open("wb") as stream:
+        env = os.environ | {"PYTHONPATH": str(tree)}
+        process = subprocess.Popen(command, cwd=tree, env=env, stdout=stream, stderr=stream, start_new_session=True)
         try:
-            return process.wait() != 0
+            status = process.wait()
         finally:  # with what its tests may have left behind
             with suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
+    lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    named = [line for line in lines if line.startswith(("FAILED ", "ERROR "))] or lines[-1:]
+    return (named[0].split(" - ")[0] if named else f"status {status}") if status else ""
 
 
 def print_table(faults: list[dict]) -> None:
     print(f"\n{'':10}" + "".join(f"{verdict:>23}" for verdict in VERDICTS))
     for room in [*dict.fromkeys(fault["room"] for fault in faults), "all"]:
-        count = Counter(fault["verdict"] for fault in faults if room in ("all", fault["room"]))
+        count = Counter(fault["verdict"].partition(":")[0] for fault in faults if room in ("all", fault["room"]))
         print(f"{room:10}" + "".join(f"{count[verdict]:23}" for verdict in VERDICTS))
 
 
