@@ -35,7 +35,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-quick test-jod check check-lint check-format check-types check-shaders test-openxr test-kill test-statistics test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick test-jod check check-lint check-format check-types check-shaders test-openxr test-kill test-statistics test-requests test-silence test-soak test-faults fuzz bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -100,6 +100,9 @@ test-silence: setup  ## links that fall silent and processes that are stopped fo
 test-soak: setup  ## the feed for an hour, a page for 3,000 rounds over a link that is cut (SOAK_SECONDS=, WEB_ROUNDS=): nothing may grow
 	@.venv/bin/python docs/measure/soak_feed.py --seconds $(SOAK_SECONDS)
 	@WEB_ROUNDS=$(WEB_ROUNDS) .venv/bin/python -m pytest tests/web/test_page.py -q -s -o faulthandler_timeout=0 -k stalls_and_cuts $(OPTIONS)
+
+test-faults: setup  ## plant 120 small faults in a copy, one at a time, and say which the tests miss: hours (OPTIONS="--room poses")
+	@nice -n 19 .venv/bin/python tests/faults/run.py $(OPTIONS)
 
 fuzz: SECONDS = 120
 fuzz: setup  ## damaged files of every kind through their readers for SECONDS; SEED=2 is other damage

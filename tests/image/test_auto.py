@@ -56,7 +56,7 @@ def named_first(fill: str, gpu) -> np.ndarray:
 
 
 def test_it_goes_down_where_pictures_take_too_long_and_up_where_there_is_room(gpu):
-    """Both eyes together: the second never has another level than the first."""
+    """Both eyes together, by the slower one: the second never has another level than the first."""
     textures = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
     auto = AutoCompensator(gpu, plans_of_levels(None, "none", False, AMPLE_MS), SIZE, SIZE, AMPLE_MS)
     inputs = PassInputs(EyeImage(LATE, *textures), NOW, 0)
@@ -67,7 +67,7 @@ def test_it_goes_down_where_pictures_take_too_long_and_up_where_there_is_room(gp
         for eye in (0, 1):
             auto.run(attrs.evolve(inputs, eye=eye))
             taken.append((str(auto.plan.choice), str(auto.plan.fill)))
-            auto.record(eye, {"upload": 9 * AMPLE_MS, "warp": ms / 2, "fill": ms / 2})
+            auto.record(eye, {"upload": 9 * AMPLE_MS, "warp": eye * ms / 2, "fill": eye * ms / 2})
     assert taken[0] == taken[-1] == best and len(set(taken)) > 1 and len(auto.changes) >= 2
     assert taken[1::2] == taken[::2]
     auto.close()

@@ -96,9 +96,10 @@ def test_eyes_that_share_nothing():
     assert SharedSurface(LEFT, about, FAR, FAR).compare(FULL, FULL).share is None
 
 
-def test_counts_add_up():
-    assert Mismatch(10, 2) + Mismatch(30, 3) == Mismatch(40, 5)
-    assert Mismatch().share is None
+def test_a_near_slanted_wall_is_one_surface():
+    """Half a pixel beside, its inverse depth differs by a hundredth."""
+    walls = [(1 - 0.8 * view.rays(SIZE)[::-1, :, 0]) / (1 + 0.8 * view.pose.position_m[0]) for view in (LEFT, RIGHT)]
+    assert SharedSurface(LEFT, RIGHT, *walls).compare(FULL, FULL).seen_by_both > 0.9 * FULL.size
 
 
 def test_sizes_must_agree():

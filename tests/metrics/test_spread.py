@@ -40,6 +40,8 @@ def test_alike_neighbours_make_long_blocks_and_wide_intervals():
     series = autoregressive(rng, 400, 0.95)
     mixed = rng.permutation(series)
     assert block_length(series) > 4 * block_length(mixed) >= 4 * 400 ** (1 / 3)
+    # A head that nods: what is alike a whole period later is not, a quarter of it later.
+    assert block_length(np.sin(np.arange(400) * np.pi / 8) + 0.1 * rng.standard_normal(400)) > 20
     (low, high), (low_mixed, high_mixed) = interval_of_mean(series), interval_of_mean(mixed)
     assert high - low > 2 * (high_mixed - low_mixed)
 

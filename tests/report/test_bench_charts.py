@@ -98,6 +98,10 @@ def test_the_front_is_filled_bold_and_in_words():
     filled = len(re.findall(r"<use [^>]*fill: var\(--warp", text))
     # The list of colours is filled too.
     assert (filled, hollow >= len(case.rows) - len(best)) == (len(best) + len(WARPS), True)
+    for measure, worst in (("flip", 1), ("psnr_db", 0)):  # the staircase begins there
+        axes = pareto_chart(case, measure).figure.axes[0]
+        (stairs,) = (line for line in axes.lines if line.get_drawstyle() == "steps-post")
+        assert stairs.get_ydata()[0] == axes.get_ylim()[worst]
 
 
 def test_the_same_data_give_the_same_chart():

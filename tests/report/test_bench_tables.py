@@ -51,9 +51,11 @@ def test_no_width_cuts_a_head():
         assert "…" not in printed(rows, width), width
 
 
-def test_a_baseline_is_marked_with_its_system():
+def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing_was_cut():
     rows = [a_row("mesh"), a_row("mesh:grid=64", baseline="CloudXR.js")]
     assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)
+    near_the_end = {"quality": {"ssim": {"mean": 0.99, "interval": [0.9, 1.0]}}}
+    assert COLUMNS["ssim_spread"].value(near_the_end) == pytest.approx(0.09)
 
 
 def test_columns_are_dropped_in_order_and_named():

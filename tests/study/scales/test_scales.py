@@ -7,6 +7,7 @@ from __future__ import annotations
 from itertools import product
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -105,6 +106,8 @@ def test_the_most_a_vrsq_can_come_to():
 def test_a_reversed_item_counts_most_for_the_lowest_answer():
     least, most = score_ranges(load_scale("ipq"))
     assert set(least.values()) == {0} and set(most.values()) == {6}
+    from_one = score_ranges(attrs.evolve(load_scale("ipq"), least=1.0, most=7.0))
+    assert [set(scores.values()) for scores in from_one] == [{1}, {7}]
 
 
 def test_task_load_is_the_mean_of_six():
