@@ -12,7 +12,8 @@ from PIL import Image
 from recorded_folders import CX, CY, FX, FY, HAS_EXR, SIZE, taken, write_exrs, write_npz, write_pictures
 
 from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.sources.sequences import read_frame
+from hmdwarp.errors import InputError
+from hmdwarp.sources.sequences import read_colour, read_depth, read_frame
 
 NEEDS_EXR = pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed (pip install '.[exr]')")
 CAMERA = {"intrinsics": [FX, FY, CX, CY], "depth_scale": 0.001}
@@ -102,6 +103,35 @@ def test_exr_as_renderers_write_it(tmp_path):
     assert (frame.colour[1:3, 2:5] == (0.5, 0.5, 0.5, 0.5)).all()  # divided by its alpha
     frame.colour[1:3, 2:5] = 0
     assert (frame.colour == 0).all()
+
+
+@NEEDS_EXR
+@pytest.mark.parametrize("seed", range(24))
+def test_passes_of_an_exr_are_taken_by_name(seed, tmp_path):
+    """Random passes of a renderer: depth is what is called so, of the view of the colour."""
+    import OpenEXR
+
+    rng, views = np.random.default_rng(seed), {"multiView": ["left", "right"]}
+    before, own = rng.choice(["", "ViewLayer.", "Scene.Beauty."]), rng.choice(["", "right."])
+    depths = ["Depth.Z", "Depth.V", "depth.Z", "Z"][: 4 if before == "" else 3]
+    channels = {f"{before}Combined.{own}{name}": np.full((3, 4), 0.25, np.float32) for name in "RGB"}
+    if before == "":
+        channels = {name.replace("Combined.", ""): one for name, one in channels.items()}
+    for name in ("Normal.Z", "Position.Z", "Vector.Z", "Mist.Z", "Mist.V", "Denoising Depth.Z", "IndexOB.X", "UV.V"):
+        if rng.random() < 0.4:
+            channels[f"{before}{name}"] = rng.random((3, 4)).astype(np.float32)
+    channels[f"{before}Normal.Z"] = rng.random((3, 4)).astype(np.float32)
+    for case, of in (("its own", own), ("another view's", "" if own else "right."), ("none", None)):
+        there = {}
+        if of is not None:
+            layer, _, last = str(rng.choice(depths)).rpartition(".")
+            there = {f"{before}{layer}{'.' * bool(layer)}{of}{last}": np.full((3, 4), 2.5, np.float32)}
+        OpenEXR.File(views, channels | there).write(str(file := tmp_path / f"{case}.exr"))
+        if case == "its own":
+            assert (read_depth(file) == 2.5).all() and (read_colour(file) == 0.25).all()
+        else:
+            with pytest.raises(InputError, match="of another" if of is not None else r"Normal\.Z.*expected depth"):
+                read_depth(file)
 
 
 def test_exr_without_its_package_says_how_to_get_it(command, folder, monkeypatch):

@@ -241,15 +241,11 @@ class Listener:
         if len(client.waiting) >= _MOST_WAITING or (held and held + size > MOST_OF_CLIENT):
             return False
         self._left = [one for one in self._left if not one.tracker.done]
-        if self._held_in_all() + size > MOST_OF_ALL:
+        waiting = [*self._left, *(one for each in self._clients.values() for one in each.waiting)]
+        if sum(one.bytes for one in waiting) + size > MOST_OF_ALL:
             self._make_room(who)
             return False
         return True
-
-    def _held_in_all(self) -> int:
-        """Return the bytes that wait for all, also for those that are gone."""
-        waiting = [*self._left, *(one for client in self._clients.values() for one in client.waiting)]
-        return sum(one.bytes for one in waiting)
 
     def _held(self, who: bytes) -> int:
         """Return the bytes that wait for a client."""

@@ -375,8 +375,13 @@ def pieces_of(message: Message) -> list[Piece]:
         start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
         wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
         areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
-        session = [] if one.session is None else _packed_session(one.session)
-        look = [] if one.fovea is None else [_packed_look(one.views[0], one.fovea)]
+        session: list[bytes] = []
+        if (own := one.session) is not None:
+            session = [_SESSION_HEAD.pack(own.number, own.age_ns, own.only_changes, len(own.fates))]
+            session += [_FATE.pack(fate.number, fate.arrived, fate.heard_ns) for fate in own.fates]
+        look = []
+        if one.fovea is not None:
+            look = [_LOOK.pack(*(one.views[0].gaze or AHEAD), one.fovea.degrees, one.fovea.rim)]
         inputs = [_COUNT.pack(len(one.inputs)), *map(_packed_input, one.inputs)] if one.inputs else ()
         body = [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session, *look, *inputs]
         return _framed(ASK, body)
@@ -408,15 +413,6 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
     bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
-
-
-def _packed_session(session: Session) -> list[bytes]:
-    head = (session.number, session.age_ns, session.only_changes, len(session.fates))
-    return [_SESSION_HEAD.pack(*head), *(_FATE.pack(one.number, one.arrived, one.heard_ns) for one in session.fates)]
-
-
-def _packed_look(view: View, fovea: Fovea) -> bytes:
-    return _LOOK.pack(*(AHEAD if view.gaze is None else view.gaze), fovea.degrees, fovea.rim)
 
 
 def _look(data: Data, at: int) -> tuple[tuple[float, float, float], Fovea, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import struct
@@ -114,12 +113,9 @@ def packed_wanted(wanted: Wanted) -> bytes:
     """Return the bytes of what a client reads."""
     shown = [struct.pack("<4d", fov.left, fov.right, fov.down, fov.up) for fov in wanted.fovs]
     names = [WANTED.pack(_coded(name), 0 if isinstance(how, tuple) else how) for name, how in wanted.layers]
-    rows = [_packed_rows(how) for _, how in wanted.layers if isinstance(how, tuple)]
+    tables = [how for _, how in wanted.layers if isinstance(how, tuple)]
+    rows = [SETTINGS.pack(len(one), len(one[0])) + b"".join(map(_SETTING.pack, sum(one, ()))) for one in tables]
     return b"".join([struct.pack("<II", *wanted.size), *shown, *names, *rows])
-
-
-def _packed_rows(rows: Rows) -> bytes:
-    return SETTINGS.pack(len(rows), len(rows[0])) + b"".join(map(_SETTING.pack, itertools.chain(*rows)))
 
 
 def most_wanted_bytes(layers: int, eyes: int) -> int:

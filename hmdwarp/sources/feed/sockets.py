@@ -300,7 +300,8 @@ class Connections:
             self.cut(one, f"silent for {SILENT_NS // 10**9} s")
             return
         with contextlib.suppress(OSError), one.wire.handle() as wire:
-            if _received(wire) > MOST_UNREAD + one.taken:
+            info = _info_of(wire)  # what it has received; empty where that is not known
+            if info and _RECEIVED.unpack_from(info, _RECEIVED_AT)[0] > MOST_UNREAD + one.taken:
                 self.cut(one, f"more than {MOST_UNREAD >> 10} KiB unread: too many requests, or one without an end")
 
     def cut(self, one: Connection, why: str) -> None:
@@ -374,9 +375,3 @@ def _info_of(one: socket.socket) -> bytes:
         return b""
     info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)
     return info if len(info) >= _INFO_BYTES else b""
-
-
-def _received(one: socket.socket) -> int:
-    """Return how many bytes a connection has received, 0 where that is not known."""
-    info = _info_of(one)
-    return int(_RECEIVED.unpack_from(info, _RECEIVED_AT)[0]) if info else 0

@@ -45,8 +45,10 @@ class Viewer:
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
                 for arrival in self._caller.take():
-                    if arrival.frame.number >= first and _is_picture(arrival.frame, size):
-                        return arrival.frame
+                    one = arrival.frame
+                    plain = not one.is_coded and one.is_finite
+                    if one.number >= first and one.size == size and len(one.views) == 1 and plain:
+                        return one
                 if any("refused" in line for line in self._caller.lines()):
                     return None
         return None
@@ -54,8 +56,3 @@ class Viewer:
     def close(self) -> None:
         """Hang up."""
         self._caller.close()
-
-
-def _is_picture(frame: FrameMessage, size: tuple[int, int]) -> bool:
-    """Return whether it is one eye's picture of that size, as numbers."""
-    return frame.size == size and len(frame.views) == 1 and not frame.is_coded and frame.is_finite

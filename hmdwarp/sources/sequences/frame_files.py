@@ -165,15 +165,14 @@ def find_frame(
 
 
 def _pictures(path: Path, depth: Path | None) -> Arrays:
-    """Return colour and depth, which is an EXR file's own Z if no other is named and it has one."""
-    if path.suffix.lower() == EXR:
+    """Return colour and depth, which is an EXR file's own if no other is named and it has one."""
+    channels = ""
+    if depth is None and path.suffix.lower() == EXR:
         both = read_exr(path)
-        colour, own = both.need_colour(path), both.depth
-    else:
-        colour, own = read_colour(path), None
-    if own is not None and depth is None:
-        return colour, own
-    depth = depth or _depth_beside(path)
+        if (own := both.depth()) is not None:
+            return both.colour(), own
+        channels = f", and none called Depth or Z among its channels ({', '.join(both.channels)})"
+    colour, depth = read_colour(path), depth or _depth_beside(path, channels)
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
@@ -193,14 +192,13 @@ def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -
     )
 
 
-def _depth_beside(path: Path) -> Path:
+def _depth_beside(path: Path, channels: str) -> Path:
     """Return the file of a picture's depth. Errors: InputError without one."""
     names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
     found = next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
     if found is None:
-        own = ", and no Z in it" if path.suffix.lower() == EXR else ""
         raise InputError(
-            f"{path}: no depth beside it{own}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+            f"{path}: no depth beside it{channels}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
         )
     return found
 

@@ -35,7 +35,7 @@ def read_colour(path: Path) -> NDArray[Any]:
     """
     path = as_path(path)
     if path.suffix.lower() == EXR:
-        return read_exr(path).need_colour(path)
+        return read_exr(path).colour()
     with _opened(path) as picture:
         if picture.mode in _DEEP:
             raise InputError(f"{path}: one channel of mode {picture.mode}, as depth has it; expected a colour picture")
@@ -51,7 +51,10 @@ def read_depth(path: Path) -> NDArray[Any]:
     path = as_path(path)
     suffix = path.suffix.lower()
     if suffix == EXR:
-        return read_exr(path).need_depth(path)
+        exr = read_exr(path)
+        if (depth := exr.depth()) is None:
+            raise InputError(f"{path}: channels {', '.join(exr.channels)}; expected depth in Depth.Z, Depth.V or Z")
+        return depth
     if suffix == NPY:
         return _npy(path)
     with _opened(path) as picture:
@@ -77,7 +80,7 @@ _FULL = 65535
 def size_of(path: Path) -> Size:
     """Return (w, h) of a picture without reading its pixels. Errors: as read_colour."""
     if path.suffix.lower() == EXR:
-        high, wide = read_exr(path).shape
+        high, wide = next(iter(read_exr(path).channels.values())).shape
         return wide, high
     with _opened(path) as picture:
         wide, high = picture.size
@@ -128,16 +131,13 @@ def _loaded(path: Path, picture: Any) -> Any:
 def _most_of_pgm(path: Path) -> int:
     """Return the largest value that the head of a PGM file states."""
     words: list[bytes] = []
-    for line in _head(path).splitlines():
+    with opened(path, PICTURE_FILE) as file:
+        head = file.read(1000)
+    for line in head.splitlines():
         words += line.partition(b"#")[0].split()
         if len(words) >= 4:
             break
     return int(words[3])
-
-
-def _head(path: Path) -> bytes:
-    with opened(path, PICTURE_FILE) as file:
-        return file.read(1000)
 
 
 def _npy(path: Path) -> NDArray[Any]:
@@ -212,42 +212,97 @@ class VideoPictures:
 # Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
 FAR_M = 1e9
 _COLOUR = ("R", "G", "B")
+_SOLE = ("R", "V", "Y", "Z")  # what a file of one channel calls its values
+_NO_COLOUR = ("depth", "z", "n", "normal", "p", "position", "vector", "velocity", "motion", "uv", "mist")
 # A display window larger than both is no picture's: what surrounds the pixels is filled with zeros.
 _MOST_PIXELS, _MOST_AROUND = 2**24, 16
 _turn = threading.Lock()
 
 
+def _last(layer: str) -> str:
+    return layer.rpartition(".")[2].lower()
+
+
 @attrs.frozen(eq=False)
 class ExrPicture:
-    """What an EXR file holds, over its display window; row 0 is the top row."""
+    """The channels of an EXR file over its display window, by name; row 0 is the top row."""
 
-    # (h, w, 3) or (h, w, 4) float32, linear light with coverage; None without R, G and B.
-    colour: NDArray[np.float32] | None
-    # (h, w) float32 along -z in the file's units, inf beyond FAR_M; None without it.
-    depth: NDArray[np.float32] | None
-    shape: tuple[int, int]
-    channels: tuple[str, ...]
+    path: Path
+    channels: dict[str, NDArray[np.float32]]
+    # Names of views among those of layers; the first is that of channels without one.
+    views: tuple[str, ...]
 
-    def need_colour(self, path: Path) -> NDArray[np.float32]:
-        """Return the colour. Errors: InputError without it."""
-        if self.colour is None:
-            raise InputError(f"{path}: channels {', '.join(self.channels)}; expected R, G and B of one layer")
-        return self.colour
+    def _layers(self) -> dict[tuple[str, str], dict[str, str]]:
+        """Return (view, layer) with the names of its channels by their last part."""
+        found: dict[tuple[str, str], dict[str, str]] = {}
+        for name in self.channels:
+            *words, last = name.split(".")
+            view = next((word for word in words if word in self.views), self.views[0])
+            layer = ".".join(word for word in words if word not in self.views)
+            found.setdefault((view, layer), {})[last] = name
+        return found
 
-    def need_depth(self, path: Path) -> NDArray[np.float32]:
-        """Return the depth. Errors: InputError without it."""
-        if self.depth is None:
+    def _of_colour(self) -> list[tuple[str, str]]:
+        """Return view and layer of the colour: several where names do not tell, none without."""
+        found = [
+            key for key, own in self._layers().items() if {*_COLOUR} <= own.keys() and _last(key[1]) not in _NO_COLOUR
+        ]
+        found = [key for key in found if not key[1]] or [key for key in found if _last(key[1]) == "combined"] or found
+        return [key for key in found if key[0] == self.views[0]] or found
+
+    def colour(self) -> NDArray[np.float32]:
+        """Return (h, w, 3) linear light, or (h, w, 4) with coverage. Errors: InputError."""
+        if len(found := self._of_colour()) != 1:
+            several = ", ".join(self._layers()[key]["R"].removesuffix(".R") for key in found)
             raise InputError(
-                f"{path}: channels {', '.join(self.channels)}; expected depth in Z, or in a single channel"
+                f"{self.path}: colour in several layers ({several}); expected one"
+                if found
+                else f"{self.path}: channels {', '.join(self.channels)}; expected R, G and B of one layer"
             )
-        return self.depth
+        own = self._layers()[found[0]]
+        rgb = np.stack([self.channels[own[name]] for name in _COLOUR], axis=2)
+        if "A" not in own:
+            return rgb
+        alpha = np.clip(self.channels[own["A"]], 0, 1)  # the light is premultiplied by it
+        return np.concatenate([rgb / np.where(alpha > 0, alpha, 1)[..., None], alpha[..., None]], axis=2)
+
+    def depth(self) -> NDArray[np.float32] | None:
+        """Return (h, w) along -z in the file's units, inf beyond FAR_M; None where no name says so.
+
+        By name: of a layer called Depth, else Z alone or of the colour's layer; of the colour's
+        view. Errors: InputError for several, and for depth of another view.
+        """
+        view, beside = next(iter(self._of_colour()), ("", ""))
+        found: list[tuple[int, str, str, str]] = []
+        for (of, layer), own in self._layers().items():
+            for last, name in own.items():
+                is_z = last.lower() == "z" and layer in ("", beside, beside.rpartition(".")[0])
+                if last.lower() == "depth" or _last(layer) == "depth" and last != "A":
+                    found.append((0, layer, of, name))
+                elif is_z or _last(layer) == "z" or len(self.channels) == 1 and name in _SOLE:
+                    found.append((1, layer, of, name))
+        if found and view and not (same := [one for one in found if one[2] == view]):
+            raise InputError(
+                f"{self.path}: colour of the view {view}, depth of another ({', '.join(one[3] for one in found)}); "
+                "expected both of one"
+            )
+        found = same if found and view else found
+        named = [one for one in found if one[0] == min(found)[0]]
+        named = [one for one in named if one[1].rpartition(".")[0] == beside.rpartition(".")[0]] or named
+        if any((self.channels[one[3]] != self.channels[named[0][3]]).any() for one in named[1:]):
+            raise InputError(
+                f"{self.path}: depth in several channels ({', '.join(one[3] for one in named)}); expected one"
+            )
+        if not named:
+            return None
+        depth = self.channels[named[0][3]]
+        return np.where(depth > FAR_M, np.float32(np.inf), depth)
 
 
 def read_exr(path: Path) -> ExrPicture:
     """Return what an EXR file holds.
 
-    A file of one channel is depth alone. Errors: InputError; MachineError without the optional
-    package.
+    Errors: InputError; MachineError without the optional package.
     """
     library = _library()
     damage: list[str] = []
@@ -270,10 +325,7 @@ def read_exr(path: Path) -> ExrPicture:
     if "deep" in str(head.get("type", "")).lower():
         raise InputError(f"{path}: deep pixels; expected one value for each: flatten it")
     placed = {name: _placed(path, head, pixels) for name, pixels in channels.items()}
-    shape = next(iter(placed.values())).shape
-    group = _colour_group(path, placed)
-    colour = None if group is None else _stack(placed, group)
-    return ExrPicture(colour, _depth(path, placed), shape, tuple(placed))
+    return ExrPicture(path, placed, tuple(head.get("multiView", ())) or ("main", "left", "right"))
 
 
 def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m: NDArray[Any]) -> None:
@@ -342,37 +394,3 @@ def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[n
     )
     whole[rows, columns] = pixels[rows.start - row : rows.stop - row, columns.start - column : columns.stop - column]
     return whole
-
-
-def _colour_group(path: Path, channels: dict[str, NDArray[np.float32]]) -> str | None:
-    """Return what stands before R, G and B: "" or a layer's name with its dot; None without."""
-    groups = [
-        name[:-1] for name in channels if name[-1] == "R" and all(name[:-1] + letter in channels for letter in _COLOUR)
-    ]
-    groups = [""] if "" in groups else [group for group in groups if group.endswith("Combined.")] or groups
-    if len(groups) > 1:
-        raise InputError(
-            f"{path}: colour in several layers ({', '.join(group.rstrip('.') for group in groups)}); expected one"
-        )
-    return groups[0] if groups else None
-
-
-def _stack(channels: dict[str, NDArray[np.float32]], group: str) -> NDArray[np.float32]:
-    """Return the colour, divided by its alpha where there is any: EXR has it premultiplied."""
-    rgb = np.stack([channels[group + name] for name in _COLOUR], axis=2)
-    alpha = channels.get(group + "A")
-    if alpha is None:
-        return rgb
-    alpha = np.clip(alpha, 0, 1)
-    return np.concatenate([rgb / np.where(alpha > 0, alpha, 1)[..., None], alpha[..., None]], axis=2)
-
-
-def _depth(path: Path, channels: dict[str, NDArray[np.float32]]) -> NDArray[np.float32] | None:
-    names = [name for name in channels if name == "Z"] or [name for name in channels if name.endswith(".Z")]
-    if len(names) > 1:
-        raise InputError(f"{path}: depth in several channels ({', '.join(names)}); expected one")
-    names = names or (list(channels) if len(channels) == 1 else [])
-    if not names:
-        return None
-    depth = channels[names[0]]
-    return np.where(depth > FAR_M, np.float32(np.inf), depth)

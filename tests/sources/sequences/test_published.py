@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import attrs
 import numpy as np
@@ -298,6 +299,42 @@ def test_an_image_of_colmap_without_depth_is_left_out(folder):
     sequence = sequences.open(folder, PUBLISHED["colmap"].options)
     assert [frame.name for frame in sequence.frames] == ["0000.png", "0002.png"]
     assert sequence.notes == ("1 frames were left out: no picture or no depth.",)
+
+
+@pytest.mark.parametrize(("cameras", "left"), [("11221", [0, 3, 4]), ("12345", [0, 1, 2, 3, 4])])
+def test_of_two_cameras_of_colmap_one_is_chosen_but_not_of_one_for_each_image(cameras, left, folder):
+    """The last image stands first in the file."""
+    PUBLISHED["colmap"].write(folder, taken(5))
+    images, known, number = folder / "sparse/0/images.txt", folder / "sparse/0/cameras.txt", iter(cameras)
+    known.write_text(known.read_text() + "".join(f"{n} PINHOLE 36 24 40 40 18 12\n" for n in range(2, 6)))
+    images.write_text(re.sub(r" \d+ (\d+\.png)", lambda one: f" {next(number)} {one[1]}", images.read_text()))
+    sequence = sequences.open(folder, PUBLISHED["colmap"].options)
+    assert [frame.name for frame in sequence.frames] == [f"{n:04}.png" for n in left]
+    assert [note[:26] for note in sequence.notes] == ["2 frames of other cameras "] * (len(left) == 3)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_colour_goes_with_the_depth_of_its_number_or_is_refused(seed, folder):
+    """Names of several writers; where each lacks a frame of the other, equal counts say nothing."""
+    rng = np.random.default_rng(seed)
+    PUBLISHED["traced"].write(folder, taken(8))
+    of_colour, of_depth = (
+        ("{:06}", "frame-{}", "rgb8_{:03}")[seed % 3],
+        ("{}", "depth_{:05}", "raw16-{}")[seed // 3 % 3],
+    )
+    for side, name in (("rgb", of_colour), ("depth", of_depth)):
+        for i, file in enumerate(sorted((folder / side).iterdir())):
+            file.rename(file.with_name(f"{name.format(i + 8)}{file.suffix}"))
+    (folder / "trajectory.txt").write_text("".join(f"{100 + i / 30} 0.0{i + 1} 0 0 0 0 0 1\n" for i in range(8)))
+    found = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(found.frames) == 8
+    for frame, one in zip(found.frames, taken(8), strict=True):
+        assert np.abs(frame.depth_m - one.depth_m).max() <= 1e-3
+    here, there = rng.choice(8, 2, replace=False) + 8
+    (folder / f"rgb/{of_colour.format(here)}.png").unlink()
+    (folder / f"depth/{of_depth.format(there)}.png").unlink()
+    with pytest.raises(InputError, match=f"7 pictures in rgb, 7 in depth, without depth .*{there}"):
+        sequences.open(folder, PUBLISHED["traced"].options)
 
 
 def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_axes(folder):

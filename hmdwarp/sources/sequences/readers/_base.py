@@ -12,6 +12,7 @@ A layout is a declaration and a function that adds the frames of a folder:
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Rows
@@ -284,18 +285,32 @@ class Folder:
         return {int(found.group()): path for path in files if (found := re.search(r"\d+", path.name))}
 
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
-        """Return the pictures of colour and depth, by names or order. Errors: InputError."""
+        """Return the pictures of colour and depth, by their names, else their numbers or instants.
+
+        Errors: InputError where one of colour has no depth so.
+        """
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
-        by_name = {path.stem: path for path in second}
-        if first and all(path.stem in by_name for path in first):
-            return [(path, by_name[path.stem]) for path in first]
-        if len(first) != len(second) or not first:
-            raise InputError(
-                f"{colours.parent}: {len(first)} pictures in {colours.name}, {len(second)} in {depths.name}; expected "
-                "as many of both, or the same names"
-            )
-        return list(zip(first, second, strict=True))
+        parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
+        ways = [[[path.stem for path in side] for side in (first, second)]]
+        if all(itertools.chain(*parts)):  # by all of their numbers, else the last of each
+            ways += [[[tuple(one[-n:]) for one in side] for side in parts] for n in (9, 1)]
+        for here, there in ways:
+            if first and len({*here}) == len(here) and {*here} <= {*there} and len({*there}) == len(there):
+                return [(path, second[there.index(one)]) for path, one in zip(first, here, strict=True)]
+        try:
+            instants = [[Decimal(path.stem) for path in side] for side in (first, second)]
+            step = min(b - a for side in instants for a, b in itertools.pairwise(side))
+            if all(2 * abs(a - b) < step for a, b in zip(*instants, strict=True)):
+                return list(zip(first, second, strict=True))
+        except (InvalidOperation, ValueError):  # names that are none, a single one, or more of one side
+            pass
+        without = sorted({*ways[-1][0]} - {*ways[-1][1]})
+        raise InputError(
+            f"{colours.parent}: {len(first)} pictures in {colours.name}, {len(second)} in {depths.name}"
+            + "".join(f", without depth {' '.join(map(str, np.ravel(one)))}" for one in without[:1])
+            + "; expected depth of the same name or number for each, or of an instant within half a frame"
+        )
 
     def poses(self, matrices: Iterable[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False) -> list[Pose]:
         """Return world_from_eye of all matrices of a file, each with its place; state how they are.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import reprlib
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -140,14 +141,11 @@ def _scannet_file(path: Path, name: str) -> Path | None:
     return next((place for place in places if place.exists()), None)
 
 
-def _fits_scannet(path: Path) -> int:
-    known = all((path / name).is_dir() for name in ("color", "depth", "pose"))
-    return 88 if known and _scannet_file(path, "intrinsic_color") is not None else 0
-
-
 @layout(
     "scannet", "ScanNet, extracted: color/N.jpg, depth/N.png, pose/N.txt, intrinsic/intrinsic_color.txt",
-    _fits_scannet, intrinsics=("intrinsic/intrinsic_color.txt", By.FILE), unit=1e-3, world="x,z,y", pose=MATRICES,
+    lambda path: 88 * all((path / name).is_dir() for name in ("color", "depth", "pose"))
+    * (_scannet_file(path, "intrinsic_color") is not None),
+    intrinsics=("intrinsic/intrinsic_color.txt", By.FILE), unit=1e-3, world="x,z,y", pose=MATRICES,
     clock=f"{RATE_HZ:g} frames per second",
 )  # fmt: skip
 def scannet(at: Folder) -> None:
@@ -300,6 +298,14 @@ def colmap(at: Folder) -> None:
         depth = next((file for file in names if file.exists()), None)
         if depth is not None and named_in(pictures, image.name).exists():
             chosen.append((number, image, depth))
+    per = Counter(image.camera_id for _, image, _ in chosen)
+    if 1 < len(per) < len(chosen):  # not a camera for each image: several that moved together
+        key, _ = per.most_common(1)[0]
+        chosen = [one for one in chosen if one[1].camera_id == key]
+        at.notes.append(
+            f"{per.total() - len(chosen)} frames of other cameras were left out: of {len(per)} cameras, {key} has most "
+            f"images; for another one leave its images alone in {model.name}."
+        )
     own = {key: _camera_of_colmap(cameras, key, model) for key in {image.camera_id for _, image, _ in chosen}}
     of_stereo = bool(chosen) and chosen[0][2].name.endswith(_OWN)
     at.state(unit=1.0 if of_stereo else None, own=next(iter(own.values()), None))
@@ -308,7 +314,7 @@ def colmap(at: Folder) -> None:
         camera = own[image.camera_id] if at.options.intrinsics is None else None
         at.add(pictures / image.name, depth, number, pose_of(at.axes, image.position, image.rotation), camera=camera)
     at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY))
-    at.left_out(len(images), "no picture or no depth")
+    at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
 
 
 def _camera_of_colmap(cameras: dict[int, ColmapCamera], key: int, model: Path) -> Camera:
@@ -481,15 +487,11 @@ def _frames_in(path: Path) -> list[Path]:
     return [path for path in found if path.suffix.lower() == NPZ] or found
 
 
-def _fits_folder(path: Path) -> int:
-    found = _frames_in(path)
-    return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).exists()) else 0
-
-
 @layout(
     "folder",
     f"NAME.npz, NAME.exr + NAME.json, or NAME.png + NAME.depth.png + NAME.json; {CAMERA} for what all share",
-    _fits_folder, intrinsics=("fov or intrinsics in each frame", By.FILE),
+    lambda path: 60 * any(one.suffix.lower() == NPZ or one.with_suffix(JSON).exists() for one in _frames_in(path)[:1]),
+    intrinsics=("fov or intrinsics in each frame", By.FILE),
     scale=("depth_scale; floats without one are metres", By.NOBODY), no_depth=OWN_FACTS[0], looks=OWN_FACTS[1],
     pose=OWN_FACTS[2], clock=(f"time_s or time_ns, else {RATE_HZ:g} frames per second", By.NOBODY),
 )  # fmt: skip

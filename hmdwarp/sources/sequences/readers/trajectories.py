@@ -153,8 +153,9 @@ def redwood(at: Folder) -> None:
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), (head.where, [row.floats(4) for row in matrix])))
     numbers = [number for number, _ in found]
-    if len(found) == len(files):
-        numbers = list(range(len(files)))
+    whole = list(range(len(files)))
+    if len(found) == len(files) and [number - numbers[0] for number in numbers] in (whole, [0] * len(whole)):
+        numbers = whole
     elif len(set(numbers)) < len(numbers) or not all(0 <= number < len(files) for number in numbers):
         raise InputError(
             f"{file}: {len(found)} poses for {len(files)} pictures; expected one for each, or their numbers"
@@ -400,14 +401,10 @@ def _traces(path: Path) -> list[Path]:
     return sorted([file for file in found if file.stem.lower() in _NAMES] or found)
 
 
-def _fits_traced(path: Path) -> int:
-    folders = all(any((path / name).is_dir() for name in names) for names in (COLOURS, _TRACED_DEPTHS))
-    return 30 if folders and _traces(path) else 0
-
-
 @layout(
     "traced", "color/, depth/ and one head trace of any format; pictures named by its clock, or a pose for each",
-    _fits_traced, intrinsics=(f"{_CAMERAS[0]}, {_MATRICES[0]} or {CAMERA}", By.FILE), by=By.NOBODY,
+    lambda path: 30 * all(any((path / one).is_dir() for one in side) for side in (COLOURS, _TRACED_DEPTHS))
+    * bool(_traces(path)), intrinsics=(f"{_CAMERAS[0]}, {_MATRICES[0]} or {CAMERA}", By.FILE), by=By.NOBODY,
     scale=("to be stated; floats are metres", By.NOBODY), no_depth=("0", By.NOBODY),
     looks=Assumption(AXES, "those of the trace, else x right, y down, z forward", By.NOBODY, "--frames-axes"),
     pose=("world from camera", By.NOBODY), takes=("frames_axes",),

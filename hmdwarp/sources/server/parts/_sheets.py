@@ -253,19 +253,15 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
     return order
 
 
-def _coloured(mesh: Mesh) -> NDArray[np.float32]:
-    """Return (n, 3): share of each colour that passes where the mesh covers, its texture apart."""
-    colour = np.ones_like(mesh.light) if mesh.albedo is None else np.clip(mesh.albedo, 0, 1)
-    return colour * np.float32(mesh.material.transmission)
-
-
 def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
     rows = np.zeros(sum(len(mesh.positions) for mesh in meshes), _VERTEX)
+    # Share of each colour that passes where the mesh covers, its texture apart.
+    colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
     for name, parts in (
         ("position", [mesh.positions for mesh in meshes]),
         ("uv", [mesh.uv for mesh in meshes]),
         ("light", [mesh.light * np.float32(1 - mesh.material.transmission) for mesh in meshes]),
-        ("coloured", [_coloured(mesh) for mesh in meshes]),
+        ("coloured", [mesh.material.transmission * shares for mesh, shares in zip(meshes, colours, strict=True)]),
         ("mesh", [np.full((len(mesh.positions), 1), index) for index, mesh in enumerate(meshes)]),
     ):
         if parts:

@@ -14,7 +14,7 @@ from ....geometry.view import mirrors_in_eye, tangents_of_pixels
 from ....gpu.context import drawing_into
 from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR
-from ....scenes import Mesh, Scene, SceneMirror
+from ....scenes import Scene, SceneMirror
 from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from ..targets import Target
 from ..upload import Place
@@ -48,7 +48,11 @@ class Reflections(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed = drawing.needs.get("reflection", Mirrored(0))
-        layered = [surface for surface in self._surfaces if _kind_of(surface) in needed]
+        layered = [
+            surface
+            for surface in self._surfaces
+            if (Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE) in needed
+        ]
         baked = [surface for surface in self._surfaces if surface not in layered]
         if baked:
             seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
@@ -139,10 +143,6 @@ class Reflections(Part):
         if self._mirrored is not None:
             self._mirrored.close()
         super().close()
-
-
-def _kind_of(surface: MirrorSurface) -> Mirrored:
-    return Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE
 
 
 Array = NDArray[np.float64]
@@ -285,7 +285,9 @@ class MirrorSurface:
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         self.mirror, self._context = mirror, context
         gl, shaders = context.gpu.gl, context.gpu.shaders
-        self._vertices = gl.buffer(np.concatenate([_rows(mesh) for mesh in mirror.meshes]).astype(np.float32).tobytes())
+        parts = ((one, np.concatenate([one.positions, one.uv, one.normals], axis=1)) for one in mirror.meshes)
+        rows = np.concatenate([part[mesh.triangles.ravel()] for mesh, part in parts])
+        self._vertices = gl.buffer(rows.astype(np.float32).tobytes())
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
         self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
         names, layout = (("in_position", "in_uv"), "3f4 2f4 12x") if mapped else (("in_position",), "3f4 20x")
@@ -377,8 +379,3 @@ class Ball(MirrorSurface):
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
     """Return the uniforms of shaders/lib/mirrors.glsl."""
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)
-
-
-def _rows(mesh: Mesh) -> NDArray[np.float32]:
-    rows = np.concatenate([mesh.positions, mesh.uv, mesh.normals], axis=1)
-    return rows[mesh.triangles.ravel()]
