@@ -12,7 +12,7 @@ import attrs
 import moderngl
 
 from ..frames import EyeImage, Needs, Surface
-from ..geometry import WarpMap
+from ..geometry import view_map
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, Canvas, allocate
 from .inputs import PassInputs
@@ -100,7 +100,7 @@ class ShownDepth:
         self._barrier()
 
     def _seen_from_here(self, image: EyeImage, inputs: PassInputs, into: moderngl.Texture) -> moderngl.Texture:
-        forward = WarpMap.between(image.view, image.size, inputs.shown, self._size)
+        forward = view_map(image.view, image.size, inputs.shown, self._size)
         image.inverse_depth.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)
         self._here.uniforms.set(rendered_inverse_depth=0, here=1, rendered_size=image.size, H=forward.H, e=forward.e)

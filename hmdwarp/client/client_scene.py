@@ -103,7 +103,7 @@ class ClientScene:
         if not self._is_of_now(frame):
             return
         for layer, kind in _receivers.items():
-            for wanted, update in frame.eyes[0].get(layer, {}).items():
+            for wanted, update in frame.eyes[0].carried.get(layer, {}).items():
                 self.store(kind, wanted).receive(update.content)
 
     def _is_of_now(self, frame: Frame) -> bool:

@@ -9,7 +9,7 @@ import moderngl
 
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
-from ..gpu.strips import Grid, SeenView, Strips
+from ..gpu.hidden import Grid, SeenView, Strips
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -55,6 +55,7 @@ class _Canvases:
 
     warped: ShownPicture | None
     filled: tuple[ShownPicture, ...]
+    by_fill: tuple[tuple[str, Canvas], ...]  # of those, as EyeResult has them
     effects: tuple[Canvas, ...]
     panel: Canvas
 
@@ -65,23 +66,6 @@ class _Canvases:
     def canvases(self) -> set[Canvas]:
         pictures = (*self.filled, self.warped) if self.warped is not None else ()
         return {*(picture.colour for picture in pictures), *self.effects, self.panel}
-
-
-class _Stage:
-    """Time a pass, and make its writes visible to the next pass, to copies and to read-backs."""
-
-    __slots__ = ("_gl", "_timed")
-
-    def __init__(self, gpu: Gpu, name: str) -> None:
-        self._gl, self._timed = gpu.gl, gpu.timer.stage(name)
-
-    def __enter__(self) -> None:
-        self._timed.__enter__()
-
-    def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        if error is None:
-            self._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-        self._timed.__exit__(error, *rest)  # type: ignore[arg-type]  # as GpuStage has it
 
 
 class Compensator:
@@ -107,7 +91,7 @@ class Compensator:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._blackened: dict[int, tuple[Hidden, Fov]] = {}
         self._panels_seen: dict[int, SeenPanel] = {}
-        with gpu.shaders.strips.skipping(hides):
+        with gpu.shaders.hidden.skipping(hides):
             self._geometry = geometry
             self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
             lens = None
@@ -127,6 +111,9 @@ class Compensator:
             carry = self._carry = Carry(self._warp)
             self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
             self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
+            # What a pass writes is visible to the next pass, to copies and to read-backs.
+            names = ("effects", "client_depth", "warp", "fill", "lens", "carry", self._depth_stage)
+            self._stages = {name: gpu.timer.stage(name, barrier=True) for name in names}
             self._fills = [
                 fill.entry(
                     gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill)
@@ -158,7 +145,7 @@ class Compensator:
     def _canvases_of_one_eye(self) -> _Canvases:
         gl, size = self.gpu.gl, self.shown_size
         if self.plan.fused:
-            return _Canvases(None, (), (), Canvas(gl, size))
+            return _Canvases(None, (), (), (), Canvas(gl, size))
         has_depth = self.plan.makes_shown_depth
         last = warped = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if has_depth else None)
         filled = []
@@ -169,7 +156,8 @@ class Compensator:
             filled.append(last)
         effects = tuple(Canvas(gl, size) for _ in self._shown)
         shown = effects[-1] if effects else last.colour
-        return _Canvases(warped, tuple(filled), effects, Canvas(gl, size) if self._lens else shown)
+        by_fill = tuple((fill.entry.name, each.colour) for fill, each in zip(self.plan.fills, filled, strict=True))
+        return _Canvases(warped, tuple(filled), by_fill, effects, Canvas(gl, size) if self._lens else shown)
 
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
@@ -178,22 +166,24 @@ class Compensator:
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for effect_pass in self._rendered:
-            with self._stage("effects"):
+            with self._stages["effects"]:
                 inputs = effect_pass.run(inputs)
-        others = self._warp_others.of(self._plan_others, inputs.others)
-        inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
+        if inputs.others:
+            others = self._warp_others.of(self._plan_others, inputs.others)
+            inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
             assert self._geometry is not None, "a plan that draws the client's depth is for a client with geometry"
-            with self._stage("client_depth"):
+            with self._stages["client_depth"]:
                 self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
-        with self._stage("warp"):
+        with self._stages["warp"]:
             self._run_warp(inputs, made)
-            self._hide(inputs.shown, inputs.eye, made)
+            if inputs.shown.hidden is not None or made.warped is None:
+                self._hide(inputs.shown, inputs.eye, made)
         panels = self._panels(inputs) if self.plan.hands_panels_on else ()
         if made.warped is None:
             for shown in self._shown:
-                with self._stage("effects"):
+                with self._stages["effects"]:
                     shown.run_through_lens(inputs, made.panel)
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped, panels)
@@ -201,7 +191,7 @@ class Compensator:
     def learn(self, inputs: PassInputs) -> None:
         """Let fills that remember learn from a rendered picture as run() does; show nothing."""
         inputs = self._prepared(inputs)
-        with self._stage("fill"):
+        with self._stages["fill"]:
             for fill in self._fills:
                 fill.learn(inputs)
 
@@ -209,10 +199,10 @@ class Compensator:
         """Return the inputs with the rendered picture whole, and without what panels take out."""
         inputs = inputs if self.plan.scanout else inputs.at_once()
         if self._expand is not None:
-            with self._stage("effects"):
+            with self._stages["effects"]:
                 inputs = self._expand.run(inputs)
         for taker in self._takers:
-            with self._stage("effects"):
+            with self._stages["effects"]:
                 inputs = taker.take_out(inputs)
         return inputs
 
@@ -227,20 +217,18 @@ class Compensator:
 
         Later passes leave it as it is, or copy it; a gather only writes up to its outline.
         """
-        if made.warped is None:
+        if made.warped is None or view.hidden is None:
             self._hide_panel(made.panel)
-            return
-        if view.hidden is None:
             return
         self.gpu.barrier()
         of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
         if self._blackened.get(eye) != (view.hidden, view.fov):
             self._blackened[eye], of = (view.hidden, view.fov), "hidden"
             for picture in made.filled:
-                self.gpu.seen_rows.hide(view, picture.colour, picture.inverse_depth)
+                self.gpu.shaders.hidden.hide(view, picture.colour, picture.inverse_depth)
             for canvas in made.effects:
-                self.gpu.seen_rows.hide(view, canvas, None)
-        self.gpu.seen_rows.hide(view, made.warped.colour, made.warped.inverse_depth, of)
+                self.gpu.shaders.hidden.hide(view, canvas, None)
+        self.gpu.shaders.hidden.hide(view, made.warped.colour, made.warped.inverse_depth, of)
 
     def _set_views(self, inputs: PassInputs) -> None:
         """Let the hidden areas of these views count for the passes that follow."""
@@ -252,13 +240,13 @@ class Compensator:
                 self._eyes[inputs.eye].panel.clear()
                 panel = self._panels_seen[inputs.eye] = SeenPanel(self._hiding, inputs.eye, shown.fov, shown.hidden)
             views["panel"] = panel
-        self.gpu.shaders.strips.views = views
+        self.gpu.shaders.hidden.views = views
 
     def _hide_panel(self, panel: Canvas) -> None:
         """Blacken what the lens has written beyond the outline of what is seen."""
-        if (seen := self.gpu.shaders.strips.views.get("panel")) is not None:
+        if (seen := self.gpu.shaders.hidden.views.get("panel")) is not None:
             self.gpu.barrier()
-            self.gpu.seen_rows.hide(seen, panel, None, "edge")
+            self.gpu.shaders.hidden.hide(seen, panel, None, "edge")
 
     def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
         warped = made.warped
@@ -274,30 +262,29 @@ class Compensator:
     ) -> EyeResult:
         """Run everything after the warp."""
         if self._depth is not None and warped.inverse_depth is not None:
-            with self._stage(self._depth_stage):
+            with self._stages[self._depth_stage]:
                 self._depth.run(inputs, warped.inverse_depth)
         picture = warped
         for fill, into in zip(self._fills, made.filled, strict=True):
-            with self._stage("fill"):
+            with self._stages["fill"]:
                 fill.run(inputs, picture, into)
             picture = into
         shown = picture.colour
         for one, onto in zip(self._shown, made.effects, strict=True):
-            with self._stage("effects"):
+            with self._stages["effects"]:
                 one.run(inputs, ShownPicture(shown, picture.inverse_depth), onto)
             shown = onto
         if self._lens is not None:
-            with self._stage("lens"):
+            with self._stages["lens"]:
                 self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
-                self._hide_panel(made.panel)
-        names = (fill.entry.name for fill in self.plan.fills)
-        filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
-        return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth, panels)
+                if self._hiding is not None:
+                    self._hide_panel(made.panel)
+        return EyeResult(inputs.middle, warped.colour, shown, made.panel, made.by_fill, picture.inverse_depth, panels)
 
     def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Warp further pictures as the colour of the same inputs is; see Carry.along."""
         self._set_views(inputs)
-        with self._stage("carry"):
+        with self._stages["carry"]:
             self._carry.along(inputs, picture_of, into)
 
     def renew(self) -> None:
@@ -307,9 +294,6 @@ class Compensator:
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Ignore the stage times: a single plan has nothing to decide."""
-
-    def _stage(self, name: str) -> _Stage:
-        return _Stage(self.gpu, name)
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""

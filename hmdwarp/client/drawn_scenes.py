@@ -8,8 +8,8 @@ import attrs
 import moderngl
 
 from ..geometry import View
-from ..gpu.context import Gpu, drawing_into
-from ..gpu.textures import SCALAR, allocate
+from ..gpu.context import Gpu
+from ..gpu.textures import SCALAR, allocate, drawing_into
 from ..scenes import Pieces, Scene, only_emission, partial_scene, reduced, unlit, with_lamps_stopped
 from ..sources.server import (
     ConvergedLight,

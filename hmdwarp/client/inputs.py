@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from functools import cached_property
 
 import attrs
 import moderngl
@@ -43,7 +44,7 @@ class PassInputs:
         """The rendered picture as it arrived, before any motion was applied."""
         return self.rendered if self.drawn is None else self.drawn
 
-    @property
+    @cached_property
     def middle(self) -> View:
         """The view at the middle of the scan-out, for passes that show all rows at once."""
         if self.shown_last is None:

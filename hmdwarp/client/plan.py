@@ -6,7 +6,7 @@ Passes that are not in the plan compile nothing, allocate nothing and cost nothi
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from functools import reduce
+from functools import cached_property, reduce
 from operator import or_
 
 import attrs
@@ -110,12 +110,12 @@ class Plan:
         """The chain of fills as text, "none" if there is none."""
         return fill_text(self.fills)
 
-    @property
+    @cached_property
     def warp_needs(self) -> Needs:
         """Layers that the warp alone needs of a frame."""
         return self.warp.needs(self.choice.settings)
 
-    @property
+    @cached_property
     def needs(self) -> Needs:
         """Layers that frames must carry for this plan besides colour and inverse depth."""
         of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
@@ -238,7 +238,11 @@ def build_plan(
         [planned for planned in passes if issubclass(planned.made_by, RenderedPass) is before]
         for before in (True, False)
     )
-    shown, handed = _handed_on(shown, takes_panels, draft)
+    # Those whose work the display does.
+    handed = [planned for planned in shown if takes_panels and planned.is_for_display]
+    for effect in (effect for planned in handed for effect in planned.effects):
+        draft.leave_out(effect.name, f"{takes_panels} composes them by itself, at its newest pose")
+    shown = [planned for planned in shown if planned not in handed]
     _refuse_colour_in_light(passes, chain)
     _plan_taken_out(shown, forced, draft)
     for planned in rendered:
@@ -250,8 +254,10 @@ def build_plan(
     _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
         draft.leave_out("scan-out", f"warp '{choice.entry.name}' cannot follow it: all rows are shown as in its middle")
-    if depth_for and not beside:
-        _plan_shown_depth([fill.entry for fill in chain], depth_for, draft)
+    if depth_for and not beside:  # a second run of a warp that cannot write it along with the colour
+        stage = "fill" if any(SHOWN_DEPTH in each.entry.reads for each in chain) else "effects"
+        reason = f"needed by {depth_for}: the rendered depth, warped as the colour is"
+        draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
     for fill_choice in chain:
         entry = fill_choice.entry
         draft.add("fill", f"fill {fill_choice}", f"chosen: {entry.summary}", entry.reads, entry.writes)
@@ -343,22 +349,18 @@ def _why_not(
         return f"it refines {effect.refines}, which is left out: {effect.without}"
     if fused and not (effect.fuses or issubclass(effect.made_by, RenderedPass)):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
-    return _why_not_beside(warp, effect, named) or _why_unread(effect, read)
+    return _why_not_beside(warp, read, effect, named)
 
 
-def _why_unread(effect: Effect, read: Collection[str]) -> str:
-    unread = issubclass(effect.made_by, RenderedPass) and not {*effect.made_by.writes} & {*read}
-    return f"nothing reads the picture that it would change: {effect.without}" if unread else ""
-
-
-def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) -> str:
+def _why_not_beside(warp: type[Warp], read: Collection[str], effect: Effect, named: Collection[str]) -> str:
     if warp.kind == "draw":
         return f"warp '{warp.name}' {warp.without_effects}"
     if warp.imposter and effect.name not in named:
         return f"warp '{warp.name}' compensates nothing unless requested by name: {effect.without}"
     if effect.made_by.carries and not warp.carries:
         return f"warp '{warp.name}' carries nothing along: {effect.without}"
-    return ""
+    unread = issubclass(effect.made_by, RenderedPass) and not {*effect.made_by.writes} & {*read}
+    return f"nothing reads the picture that it would change: {effect.without}" if unread else ""
 
 
 def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
@@ -423,16 +425,6 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     )
 
 
-def _handed_on(
-    shown: Sequence[PlannedEffect], takes_panels: str, draft: _Draft
-) -> tuple[list[PlannedEffect], list[PlannedEffect]]:
-    """Return the passes that run, and those whose work the display does."""
-    handed = [planned for planned in shown if takes_panels and planned.is_for_display]
-    for effect in (effect for planned in handed for effect in planned.effects):
-        draft.leave_out(effect.name, f"{takes_panels} composes them by itself, at its newest pose")
-    return [planned for planned in shown if planned not in handed], handed
-
-
 def _plan_shown(
     shown: Sequence[PlannedEffect], forced: Collection[str], fused: bool, takes_panels: str, draft: _Draft
 ) -> None:
@@ -459,12 +451,13 @@ def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], dra
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
     if is_brought:
         draft.leave_out("client_depth", "it comes with the pictures")
-    elif CLIENT_DEPTH in warp.reads and client_geometry:
-        draft.add(
-            "client_depth", "client_depth", f"warp '{warp.name}' reads the client's own depth", (), (CLIENT_DEPTH,)
-        )
+    elif CLIENT_DEPTH not in warp.reads:
+        draft.leave_out("client_depth", f"warp '{warp.name}' does not read it")
+    elif client_geometry:
+        reason = f"warp '{warp.name}' reads the client's own depth"
+        draft.add("client_depth", "client_depth", reason, (), (CLIENT_DEPTH,))
     else:
-        draft.leave_out("client_depth", _why_no_client_depth(warp, client_geometry))
+        draft.leave_out("client_depth", "the client has no geometry to draw it from")
 
 
 def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, depth_for: str, draft: _Draft) -> None:
@@ -489,13 +482,6 @@ def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[PlannedEffect
     return " and ".join(dict.fromkeys(readers))
 
 
-def _plan_shown_depth(chain: Sequence[type[Fill]], who: str, draft: _Draft) -> None:
-    """Add the second run of a warp that cannot write the shown depth along with the colour."""
-    stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
-    reason = f"needed by {who}: the rendered depth, warped as the colour is"
-    draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))
-
-
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:
     if not warp.fuses:
         able = "only gather warps can, which ask for every pixel by itself"
@@ -509,13 +495,6 @@ def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: typ
             f"--fused with --fill {fill_text(chain)}: a fill needs the picture between warp and lens; "
             "use --fill none, or leave --fused out"
         )
-
-
-def _why_no_client_depth(warp: type[Warp], client_geometry: bool) -> str:
-    if CLIENT_DEPTH not in warp.reads:
-        return f"warp '{warp.name}' does not read it"
-    assert not client_geometry
-    return "the client has no geometry to draw it from"
 
 
 def _described(name: str) -> str:

@@ -21,9 +21,8 @@ from ..errors import InputError
 from ..frames import EyeImage
 from ..frames.layers import Layer, between, layers
 from ..geometry import View
-from ..gpu.context import drawing_into
 from ..gpu.shaders import Compute, Uniforms
-from ..gpu.textures import COLOUR, allocate, release_all
+from ..gpu.textures import COLOUR, allocate, drawing_into, release_all
 from ..scenes import IndirectLight, Mesh, Scene, lights, lit_meshes, moved_meshes
 from ..sources.server import Lighting, SceneBuffers, ScenePasses
 from ..sources.server.parts import DrawContext, Drawing, Part, parts

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -64,20 +65,30 @@ class EyeImage:
 
         The same object where nothing is left out, as at most refreshes: the loop asks at each.
         """
+        if not self.carried:
+            return self
         kept = {name: layers.get(name).only(one, needs[name]) for name, one in self.carried.items() if name in needs}
         if all(kept.get(name) is one for name, one in self.carried.items()):
             return self
         return attrs.evolve(self, carried=kept)
 
-    def contents(self) -> Iterator[tuple[type[Layer], Any]]:
-        """Yield every layer with its data, colour and inverse depth first."""
-        for name, data in {"colour": self.colour, "inverse_depth": self.inverse_depth, **self.carried}.items():
-            yield layers.get(name), data
+    def contents(self) -> list[tuple[type[Layer], Any]]:
+        """Return every layer with its data, colour and inverse depth first."""
+        colour, depth = _of_pictures()
+        found = [(colour, self.colour), (depth, self.inverse_depth)]
+        for name, data in self.carried.items():
+            found.append((layers.get(name), data))
+        return found
 
     def textures(self) -> Iterator[moderngl.Texture]:
         """Yield every texture of every layer."""
         for layer, data in self.contents():
             yield from layer.textures(data)
+
+
+@functools.cache  # each is looked up at every refresh
+def _of_pictures() -> tuple[type[Layer], type[Layer]]:
+    return layers.get("colour"), layers.get("inverse_depth")
 
 
 class Timed(Protocol):
@@ -117,16 +128,22 @@ class Frame:
             return self.timings_ms.get("render", 0.0)
         return sum(milliseconds for _, milliseconds in self.drawing.read())
 
-    def pictures(self) -> Iterator[tuple[int, EyeImage]]:
-        """Yield the number and the picture of each eye, a picture that both see once."""
+    def pictures(self) -> list[tuple[int, EyeImage]]:
+        """Return the number and the picture of each eye, a picture that both see once."""
+        found = []
         for number, eye in enumerate(self.eyes):
             if number == 0 or eye.colour is not self.eyes[0].colour:
-                yield number, eye
+                found.append((number, eye))
+        return found
 
-    def contents(self) -> Iterator[tuple[type[Layer], Any]]:
-        """Yield every layer of every eye with its data; what both eyes share comes once."""
+    def contents(self) -> list[tuple[type[Layer], Any]]:
+        """Return every layer of every eye with its data; what both eyes share comes once."""
+        found = []
         for number, eye in self.pictures():
-            yield from (content for content in eye.contents() if number == 0 or not content[0].per_frame)
+            for layer, data in eye.contents():
+                if number == 0 or not layer.per_frame:
+                    found.append((layer, data))
+        return found
 
 
 class Needs(Mapping[str, Any]):
@@ -137,11 +154,13 @@ class Needs(Mapping[str, Any]):
     Needs(peeled=1)` is enough for both.
     """
 
-    __slots__ = ("_amounts",)
+    __slots__ = ("_amounts", "others")
 
     def __init__(self, **amounts: Any) -> None:
         """Errors: UnknownNameError for a name that is no layer's."""
         self._amounts = {layers.get(name).name: amounts[name] for name in sorted(amounts) if amounts[name]}
+        # The other eye's picture and the older frames that the client keeps.
+        self.others: Others = self._amounts.get("others", Others())
 
     def __getitem__(self, name: str) -> Any:
         return self._amounts[name]
@@ -163,20 +182,12 @@ class Needs(Mapping[str, Any]):
         both |= {name: layers.get(name).merged(self[name], other[name]) for name in self if name in other}
         return Needs(**both)
 
-    @property
-    def others(self) -> Others:
-        """The other eye's picture and the older frames that the client keeps."""
-        others: Others = self.get("others", Others())
-        return others
-
     def serve(self, needed: Needs) -> bool:
         """Return whether frames drawn for these needs suit a plan that needs `needed`."""
-        return all(_serves(name, self, needed) for name in {*self, *needed})
-
-
-def _serves(name: str, carried: Needs, needed: Needs) -> bool:
-    layer = layers.get(name)
-    return layer.serves(carried.get(name, layer.nothing), needed.get(name, layer.nothing))
+        every = [layers.get(name) for name in {*self, *needed}]
+        return all(
+            layer.serves(self.get(layer.name, layer.nothing), needed.get(layer.name, layer.nothing)) for layer in every
+        )
 
 
 def frame_bytes(

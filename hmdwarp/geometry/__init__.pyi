@@ -16,6 +16,7 @@ from .fovea import looking as looking
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .pose import real as real
+from .pose import trusted_pose as trusted_pose
 from .view import Eyes as Eyes
 from .view import Fov as Fov
 from .view import Guard as Guard
@@ -27,3 +28,4 @@ from .view import View as View
 from .view import WarpMap as WarpMap
 from .view import guarded_eyes as guarded_eyes
 from .view import is_a as is_a
+from .view import view_map as view_map

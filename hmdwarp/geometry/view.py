@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, InputError, in_brief
-from .pose import Pose, floats, frozen, frozen3, real
+from .pose import Pose, floats, frozen, frozen3, matrix_of, real, relative
 
 Size = tuple[int, int]
 
@@ -158,6 +157,11 @@ class Fov:
         left, right, down, up = self.tangents.tolist()
         fx, fy = size[0] / (right - left), size[1] / (up - down)
         return fx, fy, -left * fx - 0.5 + centre, up * fy - 0.5 + centre
+
+    @cached_property
+    def cameras(self) -> dict[Size, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Cameras of warp maps, by the size of the picture: few, and used at every frame."""
+        return {}
 
     @cached_property
     def tangents(self) -> NDArray[np.float64]:
@@ -333,7 +337,10 @@ def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size)
     return inside
 
 
-def _check_gaze(_: object, __: object, gaze: tuple[float, float, float] | None) -> None:
+Gaze = tuple[float, float, float]
+
+
+def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
     try:
         x, y, z = (0, 0, -1) if gaze is None else gaze
         is_right = x * x + y * y + z * z < math.inf
@@ -354,11 +361,15 @@ class View:
     # what is neither drawn nor shown, None for nothing
     hidden: Hidden | None = attrs.field(default=None, validator=is_a(Hidden, optional=True))
     # unit direction in the head's axes in which the eye looks, None where it is not known
-    gaze: tuple[float, float, float] | None = attrs.field(default=None, validator=_check_gaze)
+    gaze: Gaze | None = attrs.field(default=None, validator=_check_gaze)
+
+    def at(self, pose: Pose) -> View:
+        """Return the same eye at another pose, which is not checked."""
+        return _trusted_view(pose, self.fov, self.head_from_eye, self.hidden, self.gaze)
 
     def within(self, fov: Fov) -> View:
         """Return the view with a guard band, or without: its hidden area goes along."""
-        return attrs.evolve(self, fov=fov, hidden=self.hidden and self.hidden.within(fov))
+        return _trusted_view(self.pose, fov, self.head_from_eye, self.hidden and self.hidden.within(fov), self.gaze)
 
     def seen(self, size: Size) -> NDArray[np.bool_]:
         """Return (h, w): which pixels can be seen, the top row first."""
@@ -374,6 +385,20 @@ class View:
         y = down + (np.arange(size[1]) + 0.5) * (up - down) / size[1]
         xx, yy = np.meshgrid(x, y)
         return np.stack([xx, yy, -np.ones_like(xx)], axis=-1)
+
+
+_set = object.__setattr__
+
+
+def _trusted_view(pose: Pose, fov: Fov, head_from_eye: Pose, hidden: Hidden | None, gaze: Gaze | None) -> View:
+    """Return View(..) of what another view had, without a check: every refresh makes six."""
+    view = View.__new__(View)
+    _set(view, "pose", pose)
+    _set(view, "fov", fov)
+    _set(view, "head_from_eye", head_from_eye)
+    _set(view, "hidden", hidden)
+    _set(view, "gaze", gaze)
+    return view
 
 
 class Eyes(Protocol):
@@ -393,7 +418,7 @@ def guarded_eyes(views: Sequence[View], guard: Guard, size: tuple[int, int]) -> 
     the top.
     Errors: as Fov.guarded.
     """
-    return _guarded_fovs(tuple(view.fov for view in views), GuardBand.of(guard), size)
+    return _guarded_fovs(tuple([view.fov for view in views]), GuardBand.of(guard), size)
 
 
 @lru_cache(maxsize=64)  # every frame needs it for the same eyes
@@ -430,12 +455,12 @@ class WarpMap:
         Computed relative to the eyes in float64. Errors: InputError for what is no view or size.
         """
         if type(frm_size) is tuple is type(to_size) and type(frm) is View is type(to):
-            return _between(frm, frm_size, to, to_size)
+            return view_map(frm, frm_size, to, to_size)
         for view in (frm, to):
             if not isinstance(view, View):
                 raise InputError(f"expected a hmdwarp.View, found {in_brief(view)}")
         frm_size, to_size = (tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size))
-        return _between(frm, frm_size, to, to_size)
+        return view_map(frm, frm_size, to, to_size)
 
     def apply(
         self, pixels: ArrayLike, inverse_depth: ArrayLike
@@ -465,24 +490,26 @@ class WarpMap:
         return bool(max(map(abs, off)) <= 1e-9)
 
 
-# Every pass of a refresh asks for the map of the same pair of views.
-@functools.lru_cache(maxsize=64)
-def _between(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
-    to_from_frm = frm.pose.relative_to(to.pose)
-    k_to, _ = _cameras(to.fov, to_size)
-    _, k_frm_inverse = _cameras(frm.fov, frm_size)
-    made = WarpMap(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
+@lru_cache(maxsize=64)  # every pass of a refresh asks for the map of the same pair of views
+def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+    """Return WarpMap.between, without a check of what it gets: for the passes of a refresh."""
+    position_m, turn = relative(frm.pose, to.pose)
+    try:
+        k_to, k_frm_inverse = to.fov.cameras[to_size][0], frm.fov.cameras[frm_size][1]
+    except KeyError:
+        k_to, k_frm_inverse = _camera(to.fov, to_size)[0], _camera(frm.fov, frm_size)[1]
+    made = WarpMap(k_to @ matrix_of(turn) @ k_frm_inverse, k_to @ position_m)
     made.H.flags.writeable = made.e.flags.writeable = False
     return made
 
 
-@lru_cache(maxsize=64)  # a few fields of view and sizes, needed at every frame
-def _cameras(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), read-only."""
+def _camera(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), read-only, and keep it."""
     pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
     eye_from_pixel = np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
     pixel_from_eye.flags.writeable = eye_from_pixel.flags.writeable = False
-    return pixel_from_eye, eye_from_pixel
+    fov.cameras[size] = pixel_from_eye, eye_from_pixel
+    return fov.cameras[size]
 
 
 Array = NDArray[np.float64]

@@ -1,7 +1,6 @@
 from .context import HOW_TO_GET_GL as HOW_TO_GET_GL
 from .context import WANTED as WANTED
 from .context import Gpu as Gpu
-from .context import drawing_into as drawing_into
 from .raw_gl import depth_framebuffer as depth_framebuffer
 from .raw_gl import gl_function as gl_function
 from .raw_gl import reset_status_of as reset_status_of
@@ -18,6 +17,7 @@ from .textures import Canvas as Canvas
 from .textures import allocate as allocate
 from .textures import check_size as check_size
 from .textures import download as download
+from .textures import drawing_into as drawing_into
 from .textures import flip_map as flip_map
 from .textures import flip_rows as flip_rows
 from .textures import upload as upload

@@ -17,7 +17,6 @@ import moderngl
 
 from ..errors import InputError, MachineError
 from . import egl
-from .hidden import SeenRows
 from .raw_gl import gl_function, reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
@@ -161,8 +160,9 @@ class Gpu:
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
         self.shaders = self._context.shaders
         self.timer = StageTimer(self.gl)
-        self.seen_rows = SeenRows(self.gl, self.shaders)
         self._reset_status = reset_status_of(self.gl)
+        # Makes what shaders have stored visible to everything that runs from now on.
+        self.barrier = partial(self.gl.memory_barrier, moderngl.ALL_BARRIER_BITS)
 
     @property
     def closed(self) -> bool:
@@ -173,10 +173,6 @@ class Gpu:
     def is_software(self) -> bool:
         """Whether the CPU renders (llvmpipe, softpipe, SwiftShader)."""
         return is_software(self.gl)
-
-    def barrier(self) -> None:
-        """Make what shaders have stored visible to everything that runs from now on."""
-        self.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
     def check_not_lost(self) -> None:
         """Do nothing while the context lives; costs less than a microsecond.
@@ -225,15 +221,6 @@ class Gpu:
         """Call `free` when the context is next made current; for finalizers, in any thread."""
         self._dropped.append(free)
 
-    def _free_dropped(self) -> None:
-        """Free what was dropped without release(). The context must be current."""
-        if not self._dropped and len(self.gl.objects) < _MANY:
-            return
-        while self._dropped:
-            self._dropped.popleft()()
-        self._collect()
-        self.give_back_memory()
-
     def _collect(self) -> None:
         while self.gl.objects:
             thing = self.gl.objects.popleft()
@@ -252,7 +239,11 @@ class Gpu:
         before = getattr(_thread, "gpu", None)
         _make_current(self)
         try:
-            self._free_dropped()
+            if self._dropped or len(self.gl.objects) >= _MANY:
+                while self._dropped:
+                    self._dropped.popleft()()
+                self._collect()
+                self.give_back_memory()
             yield self
         finally:
             # Not where nothing has changed: making a context current flushes it, even if it is.
@@ -351,18 +342,3 @@ def _make_current(gpu: Gpu | None) -> None:
     if gpu is not None:
         gpu.gl.__enter__()
     _thread.gpu = gpu
-
-
-def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
-    """Return a scope that draws into `framebuffer` with only these flags on.
-
-    flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
-    scope: a context with gc_mode "context_gc" keeps a part of each scope ever made, which in a loop
-    is a leak.
-    """
-    if framebuffer.extra is None:
-        framebuffer.extra = {}
-    made: dict[int | None, moderngl.Scope] = framebuffer.extra
-    if flags not in made:
-        made[flags] = framebuffer.ctx.scope(framebuffer, flags)
-    return made[flags]

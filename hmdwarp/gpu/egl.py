@@ -78,15 +78,14 @@ def devices() -> list[Device]:
     handles = (ctypes.c_void_p * _MOST_DEVICES)()
     egl.call("eglQueryDevicesEXT", ctypes.c_int32, ctypes.c_int32(_MOST_DEVICES), handles, ctypes.byref(count))
     known = [handle or 0 for handle in handles[: count.value]]
-    return [Device(index, _file(egl, handle), handle) for index, handle in enumerate(known)]
-
-
-def _file(egl: _Egl, handle: int) -> str:
-    try:
-        file: bytes = egl.call("eglQueryDeviceStringEXT", ctypes.c_char_p, handle, ctypes.c_int32(_DRM_FILE))
-        return file.decode()
-    except OSError:  # a software renderer has none
-        return ""
+    found = []
+    for index, handle in enumerate(known):
+        try:
+            file = egl.call("eglQueryDeviceStringEXT", ctypes.c_char_p, handle, ctypes.c_int32(_DRM_FILE)).decode()
+        except OSError:  # a software renderer has none
+            file = ""
+        found.append(Device(index, file, handle))
+    return found
 
 
 class EglContext:
@@ -159,7 +158,13 @@ def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
     """
     found, wanted = devices(), os.environ.get(VARIABLE, "").strip()
     if not wanted:
-        return _first_of(found, version, shared)
+        failures = []
+        for device in found:
+            try:
+                return _on(device, version, shared)
+            except (OSError, ValueError) as error:
+                failures.append(f"device {device.index}: {error}")
+        raise OSError("; ".join(failures) or "EGL lists no device")
     if wanted.isdecimal():
         chosen = [device for device in found if device.index == int(wanted)]
     else:
@@ -173,16 +178,6 @@ def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
             "give a number or a part of one's name"
         )
     return _on(chosen[0], version, shared)
-
-
-def _first_of(found: list[Device], version: int, shared: bool) -> moderngl.Context:
-    failures = []
-    for device in found:
-        try:
-            return _on(device, version, shared)
-        except (OSError, ValueError) as error:
-            failures.append(f"device {device.index}: {error}")
-    raise OSError("; ".join(failures) or "EGL lists no device")
 
 
 def _on(device: Device, version: int, shared: bool = False) -> moderngl.Context:

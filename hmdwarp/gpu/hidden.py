@@ -1,42 +1,138 @@
-"""What lenses hide of views, drawn and blackened."""
+"""What lenses hide of views: drawn, blackened, and left out by compute shaders.
+
+They run over lists of strips that are seen.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Literal, Protocol
 from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from .shaders import ShaderLibrary
-from .strips import WHOLE, HiddenArea, SeenView, Size, Strips
-from .textures import Canvas
+from .textures import Canvas, drawing_into
 
 UNIT = 15  # texture unit of seen_rows, see shaders/gpu/hide.comp
 ACROSS = 150  # rectangles of the hidden area, about
+STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
+NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
+Size = tuple[int, int]
+Fov = Any
+Strips = Literal["seen", "hidden", "edge"]
+Grid = Literal["rendered", "shown", "panel"]
 
 
-class SeenRows:
-    """Draws what is hidden of views; keeps what it needs for each field of view and size."""
+class HiddenArea(Protocol):
+    """What is hidden of a view, as geometry.Hidden has it."""
 
-    def __init__(self, gl: moderngl.Context, shaders: ShaderLibrary) -> None:
+    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]: ...
+
+    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]: ...
+
+
+class SeenView(Protocol):
+    """A geometry.View."""
+
+    @property
+    def fov(self) -> Fov: ...
+
+    @property
+    def hidden(self) -> HiddenArea | None: ...
+
+
+class _Whole:
+    """A view of which nothing is hidden, and its hidden area."""
+
+    fov, hidden = None, None
+
+    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
+        return np.array([[0, size[1]]] * size[0], np.int32)
+
+    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
+        return np.ones(size[::-1], bool)
+
+
+WHOLE = _Whole()
+
+
+class HiddenAreas:
+    """Whose hidden areas count, and what is made of each, once for each field of view and size.
+
+    The compensator sets both attributes; passes only say which view their grid is of. shaders: the
+    ShaderLibrary that has it.
+    """
+
+    def __init__(self, gl: moderngl.Context, shaders: Any) -> None:
         self._gl, self._shaders = gl, shaders
+        # Whether programs that are made now leave out what is hidden, if their grid is of a view.
+        self.skips = False
+        # The views that count now; nothing is hidden of one that is missing.
+        self.views: dict[Grid, SeenView] = {}
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
 
-    def cover(self, view: SeenView, size: Size, nearest: float, **defines: object) -> None:
-        """Draw what is hidden of a view in front of everything, into a framebuffer of that size.
+    @contextmanager
+    def skipping(self, skips: bool) -> Iterator[None]:
+        """Set `skips` inside the block."""
+        before, self.skips = self.skips, skips
+        try:
+            yield
+        finally:
+            self.skips = before
+
+    def bind(self, view: SeenView, size: Size, group: int, rows: int, cell: int = 1, of: Strips = "seen") -> int:
+        """Bind the list of strips for a program made with HIDES; return its work groups.
+
+        size: in pixels. group: invocations across. rows: as its ROWS. cell: pixels on each axis for
+        which it has one invocation, or row of one. of: strips at a seen pixel, with a hidden one,
+        or with a hidden one near the outline.
+        """
+        hidden = view.hidden or WHOLE
+        made, key = self._made.setdefault(hidden, {}), (view.fov, size, group, rows, cell, of)
+        if key not in made:
+            seen = hidden.seen(view.fov, size)
+            # Passes read beside the pixels that they write.
+            beside = np.pad(seen, 1)
+            beside = beside[:-2, 1:-1] | beside[2:, 1:-1] | beside[1:-1, :-2] | beside[1:-1, 2:] | seen
+            # Which groups of strips and rows have such a pixel.
+            across, down = (np.arange(0, n, step * cell) for n, step in zip(size, (STRIP, rows), strict=True))
+            any_seen, any_hidden = (
+                np.logical_or.reduceat(np.logical_or.reduceat(part, down, axis=0), across, axis=1)
+                for part in (beside, ~seen)
+            )
+            # A pass of other rows writes up to the next of these.
+            written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
+            lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
+            row, column = np.nonzero(lists[of])
+            each = group // STRIP
+            count = -(-len(row) // each)
+            places = np.full(max(1, count * each), NO_STRIP, np.uint32)
+            places[: len(row)] = column | row << 16
+            made[key] = self._gl.buffer(places.tobytes()), count
+        strips, count = made[key]
+        strips.bind_to_storage_buffer(STRIPS)
+        found: int = count
+        return found
+
+    def cover(self, view: SeenView, framebuffer: moderngl.Framebuffer, nearest: float, **defines: object) -> None:
+        """Draw what is hidden of a view in front of everything, into a framebuffer for all of it.
 
         nearest: the end of the depth range in clip space, 1 or -1.
         """
         if view.hidden is None:
             return
+        size = framebuffer.size
         program = self._shaders.draw("server/hidden.vert", "server/hidden.frag", NEAREST=nearest, **defines)
         made, key = self._made.setdefault(view.hidden, {}), (view.fov, size, program)
         if key not in made:
             buffer = self._gl.buffer(_corners(view.hidden.rows(view.fov, size), size).tobytes())
             made[key] = self._gl.vertex_array(program.program, [(buffer, "2f", "in_ndc")])
-        made[key].render(moderngl.TRIANGLES)
+        framebuffer.viewport = (0, 0, *size)
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+            made[key].render(moderngl.TRIANGLES)
 
     def hide(
         self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None, of: Strips = "hidden"
@@ -57,7 +153,7 @@ class SeenRows:
             inverse_depth.bind_to_image(1, read=False, write=True)
             program.uniforms.set(depth=1)
         program.uniforms.set(colour=0, size=size, seen_rows=UNIT)
-        if count := self._shaders.strips.bind(view, size, program.group[0], program.rows, of=of):
+        if count := self.bind(view, size, program.group[0], program.rows, of=of):
             program.program.run(count)
 
 

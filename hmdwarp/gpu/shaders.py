@@ -10,6 +10,7 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, cast
 
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..errors import InputError, ShaderError
 from ..resources import folder
-from .strips import WHOLE, Grid, SeenStrips
+from .hidden import WHOLE, Grid, HiddenAreas
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
@@ -134,10 +135,8 @@ class Uniforms:
         ] = {}  # values that cannot have changed, compared by identity, which costs nothing
         self._last: dict[str, bytes] = {}
         self._settled: dict[str, object] | None = None
-
-    def declares(self, name: str) -> bool:
-        """Return whether the shader's text declares a uniform of that name."""
-        return name in self._members
+        # Called with a name, says whether the shader's text declares a uniform of that name.
+        self.declares = self._members.__contains__
 
     def set(self, **values: object) -> None:
         """Set numbers, vectors and matrices; float64 is rounded here, once.
@@ -213,7 +212,7 @@ class Compute:
         path: str,
         defines: Mapping[str, object],
         grid: Grid | None = None,
-        strips: SeenStrips | None = None,
+        hidden: HiddenAreas | None = None,
     ) -> None:
         flat = flatten(path, defines)
         self.path = path
@@ -222,10 +221,13 @@ class Compute:
         except moderngl.Error as error:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
         self.uniforms = Uniforms(self.program, flat.lines, path)
-        self.group = _group_size(flat.text)
+        sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", flat.text))
+        numbers = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text))
+        across, down = (str(sizes.get(axis, "1")) for axis in "xy")
+        self.group = int(numbers.get(across, across)), int(numbers.get(down, down))
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
-        self._grid, self._strips, self.skips = grid, strips, strips is not None
+        self._grid, self._hidden, self.skips = grid, hidden, hidden is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
 
@@ -239,14 +241,20 @@ class Compute:
             self._last = None if self.skips else (width, height, cell)  # a list is bound each time
         self.program.run(*self._groups)
 
+    def over(self, width: int, height: int = 1, cell: int = 1) -> Callable[[], object]:
+        """Return what runs over that grid, its work groups counted once. Errors: as groups."""
+        if self.skips:
+            return partial(self.run, width, height, cell)
+        return partial(self.program.run, *self.groups(width, height, cell))
+
     def groups(self, width: int, height: int = 1, cell: int = 1) -> tuple[int, int]:
         """Return the work groups of such a run; fewer for a shader with ROWS. Binds a list of them.
 
         Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
         """
-        if self._strips is not None and self._grid is not None:
-            view = self._strips.views.get(self._grid, WHOLE)
-            return self._strips.bind(view, (width, height), self.group[0], self.rows, cell), 1
+        if self._hidden is not None and self._grid is not None:
+            view = self._hidden.views.get(self._grid, WHOLE)
+            return self._hidden.bind(view, (width, height), self.group[0], self.rows, cell), 1
         across, down = self.group[0] * cell, self.group[1] * self.rows * cell
         groups = -(-width // across), -(-height // down)
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
@@ -265,26 +273,14 @@ class Draw:
         try:
             self.program = gl.program(vertex_shader=flats["vertex"].text, fragment_shader=flats["fragment"].text)
         except moderngl.Error as error:
-            raise ShaderError(_of_stages(str(error), {"vertex": vertex, "fragment": fragment}, flats)) from error
+            # What comes before any stage, then a stage and its part by turns: each line is of the
+            # stage that it stands under. The linker may name none.
+            before, *parts = _STAGE.split(str(error))
+            stages = [stage.lower() for stage in parts[::2]]
+            told = [flats[stage].translate(part) for stage, part in zip(stages, parts[1::2], strict=True)]
+            path = vertex if stages[:1] == ["vertex"] else fragment
+            raise ShaderError(f"{path}: {before}{''.join(told)}") from error
         self.uniforms = Uniforms(self.program, [*flats["vertex"].lines, *flats["fragment"].lines], fragment)
-
-
-def _of_stages(message: str, paths: Mapping[str, str], flats: Mapping[str, Flattened]) -> str:
-    """Return a message about two stages, each line translated by the stage that it stands under.
-
-    It begins with the first stage that is named; with the last one where the linker names none.
-    """
-    parts = _STAGE.split(message)  # what comes before any stage, then a stage and its part by turns
-    stages = [stage.lower() for stage in parts[1::2]]
-    told = [flats[stage].translate(part) for stage, part in zip(stages, parts[2::2], strict=True)]
-    return f"{paths[(stages or list(paths)[-1:])[0]]}: {parts[0]}{''.join(told)}"
-
-
-def _group_size(text: str) -> tuple[int, int]:
-    sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", text))
-    defines = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", text))
-    x, y = (sizes.get(axis, "1") for axis in "xy")
-    return int(defines.get(x, x)), int(defines.get(y, y))
 
 
 Program = TypeVar("Program", Compute, Draw)
@@ -296,7 +292,7 @@ class ShaderLibrary:
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
         self._cache: dict[tuple[object, ...], Any] = {}
-        self.strips = SeenStrips(gl)
+        self.hidden = HiddenAreas(gl, self)
 
     @property
     def compiled(self) -> int:
@@ -307,11 +303,11 @@ class ShaderLibrary:
         """Return the compute shader `path`: relative to shaders/, or absolute.
 
         grid: the view (Grid) whose pixels it runs over, if it may leave out those that are hidden;
-        inside strips.skipping(True) it does. Any type, as callers hand on dicts of defines.
+        inside hidden.skipping(True) it does. Any type, as callers hand on dicts of defines.
         """
-        strips = self.strips if grid is not None and self.strips.skips else None
-        defines |= {} if strips is None else {"HIDES": 1}
-        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, strips), strips and grid)
+        hidden = self.hidden if grid is not None and self.hidden.skips else None
+        defines |= {} if hidden is None else {"HIDES": 1}
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, hidden), hidden and grid)
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
         """Return the vertex and fragment program of the two paths."""

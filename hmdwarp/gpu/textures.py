@@ -6,6 +6,7 @@ row.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Protocol
 
 import moderngl
@@ -50,18 +51,13 @@ class Canvas:
     def __init__(self, gl: moderngl.Context, size: tuple[int, int]) -> None:
         self.texture = allocate(gl, size, COLOUR, linear=True)
         self._framebuffer = gl.framebuffer([self.texture])
-
-    @property
-    def size(self) -> tuple[int, int]:
-        return self.texture.size
+        self.size = size
+        # Called with an image unit, binds as the image that a compute shader stores into.
+        self.bind_for_writing = partial(self.texture.bind_to_image, read=False, write=True)
 
     def clear(self) -> None:
         """Set every pixel to (0, 0, 0, 0): nothing drawn."""
         self._framebuffer.clear()
-
-    def bind_for_writing(self, unit: int = 0) -> None:
-        """Bind as the image that a compute shader stores into."""
-        self.texture.bind_to_image(unit, read=False, write=True)
 
     def copy_from(self, drawn: moderngl.Framebuffer | Canvas) -> None:
         """Copy the colours of a framebuffer or canvas of the same size, bit for bit."""
@@ -71,6 +67,21 @@ class Canvas:
     def release(self) -> None:
         self._framebuffer.release()
         self.texture.release()
+
+
+def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
+    """Return a scope that draws into `framebuffer` with only these flags on.
+
+    flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
+    scope: a context with gc_mode "context_gc" keeps a part of each scope ever made, which in a loop
+    is a leak.
+    """
+    if framebuffer.extra is None:
+        framebuffer.extra = {}
+    made: dict[int | None, moderngl.Scope] = framebuffer.extra
+    if flags not in made:
+        made[flags] = framebuffer.ctx.scope(framebuffer, flags)
+    return made[flags]
 
 
 class Releasable(Protocol):

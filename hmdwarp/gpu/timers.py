@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 
 import attrs
 import moderngl
@@ -30,10 +30,6 @@ def has_real_gpu_timer(gl: moderngl.Context) -> bool:
     Probed, not known by name: llvmpipe answers about 1 ns for any work, or leaves out compute
     shaders, and Zink, which runs on the same llvmpipe, measures both.
     """
-    return _measures_draws(gl) and _measures_dispatches(gl)
-
-
-def _measures_draws(gl: moderngl.Context) -> bool:
     texture = gl.texture((_PROBE_WIDTH, _PROBE_WIDTH), 4, dtype="f4")
     framebuffer = gl.framebuffer([texture])
 
@@ -41,13 +37,11 @@ def _measures_draws(gl: moderngl.Context) -> bool:
         for _ in range(4):
             framebuffer.clear(0.5, 0.5, 0.5, 0.5)
 
-    agrees = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
+    measures_draws = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
     framebuffer.release()
     texture.release()
-    return agrees
-
-
-def _measures_dispatches(gl: moderngl.Context) -> bool:
+    if not measures_draws:
+        return False
     with _copying(gl, _PROBE_BYTES) as run:
         return _agrees_with_the_wall(gl, run, _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE)
 
@@ -181,18 +175,17 @@ class StageTimer:
             (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
             self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
 
-    def stage(self, name: str) -> AbstractContextManager[None]:
+    def stage(self, name: str, *, barrier: bool = False) -> GpuStage | WallStage:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 
-        Blocks that raise do not count.
+        Blocks that raise do not count. What it returns can be entered any number of times, one
+        after the other. barrier: make what is stored inside visible to all that follows.
         """
-        if self.clock == "gpu":
-            return GpuStage(self, name)
-        return WallStage(self, name) if self._waits else nullcontext()
+        return GpuStage(self, name, barrier) if self.clock == "gpu" else WallStage(self, name, barrier)
 
     def cpu_stage(self, name: str) -> WallStage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
-        return WallStage(self, name)
+        return WallStage(self, name, of_cpu=True)
 
     def add(self, name: str, milliseconds: float) -> None:
         """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
@@ -222,10 +215,10 @@ class GpuStage:
     A class, because contextlib's generators cost 3 us each and a refresh has ten.
     """
 
-    __slots__ = ("_name", "_query", "_timer")
+    __slots__ = ("_barrier", "_name", "_query", "_timer")
 
-    def __init__(self, timer: StageTimer, name: str) -> None:
-        self._timer, self._name = timer, name
+    def __init__(self, timer: StageTimer, name: str, barrier: bool) -> None:
+        self._timer, self._name, self._barrier = timer, name, barrier
 
     def __enter__(self) -> None:
         timer = self._timer
@@ -233,6 +226,8 @@ class GpuStage:
         self._query.__enter__()
 
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
+        if self._barrier and error is None:
+            self._timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
         self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
         if error is None:
             self._timer._pending.append((self._name, self._query))
@@ -243,13 +238,13 @@ class GpuStage:
 class WallStage:
     """A stage timed by the wall clock, between two instants at which the GPU is idle.
 
-    Not idle inside StageTimer.without_waiting.
+    Inside StageTimer.without_waiting it is not idle, and only stages of the CPU are timed.
     """
 
-    __slots__ = ("_name", "_started_ns", "_timer")
+    __slots__ = ("_barrier", "_name", "_of_cpu", "_started_ns", "_timer")
 
-    def __init__(self, timer: StageTimer, name: str) -> None:
-        self._timer, self._name = timer, name
+    def __init__(self, timer: StageTimer, name: str, barrier: bool = False, of_cpu: bool = False) -> None:
+        self._timer, self._name, self._barrier, self._of_cpu = timer, name, barrier, of_cpu
 
     def __enter__(self) -> None:
         if self._timer._waits:
@@ -257,10 +252,15 @@ class WallStage:
         self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
-        if error is None:
-            if self._timer._waits:
-                self._timer._gl.finish()
-            self._timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
+        if error is not None:
+            return
+        timer = self._timer
+        if self._barrier:
+            timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        if timer._waits:
+            timer._gl.finish()
+        if timer._waits or self._of_cpu:
+            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
 
 
 def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:

@@ -214,9 +214,12 @@ class Headset:
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the eyes' views for a head pose, the left first."""
-        return tuple(
-            View(world_from_head @ eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden_area) for eye in self.eyes
-        )
+        return tuple([view.at(world_from_head @ view.head_from_eye) for view in self._views])
+
+    @functools.cached_property
+    def _views(self) -> tuple[View, ...]:
+        """The eyes' views for a head at the origin."""
+        return tuple(View(eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden_area) for eye in self.eyes)
 
     @property
     def flat_view(self) -> tuple[Fov, float]:

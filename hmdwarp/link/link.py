@@ -129,17 +129,19 @@ class Link(Generic[Payload]):
         )
         self._last_sent_ns = now_ns
         queue_ns += waits_ns
-        transit = self._in_order(
-            TransitStats(self._drawn, now_ns, size_bytes, render_ns, encode_ns, queue_ns, transfer_ns, delay_ns)
-        )
+        transit = TransitStats(self._drawn, now_ns, size_bytes, render_ns, encode_ns, queue_ns, transfer_ns, delay_ns)
+        if self._has_order:  # a decoder needs the frames before it
+            hold_ns = max(0, self._last_ready_ns - transit.ready_ns) if transit.number else 0
+            transit = attrs.evolve(transit, hold_ns=hold_ns)
+            self._last_ready_ns = transit.ready_ns
         self._drawn += 1
         if key:
             self._heard_ns = None
         if taken and not is_lost:
-            self._count("under_way")
+            self._counts["under_way"] += 1
             heapq.heappush(self._under_way, (transit.ready_ns, transit.number, transit, frame))
             return transit
-        self._count("lost" if taken else "dropped")
+        self._counts["lost" if taken else "dropped"] += 1
         heard_ns = transit.ready_ns + delay_ns
         self._heard_ns = heard_ns if self._heard_ns is None else min(self._heard_ns, heard_ns)
         self._settled(frame, False, heard_ns)
@@ -175,15 +177,6 @@ class Link(Generic[Payload]):
         if shown is not None:
             self._discard(shown[1])
 
-    def _in_order(self, transit: TransitStats) -> TransitStats:
-        """Add the wait for the frames before it, where a decoder needs them."""
-        if not self._has_order:
-            return transit
-        hold_ns = max(0, self._last_ready_ns - transit.ready_ns) if transit.number else 0
-        transit = attrs.evolve(transit, hold_ns=hold_ns)
-        self._last_ready_ns = transit.ready_ns
-        return transit
-
     def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
         """Return the frames that have been decoded since the last call, in sending order."""
         while self._under_way and self._under_way[0][0] <= now_ns:
@@ -191,7 +184,10 @@ class Link(Generic[Payload]):
             received = self._receive is None or self._receive(frame)
             self._settled(frame, received, transit.ready_ns + transit.delay_ns)
             if received:
-                transit = self._through_decoder(transit, self._decoding(frame))
+                if decode_ns := self._decoding(frame):
+                    waits_ns = max(0, self._decoder_ns - transit.ready_ns)
+                    self._decoder_ns = transit.ready_ns + waits_ns + decode_ns
+                    transit = attrs.evolve(transit, hold_ns=transit.hold_ns + waits_ns, decode_ns=decode_ns)
                 heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
             else:
                 self._arrive("undecodable")
@@ -200,14 +196,6 @@ class Link(Generic[Payload]):
         while self._decoded and self._decoded[0][0] <= now_ns:
             arrived.append(heapq.heappop(self._decoded)[2:])
         return sorted(arrived, key=lambda one: one[0].number)
-
-    def _through_decoder(self, transit: TransitStats, decode_ns: int) -> TransitStats:
-        """Add the decoder's work, and the wait for it."""
-        if not decode_ns:
-            return transit
-        waits_ns = max(0, self._decoder_ns - transit.ready_ns)
-        self._decoder_ns = transit.ready_ns + waits_ns + decode_ns
-        return attrs.evolve(transit, hold_ns=transit.hold_ns + waits_ns, decode_ns=decode_ns)
 
     def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
         """Show the newest, which may already be shown; discard the others, oldest first."""
@@ -224,9 +212,6 @@ class Link(Generic[Payload]):
 
     def _arrive(self, what: str) -> None:
         self._counts["under_way"] -= 1
-        self._count(what)
-
-    def _count(self, what: str) -> None:
         self._counts[what] += 1
 
 

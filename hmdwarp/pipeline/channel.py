@@ -113,7 +113,11 @@ class _Mover(ABC):
         far_m = float(np.linalg.norm(now - then, axis=1).max(initial=0.0))
         if not far_m:
             return 0.0
-        near_m = min(_distance(place, points) for place in places for points in (then, now))
+        near_m = math.inf
+        for low, high in ((points.min(axis=0), points.max(axis=0)) for points in (then, now)):
+            # To the sphere around the box around the points.
+            middle, radius_m = (low + high) / 2, np.linalg.norm(high - low) / 2
+            near_m = min(near_m, *(float(np.linalg.norm(place - middle) - radius_m) for place in places))
         return far_m / near_m if near_m > _NEAREST_M else math.inf
 
 
@@ -136,12 +140,6 @@ class _DeformedMesh(_Mover):
 
     def points(self, time_ns: int) -> Points:
         return np.asarray(self._deformation.positions(time_ns), np.float64) + self._origin_m
-
-
-def _distance(place: Points, points: Points) -> float:
-    """Return the distance to the sphere around the box around the points."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    return float(np.linalg.norm(place - (low + high) / 2) - np.linalg.norm(high - low) / 2)
 
 
 def _pixels_per_rad(eye: EyeImage) -> float:
@@ -216,6 +214,7 @@ class Channel:
         self._scales: Counter[float] = Counter()
         self._refreshes = self._frames = self._skipped = self._unchanged = self._eyes = 0
         self._bytes = Counter[str]()
+        self._weights: dict[object, Counter[str]] = {}  # of frames that have pictures alone
         # Summary of what stands before this link, given the refreshes per second.
         self.before: Callable[[float], dict[str, Any]] | None = None
         self.link: Link[CodedFrame] = network.link(
@@ -248,6 +247,7 @@ class Channel:
     def read(self, reads: Reads) -> None:
         """Send what another plan reads from now on."""
         self._reads = reads
+        self._weights.clear()
 
     def read_beside(self, reads: Reads) -> None:
         """Code this too from now on, without counting it: another plan reads it."""
@@ -284,7 +284,10 @@ class Channel:
 
     def send(self, frame: Frame, now_ns: int) -> None:
         """Send a frame from the server."""
-        self._measure(frame)
+        self._eyes, (width, height) = len(frame.eyes), frame.eyes[0].size
+        self._full_pixels = self._full_pixels or width * height  # the first is a full one
+        self._share, self._sent_scale = width * height / self._full_pixels, self.scale
+        self._scales[self._sent_scale] += 1
         if self._coder is None:
             coded, sizes = CodedFrame(frame), self._uncoded_bytes(frame)
         else:
@@ -301,19 +304,18 @@ class Channel:
 
     def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
         """Return what a frame weighs that goes as it was drawn, by layer."""
+        first, last = frame.eyes[0], frame.eyes[-1]
+        key = first.colour.size, last.colour.size, first.colour is last.colour
+        # Pictures alone weigh the same each time.
+        is_plain = not (first.carried or last.carried)
+        if is_plain and key in self._weights:
+            return self._weights[key]
         sizes = Counter[str]()
         for (_, name), layer, data in self._reads.contents(frame):
             sizes[name] += layer.sent_bytes(data)
+        if is_plain:
+            self._weights[key] = sizes
         return sizes
-
-    def _measure(self, frame: Frame) -> None:
-        """Note the resolution of a frame; the first is a full one."""
-        width, height = frame.eyes[0].size
-        self._eyes = len(frame.eyes)
-        self._full_pixels = self._full_pixels or width * height
-        self._share = width * height / self._full_pixels
-        self._sent_scale = self.scale
-        self._scales[self._sent_scale] += 1
 
     def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
         """Return how long rendering and encoding delay the frame, and keep the server busy."""
@@ -358,6 +360,7 @@ class Channel:
         rate_hz: refreshes per second.
         """
         megabits = 8 * rate_hz / 1e6 / max(self._refreshes, 1)
+        scales = {f"{scale:g}": self._scales[scale] for scale in SCALES}
         return {
             "frames": self.fates(),
             **({"stages_ms": attrs.asdict(self._stages)} if self._stages is not None else {}),
@@ -366,16 +369,10 @@ class Channel:
             "frame_bytes": self._bytes.total() / max(self._frames, 1),
             # What asks for a frame, or finds that nothing has changed, as the feed writes it.
             "up_mbit_s": (self._frames + self._unchanged) * request_bytes(self._eyes) * megabits,
-            **self._about_resolution(),
+            **({} if self._overload is None else {"resolution": {"frames": scales, "changes": self._overload.changes}}),
             **(self._coder.summary() if self._coder is not None else {"codec": "none"}),
             **({"proxy": self.before(rate_hz)} if self.before is not None else {}),
         }
-
-    def _about_resolution(self) -> dict[str, Any]:
-        if self._overload is None:
-            return {}
-        scales = {f"{scale:g}": self._scales[scale] for scale in SCALES}
-        return {"resolution": {"frames": scales, "changes": self._overload.changes}}
 
     def close(self) -> None:
         """Recycle every frame still held, and free the codecs; the statistics stay readable."""

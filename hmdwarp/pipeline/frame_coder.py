@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from statistics import median
 from typing import TYPE_CHECKING, Any, Protocol
@@ -69,12 +69,14 @@ class Reads:
     def __or__(self, other: Reads) -> Reads:
         return Reads(self.names | other.names, self.needs | other.needs)
 
-    def contents(self, frame: Frame) -> Iterator[tuple[Place, type[Layer], Any]]:
-        """Yield each layer that is read, with its data; what both eyes share comes once."""
+    def contents(self, frame: Frame) -> list[tuple[Place, type[Layer], Any]]:
+        """Return each layer that is read, with its data; what both eyes share comes once."""
+        found = []
         for eye, image in frame.pictures():
             for layer, data in image.only(self.needs).contents():
                 if layer.readable() in self.names and not (eye and layer.per_frame):
-                    yield (eye, layer.name), layer, data
+                    found.append(((eye, layer.name), layer, data))
+        return found
 
 
 # At most so many samples are kept: half an hour at 60 Hz.

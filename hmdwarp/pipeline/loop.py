@@ -51,14 +51,15 @@ class Refresh:
     @property
     def stage_ms(self) -> tuple[Stages, ...]:
         """Milliseconds of each stage, one entry for each eye."""
-        return tuple(lap.read() for lap in self.laps)
+        return tuple([lap.read() for lap in self.laps])
 
     @property
     def response(self) -> ResponseTime:
         """The response time, split into its parts."""
         took = {f"{name}_ms": milliseconds for name, milliseconds in self.frame.timings_ms.items()}
         took["render_ms"] = self.frame.render_ms
-        return ResponseTime.of(self.transit, warp_ms=sum(map(_total, self.stage_ms)), **took)
+        warp_ms = sum(milliseconds for stages in self.stage_ms for _, milliseconds in stages)
+        return ResponseTime.of(self.transit, warp_ms=warp_ms, **took)
 
 
 class Loop:
@@ -92,15 +93,15 @@ class Loop:
         for instant_ns in self._channel.due(now_ns):
             if not self._channel.is_busy(instant_ns):
                 head = self._requested.for_server(instant_ns)
-                if self._has_moved(head, instant_ns):
+                if (
+                    self._changes is None
+                    or self._channel.has_to_send(instant_ns)
+                    or self.source.has_more(instant_ns)
+                    or self._changes.moved_px(self._eyes.views(head.pose), instant_ns) > SEEN_PX
+                ):
                     self._draw(head, instant_ns)
                 else:
                     self._channel.leave_out(instant_ns)
-
-    def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
-        if self._changes is None or self._channel.has_to_send(now_ns) or self.source.has_more(now_ns):
-            return True
-        return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
 
     def draw_at(self, now_ns: int) -> None:
         """Draw all eyes for the head pose at `now_ns`, and send the frame."""
@@ -157,10 +158,10 @@ class Loop:
         if asked.scanout_ns:
             last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
         return tuple(
-            PassInputs(
-                shown=first[eye], eye=eye, shown_last=last[eye], shown_ns=shown_ns, **self._pictures(frame, eye, needs)
-            )
-            for eye in range(len(first))
+            [
+                PassInputs(shown=shown, eye=eye, shown_last=end, shown_ns=shown_ns, **self._pictures(frame, eye, needs))
+                for eye, (shown, end) in enumerate(zip(first, last, strict=True))
+            ]
         )
 
     def _pictures(self, frame: Frame, eye: int, needs: Needs) -> _Pictures:
@@ -168,15 +169,11 @@ class Loop:
 
         Frames may carry more layers, for plans that run on the same refresh.
         """
-        beside = (frame.eyes[1 - eye],) if needs.others.other_eye else ()
         rendered = frame.eyes[eye].only(needs)
-        chosen = rendered.get("views", ())
-        # Passes are made for pictures of one size.
-        size = frame.eyes[eye].size
-        past = (one for older in self.history.frames[: needs.others.past] if (one := older.eyes[eye]).size == size)
-        others = tuple(image.only(needs) for image in (*beside, *chosen, *past))
-        return {"rendered": rendered, "others": others}
-
-
-def _total(stages: Stages) -> float:
-    return sum(milliseconds for _, milliseconds in stages)
+        found = [frame.eyes[1 - eye]] if needs.others.other_eye else []
+        found += rendered.carried.get("views", ())
+        if needs.others.past:
+            older = [before.eyes[eye] for before in self.history.frames[: needs.others.past]]
+            # Passes are made for pictures of one size.
+            found += [one for one in older if one.size == rendered.size]
+        return {"rendered": rendered, "others": tuple([one.only(needs) for one in found]) if found else ()}

@@ -127,9 +127,10 @@ def turn(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
 def turned(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float, float]:
     """Return q followed by the rotation vector v: one quaternion, in plain floats."""
     bx, by, bz, bw = q
-    angle = math.sqrt(sum(part * part for part in v))
+    x, y, z = v
+    angle = math.sqrt(x * x + y * y + z * z)
     factor = math.sin(angle / 2) / angle if angle > 0 else 0.5
-    (ax, ay, az), aw = (factor * part for part in v), math.cos(angle / 2)
+    ax, ay, az, aw = factor * x, factor * y, factor * z, math.cos(angle / 2)
     return (
         aw * bx + ax * bw + ay * bz - az * by,
         aw * by - ax * bz + ay * bw + az * bx,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, TraceError, in_brief
-from ..geometry import Pose
+from ..geometry import Pose, trusted_pose
 from . import quaternions
 
 _MS = 1_000_000
@@ -246,7 +246,8 @@ class PoseTrack:
         a, b = self.orientation_xyzw[i : i + 2].tolist()
         (x, y, z), (u, v, w) = self.position_m[i : i + 2].tolist()
         position = (x + share * (u - x), y + share * (v - y), z + share * (w - z))
-        return PoseSample(time_ns, Pose(position, quaternions.slerp(a, b, share)), Origin.INTERPOLATED)
+        pose = trusted_pose(np.array(position), quaternions.slerp(a, b, share))
+        return PoseSample(time_ns, pose, Origin.INTERPOLATED)
 
     def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
         """Return `at` for many instants (n,) at once, by the same rules."""

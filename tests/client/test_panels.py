@@ -168,7 +168,7 @@ def test_what_is_nearer_hides_panels_that_ask_for_it(gpu):
 
 def test_what_the_lens_hides_stays_hidden(gpu):
     behind = np.ones((48, 64, 4))
-    behind[:, :32] = (0, 0, 0, 2.0**-14)  # as SeenRows.hide leaves it
+    behind[:, :32] = (0, 0, 0, 2.0**-14)  # as HiddenAreas.hide leaves it
     found = laid(gpu, [CASES["straight on"]], View(Pose(), FOV), behind)
     assert np.array_equal(found[:, :32], behind[:, :32])
     assert not np.array_equal(found[:, 32:], behind[:, 32:])

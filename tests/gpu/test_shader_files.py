@@ -29,7 +29,6 @@ from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import DepthLayer, Fov, Fovea, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Gpu, ShaderLibrary, allocate, flatten
-from hmdwarp.gpu.hidden import SeenRows
 from hmdwarp.headsets import load_headset
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
@@ -53,7 +52,8 @@ class Recorder(ShaderLibrary):
 
     def __init__(self, gpu: Gpu) -> None:
         super().__init__(gpu.gl)
-        self._cache, self.strips = gpu.shaders._cache, gpu.shaders.strips
+        self._cache, self.hidden = gpu.shaders._cache, gpu.shaders.hidden
+        self.hidden._shaders = self
         self.used: set[tuple[str, tuple]] = set()
 
     def _get(self, paths, defines, *made):
@@ -67,8 +67,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 
     Every registered pass, the server with and without colour, the copy.
     """
-    before, gpu.shaders = (gpu.shaders, gpu.seen_rows), Recorder(gpu)
-    gpu.seen_rows = SeenRows(gpu.gl, gpu.shaders)
+    before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
@@ -111,7 +110,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _present(gpu)
         return gpu.shaders.used
     finally:
-        gpu.shaders, gpu.seen_rows = before
+        gpu.shaders = before.hidden._shaders = before
 
 
 def _shining(scene: Scene) -> Scene:
@@ -170,7 +169,7 @@ def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
             for depth in [False, True] if lens is None and choice.entry.depth_reads is not None else [False]:
                 for hides in [False, True] if lens is None else [False]:
-                    with gpu.shaders.strips.skipping(hides):
+                    with gpu.shaders.hidden.skipping(hides):
                         choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout, depth)).close()
 
 
@@ -212,7 +211,7 @@ def _draw_every_content(gpu: Gpu) -> None:
     server.recycle(server.draw_frame([hidden], 0, (8, 6)))
     server.draw_depth(hidden, (8, 6), depth)
     for into in (None, depth):
-        gpu.seen_rows.hide(hidden, Canvas(gpu.gl, (8, 6)), into)
+        gpu.shaders.hidden.hide(hidden, Canvas(gpu.gl, (8, 6)), into)
     server.close()
 
 

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from ...frames import EyeImage
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all, tiles
 from ..effects import RenderedPass
@@ -101,7 +101,7 @@ class MirroredPass(RenderedPass):
         rendered.colour.bind_to_image(_IN, read=True, write=False)
         self._run(self._own, self.rendered_size, layer=0)
         for layer, other in enumerate(others, start=1):
-            warp = WarpMap.between(rendered.view, self.rendered_size, other.view, other.size)
+            warp = view_map(rendered.view, self.rendered_size, other.view, other.size)
             other.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
             other.colour.use(_OTHER)
             other.inverse_depth.bind_to_image(_OTHER_DEPTH, read=True, write=False)
@@ -162,7 +162,7 @@ class MirroredPass(RenderedPass):
 
 def _seen_from(rendered: EyeImage, eye: View) -> np.ndarray:
     """Return where the rendered view sees another eye: homogeneous pixels, z its depth."""
-    return WarpMap.between(eye, rendered.size, rendered.view, rendered.size).e
+    return view_map(eye, rendered.size, rendered.view, rendered.size).e
 
 
 def _has_moved(rendered: EyeImage, eye: View) -> bool:

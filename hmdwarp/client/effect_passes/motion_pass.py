@@ -14,10 +14,10 @@ import numpy as np
 
 from ...errors import InputError, MachineError
 from ...frames import EyeImage
-from ...geometry import Pose, RigidState, View, WarpMap
-from ...gpu.context import Gpu, drawing_into
+from ...geometry import Pose, RigidState, View, WarpMap, view_map
+from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
+from ...gpu.textures import COLOUR, SCALAR, allocate, drawing_into, release_all
 from ...scenes import REACH_M, swing_seconds
 from ..effects import RenderedPass
 from ..inputs import PassInputs
@@ -42,7 +42,7 @@ def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) 
     Source: McMillan and Bishop 1995, eq. 8-10.
     """
     rendered, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
-    return WarpMap.between(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)
+    return view_map(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)
 
 
 def rests(moved: WarpMap) -> bool:

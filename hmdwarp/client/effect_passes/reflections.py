@@ -38,7 +38,7 @@ class Reflections(ShownPass):
         glossy = GLOSSY in self.parts
         self._compose = gpu.shaders.compute("effects/reflect.comp", grid="shown", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        with gpu.shaders.strips.skipping(False):  # holes are closed from all around them
+        with gpu.shaders.hidden.skipping(False):  # holes are closed from all around them
             self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
         self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
         self._closing = Closing(gpu, shown)
@@ -82,7 +82,7 @@ class Reflections(ShownPass):
             read["seen_inverse_depth"] = self._seen_depth
         for unit, texture in enumerate(read.values(), start=1):
             texture.bind_to_image(unit, read=True, write=False)
-        into.bind_for_writing()
+        into.bind_for_writing(0)
         self._seen.texture.use(0)
         units = {name: unit for unit, name in enumerate(read, start=1)}
         mirrors = mirrors_in_eye(inputs.rendered["reflection"].mirrors, inputs.middle) | tangents_of_pixels(

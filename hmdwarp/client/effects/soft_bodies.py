@@ -12,9 +12,8 @@ import numpy as np
 from ...frames import EyeImage, Needs
 from ...geometry import View
 from ...geometry.view import tangents_of_pixels
-from ...gpu.context import drawing_into
 from ...gpu.shaders import Draw
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
 from ...scenes import Scene, unlit
 from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
 from ..client_scene import ClientScene, Store

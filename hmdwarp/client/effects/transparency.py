@@ -29,7 +29,7 @@ class _Veil(GatherWarp):
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
-        with self.gpu.shaders.strips.skipping(False):  # one invocation for 16 pixels: little to save
+        with self.gpu.shaders.hidden.skipping(False):  # one invocation for 16 pixels: little to save
             self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:

@@ -5,11 +5,13 @@ They are listed while the picture is copied; further passes run on them alone, b
 
 from __future__ import annotations
 
+from functools import partial
+
 import moderngl
 import numpy as np
 
 from ...errors import InputError
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import SCALAR, allocate, release_all, tiles
@@ -53,6 +55,7 @@ class HolePieces:
         at_half = _pieces_in(tiles(size, 2))
         self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
         self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
+        self._run_find = self._program.over(*size)
 
     def find(self, picture: ShownPicture, into: ShownPicture) -> int:
         """Copy the picture, and list its pieces with holes.
@@ -62,9 +65,11 @@ class HolePieces:
         self._stamp = self._stamp % (2**32 - 1) + 1
         self.list.write(_HEADER)
         uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
-        _bind(picture.colour.texture, into.colour.texture, _WARPED)
+        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
+        into.colour.texture.bind_to_image(_FILLED, read=False, write=True)
         if self._with_depth and picture.inverse_depth is not None:
-            _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
+            picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
             uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
         self.list.bind_to_storage_buffer(0)
         self._stamps.bind_to_storage_buffer(1)
@@ -73,7 +78,7 @@ class HolePieces:
             self._coarse.bind_to_storage_buffer(2)
             self._coarse_stamps.bind_to_storage_buffer(3)
         self._program.uniforms.set(**uniforms)
-        self._program.run(*self._size)
+        self._run_find()
         self._gpu.barrier()
         return self._stamp
 
@@ -102,11 +107,6 @@ def _pieces_in(size: tuple[int, int]) -> int:
     return -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])
 
 
-def _bind(source: moderngl.Texture, into: moderngl.Texture, unit: int) -> None:
-    source.bind_to_image(unit, read=True, write=False)
-    into.bind_to_image(unit + 1, read=False, write=True)
-
-
 _RENDERED = 1  # texture unit
 _SHOWN, _BEST_FILLED, _SHOWN_DEPTH, _BEST_FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units
 _GUESSES = 3
@@ -130,29 +130,49 @@ class HoleFiller:
             shaders.compute("fills/memory_start.comp", grid="shown"),
             shaders.compute("fills/memory_gather.comp"),
         )
+        self._run_start = self._start.over(*shown_size)
         self._guesses = DepthGuesses(gpu, self._cells)
         self._pieces, self._no_pieces = piece_list(gpu, "the fill", shown_size), no_pieces(gpu)
         self._best = allocate(gl, shown_size, (2, "f4"))
         # Bound where no pass reads depth: stores outside their one pixel are discarded.
         self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
         self._stamp = 0
+        # Uniforms of every gather, but for what depends on the picture.
+        self._fixed: dict[str, object] = {
+            "shown_colour": _SHOWN,
+            "filled_colour": _BEST_FILLED,
+            "filled_depth": _BEST_FILLED_DEPTH,
+            "best": _BEST,
+            "rendered_colour": _RENDERED,
+            "rendered_depth": _DEPTH,
+            "shown_size": shown_size,
+            "cells": self._cells,
+            "cells_per_pixel": (self._cells[0] / shown_size[0], self._cells[1] / shown_size[1]),
+            "depth_tolerance": DEPTH_TOLERANCE,
+            "depth_floor": DEPTH_FLOOR,
+            "guesses": _GUESSES,
+        }
 
     def start(self, picture: ShownPicture, into: ShownPicture) -> None:
         """Copy a picture; pictures added from now on go into its holes."""
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._first = True
         self._guesses.empty(self._pieces)
-        self._bind(picture, into)
-        units = {
-            "shown_colour": _SHOWN,
-            "filled_colour": _BEST_FILLED,
-            "shown_depth": _SHOWN_DEPTH,
-            "filled_depth": _BEST_FILLED_DEPTH,
-        }
-        self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
+        before, after = self._no_depth
+        if picture.inverse_depth is not None and into.inverse_depth is not None:
+            before, after = picture.inverse_depth, into.inverse_depth
+        self._bind = (
+            partial(picture.colour.texture.bind_to_image, _SHOWN, read=True, write=False),
+            partial(before.bind_to_image, _SHOWN_DEPTH, read=True, write=False),
+            partial(into.colour.bind_for_writing, _BEST_FILLED),
+            partial(after.bind_to_image, _BEST_FILLED_DEPTH, read=False, write=True),
+        )
+        for bind in self._bind:
+            bind()
+        units = {"shown_colour": _SHOWN, "filled_colour": _BEST_FILLED, "filled_depth": _BEST_FILLED_DEPTH}
+        self._start.uniforms.set(stamp=self._stamp, shown_depth=_SHOWN_DEPTH, shown_size=self._size, **units)
         self._gpu.barrier()
-        self._start.run(*self._size)
-        self._picture, self._into = picture, into
+        self._run_start()
 
     def add(
         self, found: DepthPicture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False
@@ -166,47 +186,27 @@ class HoleFiller:
             self._guesses.empty(self._no_pieces)
         depth = found.inverse_depth if seeds is None else seeds
         self._guesses.scatter(depth, found.view, shown, _DEPTH)
-        self._meet(found, shown, newest)
-        self._first = False
-
-    def _meet(self, found: DepthPicture, shown: View, newest: bool) -> None:
         size = found.colour.size
-        back = WarpMap.between(shown, self._size, found.view, size)
+        back = view_map(shown, self._size, found.view, size)
         found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         found.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         found.colour.use(_RENDERED)
-        self._bind(self._picture, self._into)
+        for bind in self._bind:
+            bind()
         self._best.bind_to_image(_BEST, read=True, write=True)
         self._pieces.bind_to_storage_buffer(1)
-        units = {
-            "shown_colour": _SHOWN,
-            "filled_colour": _BEST_FILLED,
-            "filled_depth": _BEST_FILLED_DEPTH,
-            "best": _BEST,
-        }
-        units |= {"rendered_colour": _RENDERED, "rendered_depth": _DEPTH}
-        sizes = {
-            "rendered_size": size,
-            "rendered_pixel": (1 / size[0], 1 / size[1]),
-            "shown_size": self._size,
-            "cells": self._cells,
-        }
-        sizes["cells_per_pixel"] = tuple(c / s for c, s in zip(self._cells, self._size, strict=True))
-        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES}
         self._gather.uniforms.set(
-            H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits
+            H=back.H,
+            e=back.e,
+            is_first=self._first,
+            is_newest=newest,
+            rendered_size=size,
+            rendered_pixel=(1 / size[0], 1 / size[1]),
+            **self._fixed,
         )
         self._gpu.barrier()
         self._gather.program.run_indirect(self._pieces)
-
-    def _bind(self, picture: ShownPicture, into: ShownPicture) -> None:
-        before, after = self._no_depth
-        if picture.inverse_depth is not None and into.inverse_depth is not None:
-            before, after = picture.inverse_depth, into.inverse_depth
-        picture.colour.texture.bind_to_image(_SHOWN, read=True, write=False)
-        into.colour.bind_for_writing(_BEST_FILLED)
-        before.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
-        after.bind_to_image(_BEST_FILLED_DEPTH, read=False, write=True)
+        self._first = False
 
     def close(self) -> None:
         """Free the textures and buffers."""

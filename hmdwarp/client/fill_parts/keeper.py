@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import EyeImage
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
@@ -57,17 +57,12 @@ def sees(view: View, towards: NDArray[np.float64]) -> Mask:
     return inside
 
 
-def distance_m(a: View, b: View) -> float:
-    """Return the distance between the eyes."""
-    return float(np.linalg.norm(a.pose.position_m - b.pose.position_m))
-
-
 def covered(view: View, by: Sequence[Keyframe]) -> Mask:
     """Return (n,) which of the view's directions a nearby keyframe covers."""
     towards = directions(view)
     found = np.zeros(len(towards), bool)
     for keyframe in by:
-        if distance_m(view, keyframe.view) <= REACH_M:
+        if np.linalg.norm(view.pose.position_m - keyframe.view.pose.position_m) <= REACH_M:
             found |= sees(keyframe.view, towards)
     return found
 
@@ -101,19 +96,22 @@ def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int
     """
     towards = directions(shown)
     worth = np.where(sees(rendered, towards), INSIDE, 1.0)
-    seen = {
-        keyframe.slot: sees(keyframe.view, towards) * np.exp(-distance_m(shown, keyframe.view) / REACH_M / 3)
-        for keyframe in kept
-    }
-    chosen: list[Keyframe] = []
-    while len(chosen) < most:
-        rest = [keyframe for keyframe in kept if keyframe not in chosen and seen[keyframe.slot].any()]
-        if not rest:
-            break
-        best = max(rest, key=lambda one: (float(worth @ seen[one.slot]), one.drawn_ns))
-        chosen.append(best)
-        worth = np.where(seen[best.slot] > 0, AGAIN * worth, worth)
-    return sorted(chosen, key=lambda one: (-one.drawn_ns, one.slot))
+    seen = {}
+    for keyframe in kept:
+        away_m = float(np.linalg.norm(shown.pose.position_m - keyframe.view.pose.position_m))
+        if (of_it := sees(keyframe.view, towards)).any():
+            seen[keyframe] = of_it * np.exp(-away_m / REACH_M / 3)
+    chosen: list[tuple[int, int, Keyframe]] = []
+    while len(chosen) < most and seen:
+        best, most_worth = None, (0.0, 0)
+        for keyframe, share in seen.items():
+            its_worth = float(worth @ share), keyframe.drawn_ns
+            if best is None or its_worth > most_worth:
+                best, most_worth = keyframe, its_worth
+        assert best is not None
+        chosen.append((-best.drawn_ns, best.slot, best))
+        worth = np.where(seen.pop(best) > 0, AGAIN * worth, worth)
+    return [keyframe for _, _, keyframe in sorted(chosen)]
 
 
 BYTES_PER_PIXEL = 13  # of a kept picture
@@ -171,6 +169,7 @@ class Keeper:
             gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "seeds", "forget")
         )
         self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
+        self._run_seed = self._seed.over(*tiles(size, 2))
         self._no_ids.write(bytes(2), alignment=1)
         self._no_velocity.write(bytes(8))
 
@@ -195,14 +194,16 @@ class Keeper:
         """Write the nearest of each 2 x 2 pixels."""
         inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         seeds.bind_to_image(_FIRST, read=False, write=True)
-        self._run(self._seed, seeds.size, depth=_DEPTH, nearest=_FIRST, depth_size=inverse_depth.size)
+        self._gpu.barrier()
+        self._seed.uniforms.set(depth=_DEPTH, nearest=_FIRST, depth_size=self._size)
+        self._run_seed()
 
     def forget(self, slot: Slot, kept: View, rendered: EyeImage, turn: int) -> None:
         """Erase what `rendered` disproves of a picture in the slot, whose view is `kept`.
 
         turn: counts the comparisons of a picture; each looks at another pixel of every block.
         """
-        there = WarpMap.between(kept, self._size, rendered.view, self._size)
+        there = view_map(kept, self._size, rendered.view, self._size)
         self._bind_rendered(rendered)
         self._bind_slot(slot, read=True)
         slot.seeds.bind_to_image(_FIRST, read=False, write=True)

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...geometry.view import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..fill_parts import HolePieces
@@ -110,7 +110,7 @@ class Composite(Fill):
         # The rendered eye through the shown field of view, so that only the head's motion counts as
         # a move, not a guard band or another size.
         was = View(inputs.rendered.view.pose, view.fov)
-        back = WarpMap.between(view, self.shown_size, was, self.shown_size)
+        back = view_map(view, self.shown_size, was, self.shown_size)
         units = {"warped": _WARPED, "unlit": _UNLIT, "model_inverse_depth": _MODEL_DEPTH}
         units |= {"filled": _FILLED, "filled_depth": _FILLED_DEPTH}
         limits = {"same_depth": chosen.depth, "same_way": float(np.cos(np.deg2rad(chosen.normal)))}

@@ -31,7 +31,7 @@ class Constant(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
-        into.colour.bind_for_writing()
+        into.colour.bind_for_writing(0)
         if self._sum.skips:
             self._sums.clear()  # both eyes use it, and each hides other pixels
         groups = self._fill.groups(*self.shown_size)

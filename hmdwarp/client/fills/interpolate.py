@@ -61,7 +61,7 @@ class Interpolate(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
-        into.colour.bind_for_writing()
+        into.colour.bind_for_writing(0)
         units, least = {"warped": 1, "filled": 0}, minimum_count(self.settings.size)
         if self._list is None or self._holes is None:
             self._program.uniforms.set(shown_size=self.shown_size, minimum_count=least, **units)

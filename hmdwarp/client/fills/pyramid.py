@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from functools import partial
+
 import attrs
 import moderngl
 
-from ...geometry import WarpMap
+from ...geometry import view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
@@ -66,12 +69,22 @@ class _Level:
         textures = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, DEPTH_AND_HOLES)
         return cls(size, *textures, gpu.gl.framebuffer(list(textures)))
 
-    def bind(self, units: tuple[int, int], *, read: bool = True, write: bool = False) -> None:
-        self.colour.bind_to_image(units[0], read=read, write=write)
-        self.depth.bind_to_image(units[1], read=read, write=write)
+    def binding(self, units: tuple[int, int], *, read: bool = True, write: bool = False) -> list[Callable[[], None]]:
+        pairs = zip((self.colour, self.depth), units, strict=True)
+        return [partial(texture.bind_to_image, unit, read=read, write=write) for texture, unit in pairs]
 
     def release(self) -> None:
         release_all(self.framebuffer, self.colour, self.depth)
+
+
+@attrs.frozen(eq=False)
+class _Step:
+    """One pass between two levels, as it runs at every frame."""
+
+    program: Compute
+    uniforms: dict[str, object]  # those that do not depend on the views
+    bind: Sequence[Callable[[], None]]
+    run: Callable[[], object]
 
 
 @fills.register
@@ -113,102 +126,89 @@ class Pyramid(Fill):
                 break
         # None for a picture that is too small for it.
         self._top = shaders.compute("fills/pyramid_top.comp") if is_start else None
-        placed = (self._pull, self._first_push, self._push, self._last_push, self._top)
-        self._placed = [program for program in placed if program is not None]
+        self._pulls, self._pushes = self._steps_down(), self._steps_up()
+
+    def _steps_down(self) -> list[_Step]:
+        """Return the passes from the picture to the coarsest level."""
+        steps = []
+        for number, level in enumerate(self._levels):
+            below = self._levels[number - 1] if number else None
+            bind = level.binding(_SECOND, read=False, write=True)
+            bind += below.binding(_FIRST) if below is not None else []
+            if below is not None and level is self._levels[-1] and self._top is not None:
+                uniforms = {
+                    "start_size": below.size,
+                    "levels": 1 + (max(level.size) - 1).bit_length(),
+                    "first_pixels": 2.0 ** len(self._levels),
+                    "local_levels": max(LOCAL_LEVELS - number, 0),
+                    "least_borders": (LEAST_LOCAL, LEAST_BORDER),
+                    "least_shares": (self.settings.holes, NEVER),
+                    "depth_tolerance": self.settings.tolerance,
+                    "depth_floor": self.settings.floor,
+                    **_PULLED,
+                }
+                # It completes this level from those that are no textures.
+                steps.append(_Step(self._top, uniforms, bind, self._top.program.run))
+                continue
+            pixels = 2.0 ** (number + 1)
+            uniforms = {"below_size": self.shown_size if below is None else below.size, "level_size": level.size}
+            uniforms |= {"texel_pixels": pixels, **_PULLED, **self._limits(number)}
+            if below is None:
+                uniforms |= {"shown_size": level.size}
+                run = partial(self._pieces.run_coarse, self._first_pull)
+                steps.append(_Step(self._first_pull, uniforms, bind, run))
+            else:
+                uniforms |= {"crack_border": CRACK_BORDER if number == 1 else 1.0}
+                steps.append(_Step(self._pull, uniforms, bind, self._pull.over(*self.shown_size, round(pixels))))
+        return steps
+
+    def _steps_up(self) -> list[_Step]:
+        """Return the passes from the coarsest level to the picture."""
+        steps = []
+        for number in range(len(self._levels) - 1, -1, -1):
+            above = self._levels[number]
+            uniforms = {"above_colour": _FIRST[0], "above_depth": _FIRST[1], "above_size": above.size}
+            uniforms |= self._limits(number)
+            if number == 0:
+                uniforms |= {"warped": _SECOND[0], "filled": _FILLED, "shown_size": self.shown_size}
+                uniforms |= {"texel_pixels": 1.0, **({"filled_depth": _FILLED_DEPTH} if self.depth_read else {})}
+                run = partial(self._pieces.run, self._last_push)
+                steps.append(_Step(self._last_push, uniforms, above.binding(_FIRST), run))
+                break
+            level, program = self._levels[number - 1], self._push if number > 1 else self._first_push
+            uniforms |= {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
+            uniforms |= {"texel_pixels": 2.0**number}
+            uniforms |= {"least_holes": self.settings.holes if number - 1 < LOCAL_LEVELS else NEVER}
+            run = program.over(*level.size)
+            if number == 1:
+                uniforms |= {"shown_size": level.size}
+                run = partial(self._pieces.run_coarse, program)
+            steps.append(_Step(program, uniforms, [*above.binding(_FIRST), *level.binding(_SECOND, write=True)], run))
+        return steps
+
+    def _limits(self, number: int) -> dict[str, float]:
+        least = LEAST_LOCAL if number < LOCAL_LEVELS else LEAST_BORDER
+        return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor, "least_border": least}
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._pieces.find(picture, into)
-        back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
-        for program in self._placed:
-            place = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-            program.uniforms.set(least_beyond=LEAST_BEYOND, **place)
-        self._pull_all(picture)
-        for below, above in reversed(list(zip(self._levels, self._levels[1:], strict=False))):
-            self._push_one(below, above)
-        picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
-        into.colour.bind_for_writing(_FILLED)
-        self._read_above(self._last_push, self._levels[0])
-        uniforms = {"warped": _SECOND[0], "filled": _FILLED, "shown_size": self.shown_size, "texel_pixels": 1.0}
-        if self.depth_read:
-            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
-            uniforms["filled_depth"] = _FILLED_DEPTH
-        self._last_push.uniforms.set(**uniforms)
-        self._pieces.run(self._last_push)
-
-    def _pull_all(self, picture: ShownPicture) -> None:
-        first = self._levels[0]
+        back = view_map(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
+        place = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size, "least_beyond": LEAST_BEYOND}
         for level in self._levels[: -1 if self._top is not None else None]:
             level.framebuffer.clear()  # texels not stored below have no hole and no weight
         picture.colour.texture.bind_to_image(_FIRST[0], read=True, write=False)
         picture.depth.bind_to_image(_FIRST[1], read=True, write=False)
-        self._write_level(self._first_pull, self.shown_size, first)
-        self._first_pull.uniforms.set(shown_size=first.size)
-        self._pieces.run_coarse(self._first_pull)
-        for below, level in zip(self._levels, self._levels[1:], strict=False):
-            below.bind(_FIRST)
-            if self._top is not None and level is self._levels[-1]:
-                self._run_top(self._top, below, level)
-            else:
-                self._write_level(self._pull, below.size, level)
-                self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
-                self._pull.run(*self.shown_size, round(self._texel_pixels(level)))
+        for step in (*self._pulls, *self._pushes):
+            for bind in step.bind:
+                bind()
+            if step.program is self._last_push:
+                picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
+                into.colour.texture.bind_to_image(_FILLED, read=False, write=True)
+                if self.depth_read:
+                    into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+            step.program.uniforms.set(**({} if step.program is self._first_pull else place), **step.uniforms)
+            step.run()
             self.gpu.barrier()
-
-    def _run_top(self, program: Compute, start: _Level, level: _Level) -> None:
-        """Compute the last level that is a texture, and complete it from those that are not."""
-        level.bind(_SECOND, read=False, write=True)
-        program.uniforms.set(
-            start_size=start.size,
-            levels=1 + (max(level.size) - 1).bit_length(),
-            first_pixels=2.0 ** len(self._levels),
-            local_levels=max(LOCAL_LEVELS - self._levels.index(level), 0),
-            least_borders=(LEAST_LOCAL, LEAST_BORDER),
-            least_shares=(self.settings.holes, NEVER),
-            depth_tolerance=self.settings.tolerance,
-            depth_floor=self.settings.floor,
-            **_PULLED,
-        )
-        program.program.run()
-
-    def _write_level(self, program: Compute, below_size: tuple[int, int], level: _Level) -> None:
-        level.bind(_SECOND, read=False, write=True)
-        sizes = {"below_size": below_size, "level_size": level.size, "texel_pixels": self._texel_pixels(level)}
-        program.uniforms.set(**sizes, **_PULLED, **self._limits(level))
-
-    def _push_one(self, level: _Level, above: _Level) -> None:
-        first = level is self._levels[0]
-        program = self._first_push if first else self._push
-        level.bind(_SECOND, write=True)
-        self._read_above(program, above)
-        program.uniforms.set(
-            level_colour=_SECOND[0],
-            level_depth=_SECOND[1],
-            level_size=level.size,
-            texel_pixels=self._texel_pixels(level),
-            least_holes=self.settings.holes if self._is_local(level) else NEVER,
-        )
-        if first:
-            program.uniforms.set(shown_size=level.size)
-            self._pieces.run_coarse(program)
-            return
-        program.run(*level.size)
-        self.gpu.barrier()
-
-    def _read_above(self, program: Compute, above: _Level) -> None:
-        above.bind(_FIRST)
-        program.uniforms.set(
-            above_colour=_FIRST[0], above_depth=_FIRST[1], above_size=above.size, **self._limits(above)
-        )
-
-    def _limits(self, level: _Level) -> dict[str, float]:
-        least = LEAST_LOCAL if self._is_local(level) else LEAST_BORDER
-        return {"depth_tolerance": self.settings.tolerance, "depth_floor": self.settings.floor, "least_border": least}
-
-    def _texel_pixels(self, level: _Level) -> float:
-        return float(2.0 ** (self._levels.index(level) + 1))
-
-    def _is_local(self, level: _Level) -> bool:
-        return self._levels.index(level) < LOCAL_LEVELS
 
     def close(self) -> None:
         self._pieces.close()

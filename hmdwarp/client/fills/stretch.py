@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from ...geometry import WarpMap
+from ...geometry import view_map
 from ...gpu.textures import COLOUR, allocate
 from ..fill_parts import HolePieces
 from ..inputs import PassInputs, ShownPicture
@@ -57,8 +57,8 @@ class Stretch(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         stamp = self._pieces.find(picture, into)
-        forward = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
-        back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
+        forward = view_map(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
+        back = view_map(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
         picture.depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
         into.depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)

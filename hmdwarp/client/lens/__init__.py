@@ -30,11 +30,12 @@ SOFTWARE_DEFINES = {"ROWS": 32, "TEXELS": 1}
 GPU_DEFINES = {"ROWS": 4}
 
 
-def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
-    """Bind the picture that a panel program reads by image loads, if it uses them."""
-    if program.uniforms.declares("rendered_texels"):
-        picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
-        program.uniforms.set(rendered_texels=TEXELS_UNIT)
+def bind_texels(program: Compute, picture: moderngl.Texture) -> dict[str, object]:
+    """Bind the picture that a panel program reads by image loads, if any; return its uniform."""
+    if not program.uniforms.declares("rendered_texels"):
+        return {}
+    picture.bind_to_image(TEXELS_UNIT, read=True, write=False)
+    return {"rendered_texels": TEXELS_UNIT}
 
 
 @attrs.frozen(eq=False)
@@ -104,7 +105,7 @@ class LensPass(ABC):
     @property
     def panel_defines(self) -> dict[str, object]:
         """The defines of such a program, whose grid is the panel."""
-        rows = {"ROWS": 8} if self.gpu.shaders.strips.skips else {}  # those of shaders/gpu/hide.comp
+        rows = {"ROWS": 8} if self.gpu.shaders.hidden.skips else {}  # those of shaders/gpu/hide.comp
         return {"LENS": self.library, **self.library_defines(), **rows}
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
@@ -132,6 +133,7 @@ class ResampledLens(LensPass):
             )
         self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
         self._program = self.gpu.shaders.compute("lens/resample.comp", grid="panel", **self.panel_defines)
+        self._run = self._program.over(*self.panel_size)
 
     @abstractmethod
     def of_lens(self, lens: Lens) -> dict[str, object]:
@@ -139,14 +141,18 @@ class ResampledLens(LensPass):
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
-        bind_texels(self._program, shown.texture)
-        into.bind_for_writing()
+        into.bind_for_writing(0)
         size = shown.size
         sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
         self._program.uniforms.set(
-            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
+            rendered_colour=0,
+            written=0,
+            panel_size=self.panel_size,
+            **sizes,
+            **bind_texels(self._program, shown.texture),
+            **self.library_uniforms(fov, eye),
         )
-        self._program.run(*into.size)
+        self._run()
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))

@@ -12,7 +12,7 @@ from typing import ClassVar
 import attrs
 import moderngl
 
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.textures import Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warps import KEY_BYTES, Warp
@@ -74,7 +74,7 @@ class CompositeWarp(Warp):
 
     def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
         size = picture.colour.size
-        back = WarpMap.between(shown, self.shown_size, picture.view, size)
+        back = view_map(shown, self.shown_size, picture.view, size)
         chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_rendered_colour
         picture.colour.filter = (chosen, chosen)
         picture.colour.use(_COLOUR)

@@ -14,9 +14,9 @@ import numpy as np
 
 from ...frames import EyeImage
 from ...frames.layers.foveated import FoveatedPicture
-from ...geometry import FoveaGrid, View, WarpMap
+from ...geometry import FoveaGrid, View, WarpMap, view_map
+from ...gpu.hidden import Grid
 from ...gpu.shaders import Compute
-from ...gpu.strips import Grid
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..lens import bind_texels
@@ -78,19 +78,19 @@ class GatherWarp(Warp):
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         """Return the map from shown to rendered pixels."""
-        return WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
+        return view_map(shown, self.shown_size, rendered, self.rendered_size)
 
     def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
         """Bind the colour and the result, set maps and sizes, and run over every output pixel."""
         maps = self.maps(inputs)
         self.bind_colour(inputs, _COLOUR, maps)
-        into.bind_for_writing()
-        self.set_sizes(program)
+        into.bind_for_writing(0)
+        program.uniforms.settle(self._size_uniforms)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_SHOWN_DEPTH, read=False, write=True)
             program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
+        uniforms |= bind_texels(program, self.picture(inputs))
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
-        bind_texels(program, self.picture(inputs))
         if self.output.foveated is not None:
             found = inputs.rendered.get("foveated")
             # What came whole is as sharp everywhere.
@@ -105,7 +105,7 @@ class GatherWarp(Warp):
         if self.depth_into is None:
             return
         inputs.rendered.inverse_depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
-        to_shown = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
+        to_shown = view_map(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
         ratio = np.append(to_shown.H[2], to_shown.e[2])
         program.uniforms.set(rendered_inverse_depth=_RENDERED_DEPTH, depth_ratio=ratio)
 
@@ -116,7 +116,7 @@ class GatherWarp(Warp):
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         """Bind that texture to the sampler."""
-        exact = self.output.lens is None and all(warp_map.moves_whole_pixels() for warp_map in maps)
+        exact = self.output.lens is None and all(map(WarpMap.moves_whole_pixels, maps))
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
     def maps(self, inputs: PassInputs) -> list[WarpMap]:

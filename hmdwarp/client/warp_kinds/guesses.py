@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import moderngl
 
 from ...errors import InputError
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.context import Gpu
 from ...gpu.textures import release_all, tiles
 from ..inputs import PassInputs
@@ -28,6 +29,8 @@ class DepthGuesses:
         self._seed = gpu.shaders.compute("warps/layered_seed.comp")
         self._quads = -(-cells[0] * cells[1] // 4)
         self._keys = gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
+        self._run_empty = self._empty.over(self._quads)
+        self._run_seed: dict[tuple[int, int], Callable[[], object]] = {}  # by the size of what is moved
 
     def empty(self, pieces: moderngl.Buffer) -> None:
         """Clear all guesses and the list; both stay bound."""
@@ -35,20 +38,23 @@ class DepthGuesses:
         pieces.bind_to_storage_buffer(1)
         self._empty.uniforms.set(quads=self._quads)
         self._gpu.barrier()
-        self._empty.run(self._quads)
+        self._run_empty()
 
     def scatter(self, inverse_depth: moderngl.Texture, view: View, shown: View, unit: int) -> None:
         """Move an inverse depth rendered for `view` to the shown view.
 
         It stays bound as image `unit`.
         """
-        forward = WarpMap.between(view, inverse_depth.size, shown, self._cells)
+        size = inverse_depth.size
+        forward = view_map(view, size, shown, self._cells)
         inverse_depth.bind_to_image(unit, read=True, write=False)
         self._keys.bind_to_storage_buffer(0)
-        sizes = {"rendered_size": inverse_depth.size, "shown_size": self._cells}
+        sizes = {"rendered_size": size, "shown_size": self._cells}
         self._seed.uniforms.set(H=forward.H, e=forward.e, rendered_inverse_depth=unit, **sizes)
+        if size not in self._run_seed:
+            self._run_seed[size] = self._seed.over(*size)
         self._gpu.barrier()
-        self._seed.run(*inverse_depth.size)
+        self._run_seed[size]()
 
     def close(self) -> None:
         """Free the guesses."""
@@ -90,7 +96,13 @@ class Seeds:
         self._check_size()
         compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
         # The last one visits every cell, whose key may be of the other eye.
-        self._passes = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
+        programs = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
+        sizes = {"blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
+        grids = (rendered_size, self._blocks), (rendered_size, self._blocks), (shown_size, self.cells)
+        self._passes = [
+            (program, program.over(*size, BLOCK), {"grid": grid, **sizes})
+            for program, (size, grid) in zip(programs, grids, strict=True)
+        ]
         self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
         self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
 
@@ -100,15 +112,13 @@ class Seeds:
         surface: the uniforms of lib/rendered_surface.glsl; the rendered depth is bound.
         """
         shown = inputs.middle
-        forward = WarpMap.between(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
-        back = WarpMap.between(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
+        forward = view_map(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
+        back = view_map(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
         for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
             buffer.bind_to_storage_buffer(binding)
-        blocks, cells = (self._rendered_size, self._blocks, forward), (self._shown_size, self.cells, back)
-        for program, (size, grid, warp) in zip(self._passes, (blocks, blocks, cells), strict=True):
-            sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
+        for (program, run, sizes), warp in zip(self._passes, (forward, forward, back), strict=True):
             program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
-            program.run(*size, BLOCK)
+            run()
             self._gpu.barrier()
 
     def _check_size(self) -> None:

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, MachineError
-from ...geometry import View, WarpMap
-from ...gpu.context import Gpu, drawing_into
+from ...geometry import View, WarpMap, view_map
+from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, Canvas, allocate, release_all
+from ...gpu.textures import COLOUR, Canvas, allocate, drawing_into, release_all
 from ..inputs import PassInputs
 from ..warps import Warp
 from .gather import bind_rendered_colour
@@ -40,7 +40,7 @@ class MeshTarget:
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
             self._gl.depth_func = ">"
-            self._gpu.seen_rows.cover(shown, self._framebuffer.size, 1.0, COLOUR=1)
+            self._gpu.shaders.hidden.cover(shown, self._framebuffer, 1.0, COLOUR=1)
             yield
             self._gl.depth_func = "<"
 
@@ -78,7 +78,7 @@ class GridMesh:
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Draw one eye's picture."""
         rendered = inputs.rendered
-        forward = WarpMap.between(rendered.view, self._rendered_size, inputs.shown, self._shown_size)
+        forward = view_map(rendered.view, self._rendered_size, inputs.shown, self._shown_size)
         rendered.inverse_depth.bind_to_image(0, read=True, write=False)
         bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
         self._draw.uniforms.set_declared(
@@ -140,8 +140,16 @@ class MeshWarp(Warp):
     adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
 
     def prepare(self) -> None:
-        _check_machine(self.name, self.gpu.gl.info)
-        _check_side(self.name, self.rendered_size)
+        info, (wide, high) = self.gpu.gl.info, self.rendered_size
+        # GL 4.3 does not guarantee that vertex shaders can read buffers.
+        blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
+        if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
+            found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
+            wanted = f"'{self.name}' wants {VERTEX_BLOCKS} and {BINDINGS}"
+            raise MachineError(f"{found}: {wanted}; use warp 'splat' or 'search'")
+        if max(wide, high) > MOST_SIDE:
+            most = f"'{self.name}' takes at most {MOST_SIDE} pixels a side"
+            raise InputError(f"a rendered picture of {wide}x{high}: {most}")
         self._compile()
         self._allocate()
 
@@ -193,7 +201,9 @@ class MeshWarp(Warp):
         ]
         if self.adaptive:
             sizes += [32 * cells, 4 * chunks, 8 * chunks]
-        _check_room(self.name, gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"], max(sizes), self.rendered_size)
+        if max(sizes) > (limit := gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]):
+            wanted = f"a rendered picture of {wide}x{high}: '{self.name}' needs a buffer of {max(sizes)} bytes"
+            raise InputError(f"{wanted}, this GPU has room for {limit}")
         self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
         self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
@@ -207,7 +217,7 @@ class MeshWarp(Warp):
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         rendered, shown = inputs.rendered, inputs.shown
-        forward = WarpMap.between(rendered.view, self.rendered_size, shown, self.shown_size)
+        forward = view_map(rendered.view, self.rendered_size, shown, self.shown_size)
         rendered.inverse_depth.bind_to_image(0, read=True, write=False)
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
@@ -250,7 +260,7 @@ class MeshWarp(Warp):
         self.gpu.barrier()
 
     def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
-        back = WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
+        back = view_map(shown, self.shown_size, rendered, self.rendered_size)
         named = {
             "H": forward.H,
             "e": forward.e,
@@ -307,22 +317,3 @@ def overlap(tolerance: float) -> float:
     Both may be off by the tolerance, and the rasteriser by 1/256.
     """
     return min(2 * tolerance + 1 / 32, 0.5)
-
-
-def _check_machine(name: str, info: dict[str, Any]) -> None:
-    """Raise MachineError if vertex shaders cannot read buffers, which GL 4.3 does not guarantee."""
-    blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
-    if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
-        found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
-        raise MachineError(f"{found}: '{name}' wants {VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat' or 'search'")
-
-
-def _check_side(name: str, size: tuple[int, int]) -> None:
-    if max(size) > MOST_SIDE:
-        raise InputError(f"a rendered picture of {size[0]}x{size[1]}: '{name}' takes at most {MOST_SIDE} pixels a side")
-
-
-def _check_room(name: str, limit_bytes: int, wanted_bytes: int, size: tuple[int, int]) -> None:
-    if wanted_bytes > limit_bytes:
-        wanted = f"a rendered picture of {size[0]}x{size[1]}: '{name}' needs a buffer of {wanted_bytes} bytes"
-        raise InputError(f"{wanted}, this GPU has room for {limit_bytes}")

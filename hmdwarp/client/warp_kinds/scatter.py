@@ -9,7 +9,7 @@ from typing import ClassVar
 import moderngl
 
 from ...errors import InputError
-from ...geometry import WarpMap
+from ...geometry import WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
@@ -35,7 +35,7 @@ class ScatterWarp(Warp):
 
     def forward_map(self, inputs: PassInputs) -> WarpMap:
         """Return the map from rendered to shown pixels."""
-        return WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
+        return view_map(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
 
     @cached_property
     def _constants(self) -> dict[str, object]:

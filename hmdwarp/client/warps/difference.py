@@ -10,7 +10,7 @@ import moderngl
 from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.scene_parts import Simplified
-from ...geometry import View, WarpMap
+from ...geometry import View, view_map
 from ...gpu.textures import SCALAR, Canvas, allocate
 from ...sources.server import BYTES_BINDING, display_bytes
 from ..drawn_scenes import WholeScene, share_of
@@ -87,12 +87,12 @@ class Difference(Warp):
         program = self._program
         self._bind(difference, into)
         if self._now is not None:
-            to_rendered = WarpMap.between(shown, self.shown_size, rendered, self.rendered_size)
+            to_rendered = view_map(shown, self.shown_size, rendered, self.rendered_size)
             limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
             program.uniforms.set(shown_model=_MODEL, shown_model_depth=_MODEL_DEPTH, e=to_rendered.e, **limits)
         else:  # as if the head had not moved: at its place in the field of view
             here = View(rendered.pose, shown.fov)
-            to_rendered = WarpMap.between(here, self.shown_size, rendered, self.rendered_size)
+            to_rendered = view_map(here, self.shown_size, rendered, self.rendered_size)
             program.uniforms.set(rendered_model=_MODEL, whole_pixels=to_rendered.moves_whole_pixels())
         program.uniforms.set(
             difference=_DIFFERENCE,

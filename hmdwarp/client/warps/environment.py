@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import PlanError
 from ...frames import Needs
-from ...geometry import Pose, View, WarpMap
+from ...geometry import Pose, View, WarpMap, view_map
 from ...geometry.cube import face_views
 from ...gpu.textures import Canvas
 from ...options import NoSettings
@@ -66,7 +66,7 @@ class Environment(GatherWarp):
             return False
         here = View(Pose(shown.pose.position_m, inputs.rendered.view.pose.orientation_xyzw), shown.fov)
         faces = face_views(here, side)
-        return any(WarpMap.between(shown, self.shown_size, face, (side, side)).moves_whole_pixels() for face in faces)
+        return any(view_map(shown, self.shown_size, face, (side, side)).moves_whole_pixels() for face in faces)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         cube = inputs.rendered.get("cube")

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import WarpMap
+from ...geometry import view_map
 from ..inputs import PassInputs
 from ..warp_kinds import OrderedScatter
 from . import warps
@@ -54,7 +54,7 @@ class ForwardOrdered(OrderedScatter):
         return {"RINGS": 1} if self.settings.sheets == "rings" else {}
 
     def order(self, inputs: PassInputs) -> dict[str, object]:
-        backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        backward = view_map(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         pixel, sense = epipole_pixel(backward.e, self.rendered_size)
         return {
             "epipole": tuple(pixel),
@@ -67,7 +67,7 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
     """Return the rendered pixel (x, y) that holds the shown eye, and 1 or -1.
 
     1: the shown eye lies ahead of the rendered one (run towards it); -1: behind.
-    e: the shown eye in homogeneous pixels, WarpMap.between(shown, rendered).e. An epipole at
+    e: the shown eye in homogeneous pixels, view_map(shown, rendered).e. An epipole at
     infinity or beyond FARTHEST pixels is put that far away in its direction. Without a baseline any
     order is right, and the picture's middle is used.
     """

@@ -7,7 +7,7 @@ from typing import Literal
 import attrs
 
 from ...geometry import Fov, Hidden
-from ...gpu.strips import Grid
+from ...gpu.hidden import Grid
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
@@ -84,6 +84,7 @@ class Iterative(GatherWarp):
         # At first it runs over all; what lenses hide then stays, with a picture for each eye.
         grids: tuple[Grid | None, ...] = (None, "rendered") if fringed else ()
         self._fringes = [self.gpu.shaders.compute("warps/iterative_fringe.comp", grid=grid) for grid in grids]
+        self._run_fringe = [program.over(*self.rendered_size) for program in self._fringes]
         self._fringed = [allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in set(self._fringes)]
         self._whole: dict[int, tuple[Hidden | None, Fov]] = {}
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
@@ -107,10 +108,11 @@ class Iterative(GatherWarp):
             return
         fringed, view = self._fringed[inputs.eye % len(self._fringed)], inputs.rendered.view
         fringed.bind_to_image(2, read=False, write=True)
-        program = self._fringes[self._whole.get(inputs.eye) == (view.hidden, view.fov)]
+        which = self._whole.get(inputs.eye) == (view.hidden, view.fov)
         self._whole[inputs.eye] = view.hidden, view.fov
-        program.uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
-        program.run(*self.rendered_size)
+        uniforms = {"fringed_inverse_depth": 2, "rendered_size": self.rendered_size, **surface}
+        self._fringes[which].uniforms.set(**uniforms)
+        self._run_fringe[which]()
         self.gpu.barrier()
         fringed.bind_to_image(1, read=True, write=False)
 

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from ...frames import Needs, Others
-from ...geometry import WarpMap
+from ...geometry import WarpMap, view_map
 from ..inputs import PassInputs
 from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
@@ -87,7 +87,7 @@ class Multi(CompositeWarp):
         }
 
     def _newest(self, inputs: PassInputs) -> WarpMap:
-        return WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, inputs.rendered.size)
+        return view_map(inputs.shown, self.shown_size, inputs.rendered.view, inputs.rendered.size)
 
 
 def _lies_within(back: WarpMap, shown_size: tuple[int, int], rendered_size: tuple[int, int]) -> bool:

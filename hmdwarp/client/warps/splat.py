@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from ...geometry import WarpMap
+from ...geometry import WarpMap, view_map
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, depth_limits
@@ -59,7 +59,7 @@ class Splat(ScatterWarp):
         self._keys.bind_to_storage_buffer(0)
         s = self.settings
         limits = {**depth_limits(s, inputs.rendered), "reach": float(s.reach), "overlap": s.overlap}
-        backward = WarpMap.between(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        backward = view_map(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
             self.gpu.barrier()

@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Pose
+from ...geometry import Pose, trusted_pose
 from .. import quaternions
 from ..track import Origin, PoseSample, PoseTrack, Samples, gap_limit_ns
 from . import Predictor, hold, predictors
@@ -78,11 +78,9 @@ def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> 
     its pose for TESTED_NS rests.
     """
     i = track.index_at(now_ns)
-    if i < 0 or now_ns - int(track.time_ns[i]) > track.max_gap_ns:
-        return hold(track, now_ns, target_ns, horizon_ns)
     last_ns = int(track.time_ns[i])
     ahead_ns = min(target_ns - last_ns, horizon_ns)
-    if ahead_ns <= 0:
+    if i < 0 or now_ns - last_ns > track.max_gap_ns or ahead_ns <= 0:
         return hold(track, now_ns, target_ns, horizon_ns)
     recent = _recent(track, i)
     end_ns = recent.time_ns[-1]
@@ -108,7 +106,8 @@ class _Recent:
         if times[i] >= time_ns or i + 1 == len(times) or times[i + 1] - times[i] > self.limit_ns:
             return p, q
         share = (time_ns - times[i]) / (times[i + 1] - times[i])
-        position = [a + share * (b - a) for a, b in zip(p, self.positions_m[i + 1], strict=True)]
+        (x, y, z), (u, v, w) = p, self.positions_m[i + 1]
+        position = [x + share * (u - x), y + share * (v - y), z + share * (w - z)]
         return position, quaternions.slerp(q, self.orientations_xyzw[i + 1], share)
 
 
@@ -117,7 +116,8 @@ def _recent(track: PoseTrack, i: int) -> _Recent:
     first = max(track.index_at(int(track.time_ns[i]) - KNOWN_NS - TESTED_NS), 0)
     breaks = track.broken[first:i].nonzero()[0]
     first = first + int(breaks[-1]) + 1 if len(breaks) else first
-    times, p, q = (array[first : i + 1].tolist() for array in (track.time_ns, track.position_m, track.orientation_xyzw))
+    times, p = track.time_ns[first : i + 1].tolist(), track.position_m[first : i + 1].tolist()
+    q = track.orientation_xyzw[first : i + 1].tolist()
     new = [k for k in range(len(times)) if k == 0 or q[k] != q[k - 1] or p[k] != p[k - 1]]
     if len(new) == len(times):
         return _Recent(times, p, q, track.max_gap_ns)
@@ -127,20 +127,27 @@ def _recent(track: PoseTrack, i: int) -> _Recent:
 
 def _followed(recent: _Recent, ahead_ns: int) -> Pose:
     """Extrapolate the last pose: `_cautious_many` for a single instant."""
-    now_ns, times = recent.time_ns[-1], recent.time_ns
-    gaps = (i for i in range(len(times) - 1, 0, -1) if times[i] - times[i - 1] > recent.limit_ns)
-    first_ns = times[next(gaps, 0)]
-    known = [now_ns - back >= first_ns for back in _BACK]
-    heads = {back: recent.at(now_ns - back) for back in dict.fromkeys(_BACK)}
-    places, turns = zip(*(heads[back] for back in _BACK), strict=True)
-    turning = _trusted_one([quaternions.turn(turns[first], turns[last]) for first, last in _WAYS], known)
-    moved = [[b - a for a, b in zip(places[first], places[last], strict=True)] for first, last in _WAYS]
-    moving = _trusted_one(moved, known)
+    times, i = recent.time_ns, len(recent.time_ns) - 1
+    now_ns = times[i]
+    while i and times[i] - times[i - 1] <= recent.limit_ns:
+        i -= 1
+    first_ns = times[i]
+    heads: dict[int, tuple[list[float], list[float]]] = {}
+    places, turns, known, turned, moved = [], [], [], [], []
+    for back in _BACK:
+        if back not in heads:
+            heads[back] = recent.at(now_ns - back)
+        places.append(heads[back][0])
+        turns.append(heads[back][1])
+        known.append(now_ns - back >= first_ns)
+    for first, last in _WAYS:
+        a, b = places[first], places[last]
+        moved.append((b[0] - a[0], b[1] - a[1], b[2] - a[2]))
+        turned.append(quaternions.turn(turns[first], turns[last]))
+    (u, v, w), (x, y, z), place = _trusted_one(turned, known), _trusted_one(moved, known), places[0]
     angle, length = turns_ns(ahead_ns) / WINDOW_NS, min(ahead_ns, MOVES_NS) / WINDOW_NS
-    return Pose(
-        [a + length * b for a, b in zip(places[0], moving, strict=True)],
-        quaternions.turned(turns[0], [angle * part for part in turning]),
-    )
+    position = np.array([place[0] + length * x, place[1] + length * y, place[2] + length * z])
+    return trusted_pose(position, quaternions.turned(turns[0], (angle * u, angle * v, angle * w)))
 
 
 def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tuple[float, float, float]:
@@ -211,7 +218,7 @@ _cautious = predictors.register(
         "the speed of the last 30 ms fades, the sooner the more it has just overshot",
         "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
         cautious,
-        _cautious_many,
+        lambda track, now_ns, ahead_ns: _extrapolated(track, now_ns, min(ahead_ns, HORIZON_NS)),
         HORIZON_NS,
     )
 )

@@ -55,7 +55,9 @@ class Server(Renderer):
         self._several = Multisampled(gpu, samples) if samples > 1 else None
         self._framebuffers = Framebuffers(gpu.gl)
         super().__init__(gpu, scene, self._framebuffers.forget)
-        self._marched = _is_marched(mirrors)
+        if mirrors not in MIRRORS:
+            raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
+        self._marched = mirrors == SCREEN
         self._textures = SceneTextures(gpu, scene, lent=not changes)
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
         self._buffers = SceneBuffers(gpu, still, self._textures)
@@ -90,12 +92,15 @@ class Server(Renderer):
         """
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
-    def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
+    def _draw(
+        self, view: View, size: Size, drawing: Drawing, into: Target | None = None, chosen: list[Part] | None = None
+    ) -> EyeImage:
         target = into if into is not None else self.acquire(size)
-        _check_same_size(target.size, size)
-        self._draw_surfaces(self._passes_for(drawing), view, target, drawing.time_ns)
+        _check_same_size(target.colour.size, size)
+        chosen = self._parts_for(drawing) if chosen is None else chosen
+        self._draw_surfaces(self._passes_for(drawing, chosen), view, target, drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
-        for part in self._parts_for(drawing):
+        for part in chosen:
             eye = part.add(eye, drawing)
         return eye
 
@@ -118,26 +123,30 @@ class Server(Renderer):
             self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
         return self._depth
 
-    def _passes_for(self, drawing: Drawing) -> ScenePasses:
+    def _passes_for(self, drawing: Drawing, chosen: list[Part] | None = None) -> ScenePasses:
         """Return the passes of the plain surfaces, lit as the picture's layers say."""
-        found = (part.passes_for(drawing) for part in self._parts_for(drawing))
-        return next((passes for passes in found if passes is not None), self._colour)
+        for part in self._parts_for(drawing) if chosen is None else chosen:
+            if (passes := part.passes_for(drawing)) is not None:
+                return passes
+        return self._colour
 
     def _parts_for(self, drawing: Drawing) -> list[Part]:
         """Return the parts that occur in the scene or draw a needed layer, of its client."""
         client, needs = drawing.client, drawing.needs
-        if len(self._chosen) > _MOST_CHOSEN:
-            self._chosen.clear()
-        if (client, needs) not in self._chosen:
+        chosen = self._chosen.get((client, needs))
+        if chosen is None:
+            if len(self._chosen) > _MOST_CHOSEN:
+                self._chosen.clear()
             needed = {layers.get(name).drawn_by for name in needs}
-            chosen = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
-            chosen.sort(key=lambda part: part.order)
-            keys = [(client if part.of_client else None, part.name) for part in chosen]
-            for key, part in zip(keys, chosen, strict=True):
+            kinds = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
+            chosen = []
+            for part in sorted(kinds, key=lambda part: part.order):
+                key = client if part.of_client else None, part.name
                 if key not in self._parts:
                     self._parts[key] = part(self._context)
-            self._chosen[client, needs] = [self._parts[key] for key in keys]
-        return self._chosen[client, needs]
+                chosen.append(self._parts[key])
+            self._chosen[client, needs] = chosen
+        return chosen
 
     def forget(self, client: Hashable) -> None:
         """Free what depends on the frames that were drawn for a client."""
@@ -207,15 +216,16 @@ class Server(Renderer):
     def _draw_all(
         self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool | None
     ) -> Frame:
-        _needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
+        chosen, drawn_ns = self._parts_for(drawings[0]), drawings[0].time_ns
         shared: dict[str, Any] = {}
-        for part in self._parts_for(drawings[0]):
+        for part in chosen:
             shared |= part.of_frame(views, drawings[0])
         if pictures:
-            eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
+            pairs = zip(views, drawings, strict=True)
+            eyes = [self._draw(view, size, drawing, None, chosen) for view, drawing in pairs]
         else:
             eyes = [self._empty(view, size, drawn_ns, clear=pictures is not None) for view in views]
-        return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
+        return Frame(tuple([eye.having(**shared) for eye in eyes] if shared else eyes), drawn_ns)
 
     def _empty(self, view: View, size: Size, time_ns: int, *, clear: bool) -> EyeImage:
         target = self.acquire(size)
@@ -276,12 +286,6 @@ class Server(Renderer):
         for moving in self._moving:
             moving.close()
         self._textures.close()
-
-
-def _is_marched(mirrors: str) -> bool:
-    if mirrors not in MIRRORS:
-        raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
-    return mirrors == SCREEN
 
 
 def _check_same_size(target: Size, picture: Size) -> None:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ...geometry import View
 from ...geometry.cube import FACES, face_views
-from ...gpu.context import Gpu, drawing_into
+from ...gpu.context import Gpu
 from ...gpu.shaders import Draw, Uniforms
-from ...gpu.textures import COLOUR, allocate, release_all
+from ...gpu.textures import COLOUR, allocate, drawing_into, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blocking, indirect_atlas, lamps_at
 from .upload import STAYS, Moving, Place, SceneBuffers, emits
 from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
@@ -228,10 +228,7 @@ class ScenePasses:
     ) -> None:
         """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
-        if view.hidden is not None:  # in front of everything
-            framebuffer.viewport = (0, 0, *framebuffer.size)
-            with drawing_into(framebuffer, moderngl.DEPTH_TEST):
-                self._gpu.seen_rows.cover(view, framebuffer.size, -1.0, **({"COLOUR": 1} if self._colour else {}))
+        self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
     def draw_into(
@@ -247,8 +244,9 @@ class ScenePasses:
         Its depth must be cleared.
         """
         whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        self._surface.uniforms.set(**uniforms)
-        self._background.uniforms.set(**uniforms)
+        if uniforms:
+            self._surface.uniforms.set(**uniforms)
+            self._background.uniforms.set(**uniforms)
         self._set_background(view)
         for drawing in self.moving:
             drawing.set_time(time_ns)

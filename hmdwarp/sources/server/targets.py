@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -40,7 +41,7 @@ class LastUsed(dict[K, V]):
     def made(self, key: K, make: Callable[[], V]) -> V:
         """Return what there is for a key, made where there is nothing."""
         self[key] = found = self.pop(key) if key in self else make()
-        self.use(key)
+        self._used.add(key)
         return found
 
     def use(self, key: K) -> None:
@@ -66,6 +67,7 @@ class LastUsed(dict[K, V]):
 
 
 _DEPTH_BYTES = 4
+_NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 
 
 @attrs.frozen(eq=False)
@@ -124,25 +126,26 @@ class TargetPool:
         self._forget = forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
-        self._out: dict[moderngl.Texture, Target] = {}
+        # Those that are in use, by their colour texture.
+        self.out: dict[moderngl.Texture, Target] = {}
         # Hand-outs since idle ones were freed, and how many targets were out at most meanwhile.
         self._handed = self._most_out = 0
 
     @property
     def live(self) -> int:
         """How many targets are out."""
-        return len(self._out)
+        return len(self.out)
 
     @property
     def made(self) -> int:
         """How many targets exist, out or free: the most that were lately out at the same time."""
-        return len(self._out) + len(self._free)
+        return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
         """Return a free target; its content is undefined."""
         target = self._free.pop() if self._free else self._make()
-        self._out[target.colour] = target
-        self._handed, self._most_out = self._handed + 1, max(self._most_out, self.live)
+        self.out[target.colour] = target
+        self._handed, self._most_out = self._handed + 1, max(self._most_out, len(self.out))
         if self._handed == IDLE_AFTER:
             self._free_idle()
         return target
@@ -165,16 +168,12 @@ class TargetPool:
     @property
     def bytes(self) -> int:
         """The bytes of all its targets."""
-        return sum(target.bytes for target in (*self._free, *self._out.values()))
+        return sum(target.bytes for target in (*self._free, *self.out.values()))
 
     def take_back(self) -> None:
         """Take back all targets that are out."""
-        self._free += self._out.values()
-        self._out.clear()
-
-    def lent(self, colour: moderngl.Texture) -> bool:
-        """Return whether a target with that colour texture is out."""
-        return colour in self._out
+        self._free += self.out.values()
+        self.out.clear()
 
     def release(self, colour: moderngl.Texture | Target) -> None:
         """Take back a target, identified by itself or its colour texture.
@@ -182,16 +181,16 @@ class TargetPool:
         Errors: ValueError if it is not out.
         """
         key = colour.colour if isinstance(colour, Target) else colour
-        if key not in self._out:
+        if key not in self.out:
             raise ValueError("this target is not out: it was released before, or comes from another pool")
-        self._free.append(self._out.pop(key))
+        self._free.append(self.out.pop(key))
 
     def close(self) -> None:
         """Free all textures, including those that are out."""
-        for target in [*self._free, *self._out.values()]:
+        for target in [*self._free, *self.out.values()]:
             target.release(self._forget)
         self._free.clear()
-        self._out.clear()
+        self.out.clear()
 
 
 class Renderer:
@@ -286,11 +285,11 @@ class Renderer:
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; later frames will overwrite them."""
         for _, eye in frame.pictures():
-            self.pool(eye.size).release(eye.colour)
+            self._pool(eye.colour.size, COLOUR, depth=True).release(eye.colour)
         for layer, data in frame.contents():
             for texture in layer.textures(data):
                 for pool in self._pools.values():
-                    if pool.lent(texture):
+                    if texture in pool.out:
                         pool.release(texture)
             layer.release(data)
 
@@ -346,10 +345,10 @@ class Framebuffers:
         """Return the framebuffer that draws into `textures` of one size; created on first use."""
         # GL reuses the names of deleted textures, so the entry holds the textures and is checked
         # against them.
-        key = tuple(texture.glo for texture in textures)
+        key = tuple(map(_NAME, textures))
         held, framebuffer = self._made.get(key, ((), None))
         self._depth.use(textures[0].size)
-        if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
+        if framebuffer is None or not all(map(operator.is_, held, textures)):
             size = textures[0].size
             self.reserve(size)
             if framebuffer is not None:
@@ -396,7 +395,7 @@ class Multisampled:
         most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_"))
         if count > most:
             raise MachineError(f"--samples {count}: {gpu.renderer} draws at most {most} a pixel; use as many or fewer")
-        self._gpu, self.count = gpu, count
+        self._gpu, self.count, self._resolve = gpu, count, gpu.shaders.compute("server/resolve.comp")
         self._made: LastUsed[tuple[Any, ...], moderngl.Framebuffer] = LastUsed()
 
     def over(self, size: tuple[int, int], *kinds: tuple[int, str]) -> moderngl.Framebuffer:
@@ -417,12 +416,11 @@ class Multisampled:
 
     def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Texture) -> None:
         """Write the mean of each pixel's samples; llvmpipe's own takes twice the time."""
-        program = self._gpu.shaders.compute("server/resolve.comp")
-        _textures_of(drawn)[0].use(0)
+        drawn.color_attachments[0].use(0)  # type: ignore[union-attr]  # a texture: it is made of these alone
         into.bind_to_image(0, read=False, write=True)
-        program.uniforms.set(samples=0, resolved=0, count=self.count)
+        self._resolve.uniforms.set(samples=0, resolved=0, count=self.count)
         self._gpu.barrier()
-        program.run(*into.size)
+        self._resolve.run(*into.size)
         self._gpu.barrier()
 
     def trim(self) -> None:

@@ -175,7 +175,7 @@ def _by_batch(runs: list[tuple[int, int, int]]) -> Draws:
         if not out or out[-1][0] != batch:
             out.append((batch, []))
         out[-1][1].append((first, count))
-    return tuple((batch, tuple(spans)) for batch, spans in out)
+    return tuple([(batch, tuple(spans)) for batch, spans in out])
 
 
 # A view is replaced by the middle of its cell: of 1/32 in each part of its quaternion, and of 1/8 m

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry import Pose, View
-from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
-from ....gpu.textures import release_all
+from ....gpu.textures import drawing_into, release_all
 from ....scenes import Mesh
 from ..visibility import clip_from_eye
 from . import DrawContext

@@ -6,9 +6,8 @@ import moderngl
 import numpy as np
 
 from ....frames import BodyIds, EyeImage
-from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
-from ....gpu.textures import COLOUR, NUMBER
+from ....gpu.textures import COLOUR, NUMBER, drawing_into
 from ..passes import SAME_SURFACE, draw_moving
 from ..upload import DeformingMesh, Moving, MovingBody
 from . import DrawContext, Drawing, Part, parts

@@ -6,7 +6,7 @@ import moderngl
 
 from ....frames import EyeImage
 from ....geometry import View
-from ....gpu.context import drawing_into
+from ....gpu.textures import drawing_into
 from ....scenes import Scene
 from . import DrawContext, Drawing, Part, parts
 from ._sheets import OVER, OVER_KEEPING_COVERAGE, Blending, Sheets

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from ....frames import EyeImage, Mirrored, Reflection, Surface
 from ....geometry import Fov, Mirror, Pose, View
 from ....geometry.view import mirrors_in_eye, tangents_of_pixels
-from ....gpu.context import drawing_into
 from ....gpu.shaders import Compute
-from ....gpu.textures import COLOUR
+from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
 from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from ..targets import Target

@@ -5,8 +5,8 @@ from __future__ import annotations
 import moderngl
 
 from ....frames import EyeImage, Surface, Transparent
-from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
+from ....gpu.textures import drawing_into
 from ....scenes import Scene, is_cutout
 from ..passes import SAME_SURFACE
 from . import DrawContext, Drawing, Part, parts
