@@ -158,11 +158,7 @@ def test_floats_and_bytes_agree():
 
 @pytest.mark.parametrize(
     "figure, sign",
-    [
-        (lambda gpu, a, b: psnr_db(a, b), -1),
-        (ssim_of, -1),
-        (lambda gpu, a, b: flip_of(gpu, a, b, PPD)[0], 1),
-    ],
+    [(lambda gpu, a, b: psnr_db(a, b), -1), (ssim_of, -1), (lambda gpu, a, b: flip_of(gpu, a, b, PPD)[0], 1)],
 )
 def test_more_noise_is_worse(gpu, figure, sign):
     truth = smooth()

@@ -36,12 +36,9 @@ def findings(holds: list[bool | None]) -> list[Finding]:
 def test_the_verdict_follows_from_what_was_measured(holds):
     known = [hold for hold in holds if hold is not None]
     mixed = Verdict.CONDITIONS if sum(known) >= len(known) / 2 else Verdict.MOSTLY_FAILS
-    expected = {
-        (): Verdict.UNKNOWN,
-        (True,): Verdict.HOLDS,
-        (False,): Verdict.FAILS,
-        (False, True): mixed,
-    }[tuple(sorted(set(known)))]
+    expected = {(): Verdict.UNKNOWN, (True,): Verdict.HOLDS, (False,): Verdict.FAILS, (False, True): mixed}[
+        tuple(sorted(set(known)))
+    ]
     assert verdict_of(findings(holds)) is expected
     assert verdict_of(findings(holds[::-1])) is expected
     assert verdict_of(findings([*holds, None])) is expected
