@@ -81,10 +81,7 @@ class Messages:
         place = self.of("geometry_msgs/Vector3", x=pose.position.x, y=pose.position.y, z=pose.position.z)
         moved = self.of("geometry_msgs/Transform", translation=place, rotation=pose.orientation)
         one = self.of(
-            "geometry_msgs/TransformStamped",
-            header=self.header(time_ns, parent),
-            child_frame_id=child,
-            transform=moved,
+            "geometry_msgs/TransformStamped", header=self.header(time_ns, parent), child_frame_id=child, transform=moved
         )
         return self.of("tf2_msgs/TFMessage", transforms=[one])
 

@@ -17,28 +17,10 @@ import pytest
 import hmdwarp
 
 PUBLIC = {
-    "DepthLayer",
-    "Fov",
-    "Hidden",
-    "Panel",
-    "HmdwarpError",
-    "InputError",
-    "MachineError",
-    "Pose",
-    "PoseTrack",
-    "RunOptions",
-    "View",
-    "WarpMap",
-    "WarpedImage",
-    "Warper",
-    "choose",
-    "compare",
-    "inverse_depth_from_clip",
-    "load_trace",
-    "replay",
-    "warp_image",
-    "__version__",
-}
+    "DepthLayer", "Fov", "Hidden", "Panel", "HmdwarpError", "InputError", "MachineError", "Pose", "PoseTrack",
+    "RunOptions", "View", "WarpMap", "WarpedImage", "Warper", "choose", "compare", "inverse_depth_from_clip",
+    "load_trace", "replay", "warp_image", "__version__",
+}  # fmt: skip
 MODULES = {"bench", "check", "sequences", "study"}
 FUNCTIONS = {"choose", "compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 

@@ -109,14 +109,7 @@ def test_a_broken_plugin_is_named(tmp_path, monkeypatch, code, message):
 
 @pytest.mark.parametrize(
     ("name", "near"),
-    [
-        ("foward", "forward"),
-        ("Forward", "forward"),
-        ("rift", "rift-dk1"),
-        ("auto", ""),
-        ("nosuch", ""),
-        ("", ""),
-    ],
+    [("foward", "forward"), ("Forward", "forward"), ("rift", "rift-dk1"), ("auto", ""), ("nosuch", ""), ("", "")],
 )
 def test_a_suggestion_is_near_or_there_is_none(name, near):
     known = ["forward", "rift-dk1", "splat", "workshop", "rotation"]

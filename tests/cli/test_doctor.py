@@ -167,10 +167,7 @@ def test_openxr_binding_that_does_not_load(known):
 HEADSET = [Finding("OpenXR loader", OK, "there"), Finding("OpenXR runtime", OK, "Runtime 1, headset 'H'")]
 NO_LOADER = [Finding("OpenXR loader", OPTIONAL, "no libGL", "get it")]
 NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", OPTIONAL, "its service is down", "start it")]
-WINDOW, NO_WINDOW = (
-    Finding("desktop window", OK, "opens"),
-    Finding("desktop window", OPTIONAL, "no display", "xvfb"),
-)
+WINDOW, NO_WINDOW = (Finding("desktop window", OK, "opens"), Finding("desktop window", OPTIONAL, "no display", "xvfb"))
 
 
 @pytest.mark.parametrize("window", [WINDOW, NO_WINDOW])

@@ -27,34 +27,13 @@ from hmdwarp.run.combinations import OUTSIDE, missing
 from .conftest import ROOT
 
 COMMANDS = [
-    [],
-    ["replay"],
-    ["warp"],
-    ["list"],
-    ["plan"],
-    ["doctor"],
-    ["trace"],
-    ["trace", "info"],
-    ["trace", "convert"],
-    ["trace", "synth"],
-    ["headset"],
-    ["headset", "show"],
-]
+    [], ["replay"], ["warp"], ["list"], ["plan"], ["doctor"], ["trace"], ["trace", "info"],
+    ["trace", "convert"], ["trace", "synth"], ["headset"], ["headset", "show"],
+]  # fmt: skip
 HEAVY = {
-    "scipy",
-    "moderngl",
-    "trimesh",
-    "matplotlib",
-    "skimage",
-    "av",
-    "flip_evaluator",
-    "xr",
-    "glfw",
-    "PIL",
-    "jinja2",
-    "numpy",
-    "rich",
-}
+    "scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL",
+    "jinja2", "numpy", "rich",
+}  # fmt: skip
 
 commands = options_of_commands()
 
@@ -207,20 +186,9 @@ def test_plan_for_programs_has_what_is_printed(command):
     asked = ("plan", "--scene", "planes", "--size", "640x400", "--rate", "90")
     data, told = json.loads(command(*asked, "--json").done().out), " ".join(command(*asked).done().out.split())
     assert list(data) == [
-        "source",
-        "scene",
-        "indirect",
-        "warp",
-        "fill",
-        "lens",
-        "headset",
-        "eyes",
-        "passes",
-        "left_out",
-        "frame",
-        "slow",
-        "notes",
-    ]
+        "source", "scene", "indirect", "warp", "fill", "lens", "headset", "eyes", "passes", "left_out", "frame",
+        "slow", "notes",
+    ]  # fmt: skip
     assert all(list(pass_) == ["stage", "name", "reason", "reads", "writes"] for pass_ in data["passes"])
     assert data["passes"] and all(pass_["name"] in told and pass_["reason"] in told for pass_ in data["passes"])
     assert data["left_out"] and all(entry["name"] in told and entry["reason"] in told for entry in data["left_out"])

@@ -20,19 +20,7 @@ RATINGS = "participant,condition,rating\n" + "".join(
 FOLDERS = {
     "replay": (["replay", "still", "--against", "", *TINY], "report.html"),
     "bench": (
-        [
-            "bench",
-            "still",
-            "--warp",
-            "none",
-            "--fill",
-            "none",
-            "--instants",
-            "1",
-            "--rounds",
-            "1",
-            *TINY,
-        ],
+        ["bench", "still", "--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1", *TINY],
         "bench.html",
     ),
     "live": (

@@ -142,13 +142,6 @@ def test_the_warp_is_its_twin(gpu, scene, shown, guard, shown_ns):
     assert np.array_equal(depth[::-1], pictures[0][1])
 
 
-def test_only_the_difference_crosses(tmp_path):
-    result = run(tmp_path, scene="spheres", warp="difference", latency_ms=50.0, seconds=0.2)
-    assert set(result.summary["link"]["layers_mbit_s"]) == {"difference"}
-    assert result.summary["quality"]["hole_share"]["mean"] == 0
-    assert result.summary["client_models"][0]["share"] == 0.2
-
-
 @pytest.mark.parametrize("spec", ["difference", "difference:warped=off"])
 def test_a_codec_costs_the_last_of_nine_bits_and_its_own_error(tmp_path, spec):
     """8 bits hold half of the levels, so a byte is off by at most one; x264's best adds its own."""

@@ -62,17 +62,6 @@ def test_the_whole_model_is_the_truth_bit_for_bit(gpu, scene, shown):
             assert np.array_equal(got, wanted)
 
 
-@pytest.mark.parametrize("latency_ms", [0.0, 400.0])
-def test_no_latency_is_seen_and_no_picture_is_sent(tmp_path, latency_ms):
-    result = run(tmp_path, scene="spheres", warp="model", fill="none", latency_ms=latency_ms, seconds=0.2)
-    assert {row["psnr_db"] for row in result.rows} == {100.0, None} or {row["psnr_db"] for row in result.rows} == {
-        100.0
-    }
-    assert result.summary["link"]["mbit_s"] == 0.0 and result.summary["link"]["layers_mbit_s"] == {}
-    (model,) = result.summary["client_models"]
-    assert model["share"] == 1.0 and model["triangles"] == 46082
-
-
 @pytest.mark.parametrize("scene", ["gallery", "greenhouse", "cockpit"])
 def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
     """So it is nearer to the truth than the same triangles without them."""

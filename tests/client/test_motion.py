@@ -412,10 +412,7 @@ class Made:
 
 @pytest.mark.parametrize(
     ("declared", "layer", "other"),
-    [
-        (("rigid_motion",), "rendered.ids", "rendered.velocity"),
-        (("soft_motion",), "rendered.velocity", "rendered.ids"),
-    ],
+    [(("rigid_motion",), "rendered.ids", "rendered.velocity"), (("soft_motion",), "rendered.velocity", "rendered.ids")],
     ids=["rigid", "soft"],
 )
 def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, monkeypatch, declared, layer, other):

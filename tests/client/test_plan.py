@@ -50,11 +50,7 @@ _PAIRS = [
     *itertools.product(warps.names(), ("none", "interpolate")),
     *itertools.product(("forward", "environment"), fills.names()),
 ]
-_PAIRS += [
-    ("iterative", "memory+pyramid"),
-    ("none", "wide+stretch+constant"),
-    ("rotation", "memory+model:share=0.05"),
-]
+_PAIRS += [("iterative", "memory+pyramid"), ("none", "wide+stretch+constant"), ("rotation", "memory+model:share=0.05")]
 _MANY = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), ("none", "radial"), (True, False))]
 ALL = list(dict.fromkeys([*_MANY, *(("forward", "none", lens, True) for lens in lenses.names())]))
 
@@ -93,10 +89,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     left_out = dict(plan.left_out)
     order = [stage for stage in ("client_depth", "warp", "fill", "lens") if stage in stages]
     assert list(dict.fromkeys(stages)) == order and stages == sorted(stages, key=order.index), "in this order"
-    chain, depth = (
-        len(parse_fills(fill)),
-        plan.warps_twice,
-    )
+    chain, depth = (len(parse_fills(fill)), plan.warps_twice)
     assert stages.count("fill") == chain + depth and all(stages.count(stage) == 1 for stage in order if stage != "fill")
     assert set(stages) | set(left_out) == {"client_depth", "warp", "fill", "lens", *effects.names()}
     assert not set(stages) & set(left_out)

@@ -29,13 +29,7 @@ STORED = 2.0**-10
 def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
     (albedo, depth), (lit, _) = (shown.of_model(lit=lit) for lit in (light == "baked", True))
     offsets = sample_offsets(samples, reach * shown.size[0])
-    weights = (
-        settings.SAME_DEPTH,
-        settings.SAME_SURFACE,
-        settings.NEAR,
-        settings.OFF_PLANE,
-        MODEL_WEIGHT[light],
-    )
+    weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, MODEL_WEIGHT[light])
     return Relit(VIEW.fov, shown.colour, shown.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
 

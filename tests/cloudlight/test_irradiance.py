@@ -16,8 +16,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import scenes, with_lamps_stopped
-from hmdwarp.sources.server import Server
+from hmdwarp.scenes import scenes
 
 SIZE = (64, 56)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)
@@ -49,19 +48,6 @@ def test_with_the_light_of_now_it_is_the_truth_bit_for_bit(gpu, scene):
     truth = geometry.server.draw(THERE, SIZE, time_ns=time_ns)
     assert np.array_equal(got[0], read(truth.colour))
     assert np.array_equal(got[1], read(truth.inverse_depth)[..., 0])
-
-
-def test_only_indirect_light_is_late(gpu):
-    """The error is what the bounces changed, far below that of light that stands still."""
-    geometry = ClientScene(gpu, "lantern")
-    then, now = 100_000_000, 600_000_000
-    truth = read(geometry.server.draw(THERE, SIZE, time_ns=now).colour)
-    late = shown(gpu, geometry, frame_of(geometry, then), THERE, now)[0]
-    stopped = Server(gpu, with_lamps_stopped(geometry.server.scene, then))
-    baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
-    stopped.close()
-    late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
-    assert 0 < late_error < baked_error / 4
 
 
 def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):

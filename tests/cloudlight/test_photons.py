@@ -11,7 +11,7 @@ from client_scene import ClientScene
 from gl_clock import counting_made
 from lit_rooms import Fixed, cube, placed, plain, scene_of
 from reference.photons import photons, received, seen
-from replays import run, small
+from replays import run
 from worlds import read
 
 from hmdwarp import warp_image
@@ -25,7 +25,6 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import ATLAS, Lamp, Still, lamps_at, load_scene, scenes, with_lamps_stopped
 from hmdwarp.sources.server import Server
 
@@ -291,11 +290,6 @@ def test_showing_and_receiving_make_nothing_on_the_gpu(gpu):
             counts.append(made.copy())
         warp.close()
     assert counts[0]["texture"] and counts[1] == counts[2]
-
-
-def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
-    with pytest.raises(PlanError, match="not for scene 'planes': its light stands still"):
-        set_up_replay(small(scene="planes", warp="photons", fill="none"))
 
 
 def test_a_single_picture_has_no_photons():

@@ -90,10 +90,7 @@ def test_messages_of_several_compilers_are_translated(tmp_path):
         ("0:99(1): error", "0:99(1): error"),  # beyond the text: left alone
         ("error: linking failed", "error: linking failed"),
         ("10:4 and 20(4)", "10:4 and 20(4)"),  # not a position in string 0
-        (
-            "0(3) : error C7011: implicit cast from 0(4) to 0:4",
-            "a.glsl:1: error C7011: implicit cast from 0(4) to 0:4",
-        ),
+        ("0(3) : error C7011: implicit cast from 0(4) to 0:4", "a.glsl:1: error C7011: implicit cast from 0(4) to 0:4"),
         # Recorded with an NVIDIA GeForce GTX 960M, driver 418.87, as moderngl hands it over.
         (
             "GLSL Compiler failed\n\ncompute_shader\n==============\n"

@@ -11,15 +11,7 @@ from hmdwarp.geometry import Pose, View, inverse_depth_from_clip, metres_from_in
 
 from .motions import SLANTED, stepped_depth
 from .registry import hard_case
-from .setting import (
-    HALF,
-    SIZE,
-    SQUARE,
-    Setting,
-    brings_more_pictures,
-    is_warped_by_the_frame_alone,
-    reads_depth,
-)
+from .setting import HALF, SIZE, SQUARE, Setting, brings_more_pictures, is_warped_by_the_frame_alone, reads_depth
 
 STEP = Pose((0.05, -0.02, 0.03))
 

@@ -77,11 +77,7 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
 
 # What the database computes of the same reports, in degrees; their hidden areas' shapes are not
 # known here, which takes up to a tenth of a degree of what is seen at eye level.
-REPORTED = {
-    "index": (108.06, 85.93, 24.88),
-    "pimax-8k": (140.29, 86.79, 8.73),
-    "quest-3": (108.00, 80.00, 10.66),
-}
+REPORTED = {"index": (108.06, 85.93, 24.88), "pimax-8k": (140.29, 86.79, 8.73), "quest-3": (108.00, 80.00, 10.66)}
 
 
 @pytest.mark.parametrize("name", REPORTED)

@@ -164,13 +164,6 @@ def test_a_slowly_turning_head_sends_when_half_a_pixel_has_passed(tmp_path):
     assert (frames["drawn"], frames["unchanged"]) == (63, 0)
 
 
-def test_a_still_head_before_moving_bodies_sends_on(tmp_path):
-    frames = run(
-        tmp_path / "out", trace=trace_of(tmp_path / "still.txt"), scene="workshop", network=CHANGES, latency_ms=50.0
-    ).summary["link"]["frames"]
-    assert frames["drawn"] > 10
-
-
 @pytest.mark.parametrize(("scene", "lights"), [("sunroom", 63), ("lantern", 63), ("room", 1)])
 def test_light_that_moves_counts(tmp_path, scene, lights):
     """One frame of 54 was sent while a patch of sun crossed the floor."""

@@ -62,8 +62,7 @@ def in_axes(track: PoseTrack, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("order", ["rows", "columns"])
 @pytest.mark.parametrize(
-    "form",
-    ["bare", "among others", "m00", "M11", "m[0][0]", "flat names", "nested", "flat", "typed array", "cell"],
+    "form", ["bare", "among others", "m00", "M11", "m[0][0]", "flat names", "nested", "flat", "typed array", "cell"]
 )
 def test_the_place_of_0_0_0_1_says_rows_or_columns(tmp_path, form, order):
     """Column-major as WebXR, three.js, glm, ARKit and .NET write them."""

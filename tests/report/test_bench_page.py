@@ -34,29 +34,12 @@ def test_everything_is_on_the_page(text):
     page, data = Page(text), a_small_bench()
     wanted = [COMMAND, "The trace is <short>.", "iterative: seed=forward, steps=3"]  # a narrow screen may break it
     wanted += [
-        "6 warps × 2 fills",
-        "in 2 cases",
-        "look-around",
-        "200 ms and 800 ms",
-        "scene room",
-        "llvmpipe (LLVM 15.0.6, 256 bits)",
-        "Mesa 22.3.6",
-        "wall clock around finished GPU work",
-        "– / 4.18",
-        "7.2 min",
-        "within 20 ms per eye",
-        "backward + interpolate",
-        "steps 3",
-        "16.70 ms",
-        "multi + interpolate",
-        "22 % of the FLIP error",
-        "+1.10 dB, +10.60 ms",
-        "The GPU timer answers 1 ns",
-        "look-around, 800 ms",
-        "How to read this",
-        "1280x800",
-        "best no slower than forward + interpolate",
-    ]
+        "6 warps × 2 fills", "in 2 cases", "look-around", "200 ms and 800 ms", "scene room",
+        "llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock around finished GPU work", "– / 4.18",
+        "7.2 min", "within 20 ms per eye", "backward + interpolate", "steps 3", "16.70 ms",
+        "multi + interpolate", "22 % of the FLIP error", "+1.10 dB, +10.60 ms", "The GPU timer answers 1 ns",
+        "look-around, 800 ms", "How to read this", "1280x800", "best no slower than forward + interpolate",
+    ]  # fmt: skip
     wanted += [
         COLUMNS[name].text(row)
         for row in data["rows"]
@@ -114,8 +97,7 @@ def everything_nasty(value, nasty: str):
 
 
 @pytest.mark.parametrize(
-    "nasty",
-    ["<script>alert(1)</script></code></style><i>", '" onload="x $x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 '],
+    "nasty", ["<script>alert(1)</script></code></style><i>", '" onload="x $x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 ']
 )
 def test_texts_of_the_input_are_escaped(nasty):
     rows = [a_row(warp, fill, notes=["odd"]) for warp in ("none", "forward") for fill in ("none", "interpolate")]

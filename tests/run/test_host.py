@@ -187,14 +187,7 @@ IMPOSSIBLE = [
 def test_an_impossible_change_leaves_all_as_it_was(gpu, values):
     with Running(gpu) as running:
         host = running.go(8).host
-        before = (
-            host.options,
-            host.run,
-            host.run.plans,
-            host.run.source,
-            running.display.eyes,
-            running.display.size,
-        )
+        before = (host.options, host.run, host.run.plans, host.run.source, running.display.eyes, running.display.size)
         objects = living()
         with pytest.raises(InputError):
             running.set(**values)

@@ -163,10 +163,7 @@ def skin(**changes) -> Skinned:
         (lambda: attrs.evolve(cloth(), period_s=0.0), "period 0 s: expected both above 0"),
         (lambda: attrs.evolve(cloth(), out=(0, 0, 0)), "longer than 0"),
         (lambda: Joint("knee", -1, (0, 0, 0), (1, 0, 0), period_s=0.0), "'knee': .*a period above 0, found period 0 s"),
-        (
-            lambda: Scene("bent", "", [triangle(body=2)], bodies=FAN),
-            "'triangle' belongs to body 2, the scene has 1",
-        ),
+        (lambda: Scene("bent", "", [triangle(body=2)], bodies=FAN), "'triangle' belongs to body 2, the scene has 1"),
         (lambda: triangle(body=1, deformation=cloth()), "belongs to body 1 and deforms by itself: expected only one"),
     ],
 )

@@ -396,10 +396,7 @@ UP = "animation 'walk', translation of node 'thing': "
         (lambda g: g.animate("translation", (0, 1, 2), STILL), "3 key times and 2 values; expected 1 for each"),
         (lambda g: g.animate("translation", (0, 1), STILL, "CUBICSPLINE"), "2 values; expected 3 for each"),
         (lambda g: g.animate("translation", (0, 1), STILL, "BEZIER"), "'BEZIER'; expected LINEAR, STEP or CUBICSPLINE"),
-        (
-            lambda g: g.animate("translation", (0, 1), STILL).header.update(nodes=PUT),
-            "moves node 0.* has a matrix",
-        ),
+        (lambda g: g.animate("translation", (0, 1), STILL).header.update(nodes=PUT), "moves node 0.* has a matrix"),
         (
             lambda g: g.animate("translation", (0, 1), STILL).header["accessors"][-1].update(componentType=5121),
             "integers; expected floats",

@@ -66,12 +66,7 @@ def nursery(link: socket.socket) -> None:
     printed: a child that is the program; its process id goes back at once, its status when it is
     dead. Nothing of OpenGL is open where it is forked from.
     """
-    for name in (
-        "cli._app",
-        "study.session.program",
-        "study.respondents",
-        "display.offscreen",
-    ):
+    for name in ("cli._app", "study.session.program", "study.respondents", "display.offscreen"):
         importlib.import_module(f"hmdwarp.{name}")
     gc.freeze()  # a session collects before each of its 35 runs, and would scan all modules each time
     while (asked := socket.recv_fds(link, 1 << 16, 2))[0]:

@@ -218,7 +218,7 @@ _cautious = predictors.register(
         "the speed of the last 30 ms fades, the sooner the more it has just overshot",
         "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
         cautious,
-        lambda track, now_ns, ahead_ns: _extrapolated(track, now_ns, min(ahead_ns, HORIZON_NS)),
+        lambda track, now_ns, ahead_ns: _cautious_many(track, now_ns, min(ahead_ns, HORIZON_NS)),
         HORIZON_NS,
     )
 )

@@ -86,19 +86,10 @@ def clients(serving):
         {"size": (2304, 2304), "eyes": (foreign.eye(),) * 2, "formats": (255, 3)},
     ],
     ids=[
-        "far",
-        "narrow",
-        "peeled",
-        "most peeled",
-        "cube",
-        "drawn cube",
-        "overlay",
-        "large",
-        "late",
-        "large videos",
+        "far", "narrow", "peeled", "most peeled", "cube", "drawn cube", "overlay", "large", "late", "large videos",
         "large depth",
     ],
-)
+)  # fmt: skip
 def test_a_request_that_no_server_should_draw_is_refused_and_others_notice_nothing(serving, clients, wrong):
     hostile, other, _ = clients
     asked(other, foreign.request(1))

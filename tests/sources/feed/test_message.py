@@ -391,10 +391,7 @@ NARROW = tuple(attrs.evolve(view, fov=Fov(0.5, 0.5 + 9e-5, -0.6, 0.6)) for view 
             {"wanted": attrs.evolve(WANTED, layers=(("peeled", 60_000_000),))},
             "amount of a layer 60000000: expected 0, or 1 to 16",
         ),
-        (
-            {"wanted": attrs.evolve(WANTED, layers=(("peeled", ((1.0,) * 9,)),))},
-            "settings 9: expected 1 to 8",
-        ),
+        ({"wanted": attrs.evolve(WANTED, layers=(("peeled", ((1.0,) * 9,)),))}, "settings 9: expected 1 to 8"),
         ({"wanted": attrs.evolve(WANTED, size=(8193, 8))}, "width or height"),
         ({"wanted": attrs.evolve(WANTED, fovs=tuple(view.fov for view in NARROW))}, "field of view"),
         ({"wish": Wish(rate_hz=0.5)}, "frames a second 0.5: expected 1 to 1000 Hz"),

@@ -197,8 +197,7 @@ def steps(remote: Remote, size: tuple[int, int], lives=lambda: True):
 
 @pytest.mark.parametrize("seconds", SECONDS)
 @pytest.mark.parametrize(
-    "where",
-    ["up", "down", "up and down", "connecting", "within a frame", "for good", "for good up", "for good down"],
+    "where", ["up", "down", "up and down", "connecting", "within a frame", "for good", "for good up", "for good down"]
 )
 def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where, seconds):
     """One that is silent for good stays so: the client makes a new connection."""

@@ -96,10 +96,7 @@ def test_shown_pictures_equal_an_offline_replay_of_the_same_ages_bit_for_bit(
     serving, tmp_path, monkeypatch, fill, coding
 ):
     same_as_offline(
-        serving,
-        tmp_path,
-        monkeypatch,
-        {"warp": "iterative", "fill": fill, "guard": 1.25, "coding": coding},
+        serving, tmp_path, monkeypatch, {"warp": "iterative", "fill": fill, "guard": 1.25, "coding": coding}
     )
 
 

@@ -33,14 +33,7 @@ from hmdwarp import WarpMap
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import Origin
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import (
-    RecordedFrame,
-    Sequence,
-    SequenceOptions,
-    depth_notes,
-    parse_intrinsics,
-    readers,
-)
+from hmdwarp.sources.sequences import RecordedFrame, Sequence, SequenceOptions, depth_notes, parse_intrinsics, readers
 
 # Half a step of 16 bits in millimetres, the coarsest unit.
 DEPTH_WITHIN_M = 0.5e-3 + 1e-6

@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 from scipy import optimize, special, stats
 
-from hmdwarp.study.statistics import (
-    JOD_SPREAD,
-    jod_scores,
-    resampled_interval,
-    resampled_scores,
-)
+from hmdwarp.study.statistics import JOD_SPREAD, jod_scores, resampled_interval, resampled_scores
 
 PRIOR_SD = 5.0
 
