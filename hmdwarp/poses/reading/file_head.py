@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
-from ...options.named_files import LIST, TRACE, opened
+from ...options.named_files import LIST, TRACE, most_unpacked, opened
 from ..assumptions import By, Defect
 from ..options import Euler
 from .colmap import MARK, table_of_colmap
@@ -60,10 +60,15 @@ class Source:
 
 
 class _Unpacked(io.RawIOBase):
-    """What gzip packed. Errors: TraceError beyond the bound of a file that is not packed."""
+    """What gzip packed. Errors: TraceError for more than most_unpacked, or TRACE, allows."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self._path, self._file, self._unpacked = path, file, gzip.GzipFile(fileobj=file)
+        size = os.fstat(file.fileno()).st_size
+        self._most = min(TRACE.most_bytes, most_unpacked(size))
+        file.seek(max(0, size - 4))  # what it says itself, if it is of one piece
+        self._check(int.from_bytes(file.read(4), "little") if size > 18 and self._most < 1 << 32 else 0)
+        file.seek(0)
 
     def readable(self) -> bool:
         return True
@@ -76,11 +81,15 @@ class _Unpacked(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         count = self._unpacked.readinto(buffer)
-        if self._unpacked.tell() > TRACE.most_bytes:
-            raise TraceError(
-                f"{self._path}: more than {TRACE.most_bytes} bytes, unpacked: expected a shorter recording"
-            )
+        self._check(self._unpacked.tell())
         return count
+
+    def _check(self, size: int) -> None:
+        if size > self._most:
+            raise TraceError(
+                f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording, or one unpacked "
+                "already"
+            )
 
     def close(self) -> None:
         self._unpacked.close()
