@@ -160,7 +160,7 @@ def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
     found, wanted = devices(), os.environ.get(VARIABLE, "").strip()
     if not wanted:
         return _first_of(found, version, shared)
-    if wanted.isdecimal():
+    if wanted.encode(errors="replace").isdigit():
         chosen = [device for device in found if device.index == int(wanted)]
     else:
         names = {device.index: renderer_of(device, version) for device in found}

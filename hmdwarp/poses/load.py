@@ -137,6 +137,6 @@ class StatedColumns(TraceFormat):
 
 def _columns_of(head: Head, text: str) -> tuple[int, ...]:
     """Return columns by name or number, apart by +, or from one number to another (2-17)."""
-    if (found := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", text)) and head.column(text) is None:
+    if (found := re.fullmatch(r"\s*([0-9]+)\s*-\s*([0-9]+)\s*", text)) and head.column(text) is None:
         return tuple(column_of(head, str(number)) for number in range(int(found[1]), int(found[2]) + 1))
     return tuple(column_of(head, word) for word in text.split("+"))

@@ -344,4 +344,4 @@ def _together(texts: Sequence[str]) -> str:
 
 
 def _is_number(text: str) -> bool:
-    return text.removesuffix("%").replace(".", "", 1).isdigit()
+    return text.removesuffix("%").replace(".", "", 1).encode(errors="replace").isdigit()

@@ -160,7 +160,7 @@ def column_of(head: Head, word: str) -> int:
     """Return the index of a column by name, or by number from 1. Errors: InputError."""
     word = word.strip()
     index = head.column(word)
-    if index is None and word.isdigit() and 1 <= int(word) <= head.width:
+    if index is None and word.encode(errors="replace").isdigit() and 1 <= int(word) <= head.width:
         index = int(word) - 1
     if index is None:
         raise InputError(f"{head.path} has no column '{word}' ({head.describe()}); numbers count from 1")

@@ -36,7 +36,7 @@ class FrameWxyz(TraceFormat):
         if head.names is not None or head.separator is not None or head.width != 6:
             return 0
         rows = [r for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
-        if not rows or not all(r[1].isdigit() for r in rows):
+        if not rows or not all(r[1].encode(errors="replace").isdigit() for r in rows):
             return 0
         frames = [int(r[1]) for r in rows]
         unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)

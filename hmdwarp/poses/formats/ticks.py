@@ -24,7 +24,7 @@ class Ticks(TraceFormat):
     def sniff(self, head: Head, options: TraceOptions) -> int:
         time = head.column("timestamp") if head.names else 0
         stamp = head.rows[0][time] if time is not None and time < head.width else ""
-        if not (len(stamp) == 18 and stamp.isdigit()):
+        if not (len(stamp) == 18 and stamp.encode(errors="replace").isdigit()):
             return 0
         return 6 if head.names is None and head.width == 8 else super().sniff(head, options)
 

@@ -30,9 +30,11 @@ from .pose_messages import MAGICS as BAGS
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
 _GZIP = b"\x1f\x8b"
-_NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
-_WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
+_NUMBER = re.compile(
+    r"[-+]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][-+]?[0-9]+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE
+)
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?$")
+_WHOLE = re.compile(r"[-+]?[0-9]+([eE][-+]?[0-9]+)?$")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 COMMENT_SIGNS = ("#", "%", "//")
 
@@ -330,14 +332,14 @@ def _has_decimal_comma(fields: list[str]) -> bool:
     return commas > 0 and all(_DECIMAL_COMMA.match(f) or _WHOLE.match(f) or not is_number(f) for f in fields)
 
 
-_CELL_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_CELL_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _PLAIN = re.compile(rf"(?:{_CELL_NUMBER}|[-+]?(?:nan|inf))$", re.IGNORECASE)
 _LABELLED = re.compile(rf"([A-Za-z]+)[\"']*\s*[=:]\s*({_CELL_NUMBER})")
 _UNREAL = re.compile(rf"(?:X|P|Pitch)={_CELL_NUMBER},?\s*(?:Y|Yaw)={_CELL_NUMBER},?\s*(?:Z|R|Roll)={_CELL_NUMBER}")
-_COMMAS = re.compile(r"[-+]?\d+,\d+(?:[,;]\s+[-+]?\d+,\d+)+$")  # (0,1, 1,6): decimal commas
+_COMMAS = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[,;]\s+[-+]?[0-9]+,[0-9]+)+$")  # (0,1, 1,6): decimal commas
 # Brackets, quotes or labels about numbers, or numbers apart by another sign than the cells are.
 _SUSPECT = re.compile(
-    rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.\d]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*\d,[^;\t,]+,[^;\t]*\d"
+    rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.0-9]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*[0-9],[^;\t,]+,[^;\t]*[0-9]"
     rf"|,\s*{_CELL_NUMBER}\s+{_CELL_NUMBER}\s+{_CELL_NUMBER}"
 )
 _SAMPLE, _PREAMBLE, _LONGEST = 5, 200, 500  # rows, lines, characters that are looked at
@@ -412,7 +414,7 @@ def _cells(line: str, separator: str | None) -> Iterator[str]:
 def _parts(cell: str) -> list[tuple[str, str]]:
     """Return label and number of each part; a cell of one value is a part without a label."""
     bare = cell.strip().strip('"').strip()
-    if re.fullmatch(r"[-+]?\d*,\d+", bare):
+    if re.fullmatch(r"[-+]?[0-9]*,[0-9]+", bare):
         return [("", bare.replace(",", "."))]
     labelled = _LABELLED.findall(bare)
     if len(labelled) > 1:

@@ -286,7 +286,9 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
             "by its length if it is a rotation"
         )
     try:
-        return View(Pose(position, orientation), _fov(path, data, size))
+        pose = Pose(position, orientation)
+        pose.check_near(str(path))
+        return View(pose, _fov(path, data, size))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error
 

@@ -159,7 +159,9 @@ def scannet(at: Folder) -> None:
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
             refuse_moved(file, matrix_in(file))
-    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if one.stem.isdigit()}
+    colours = {
+        int(one.stem): one for one in pictures_in(at.path / "color") if one.stem.encode(errors="replace").isdigit()
+    }
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
