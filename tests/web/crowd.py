@@ -30,7 +30,7 @@ def held_by(process: int) -> tuple[int, int]:
 
 
 class Crowd:
-    """At the door of a server, from its own address of this machine: 127.0.0.2 for an honest one."""
+    """At the door of a server; the honest one comes from an address of its own, 127.0.0.2."""
 
     def __init__(self, serving: Serving, cookie: str, seed: int = 1) -> None:
         self.door, self._cookie, self._random = urlsplit(serving.door), cookie, random.Random(seed)
@@ -41,7 +41,7 @@ class Crowd:
         return aiohttp.ClientSession(connector=connector, headers={"Cookie": self._cookie})
 
     async def honest(self, until_s: float) -> None:
-        """Open the page anew, load a file and see five frames, again and again; each wait counts."""
+        """Open the page anew, load a file and see five frames, again and again."""
         feed = f"ws://{self.door.netloc}/feed"
         while time.monotonic() < until_s:
             async with AsyncExitStack() as stack:

@@ -42,7 +42,7 @@ def place(serving) -> tuple[str, int]:
 
 
 def answer(serving, request: bytes) -> bytes:
-    """What comes back until the door closes, b"" if it does so at once; the rest of a head is left."""
+    """What comes back until the door closes."""
     with socket.create_connection(place(serving)) as one:
         one.sendall(request)
         one.shutdown(socket.SHUT_WR)

@@ -69,8 +69,11 @@ class _Unpacked(io.RawIOBase):
         size = os.fstat(file.fileno()).st_size
         self._most = min(TRACE.most_bytes, most_unpacked(size))
         file.seek(max(0, size - 4))  # what it says itself, if it is of one piece
-        self._check(int.from_bytes(file.read(4), "little") if size > 18 and self._most < 1 << 32 else 0)
+        said = int.from_bytes(file.read(4), "little")
         file.seek(0)
+        if size > 18 and said > self._most:
+            self.close()
+            self._check(said)
 
     def readable(self) -> bool:
         return True
