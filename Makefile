@@ -27,6 +27,7 @@ REQUESTS = 100000
 SILENT_SECONDS = 1,10,60
 # Of test-soak.
 SOAK_SECONDS = 3600
+CROWD_SECONDS = 600
 # And of stalls and cuts of a page in a browser.
 WEB_ROUNDS = 3000
 # Two workers even on two cores, which llvmpipe alone cannot keep busy. Whichever is done first takes
@@ -97,8 +98,9 @@ test-requests: setup  ## 100,000 random requests to a server of the feed, all dr
 test-silence: setup  ## links that fall silent and processes that are stopped for 1, 10 and 60 s (SILENT_SECONDS=): when it is told and mended
 	@FEED_SILENT_SECONDS=$(SILENT_SECONDS) .venv/bin/python -m pytest tests/sources/feed/test_network.py -q -k "silent or stopped" $(OPTIONS)
 
-test-soak: setup  ## the feed for an hour, a page for 3,000 rounds over a link that is cut (SOAK_SECONDS=, WEB_ROUNDS=): nothing may grow
+test-soak: setup  ## the feed for an hour, a page for 3,000 rounds over a link that is cut and a crowd at the web's door (SOAK_SECONDS=, CROWD_SECONDS=, WEB_ROUNDS=): nothing may grow
 	@.venv/bin/python docs/measure/soak_feed.py --seconds $(SOAK_SECONDS)
+	@.venv/bin/python docs/measure/soak_web.py --seconds $(CROWD_SECONDS)
 	@WEB_ROUNDS=$(WEB_ROUNDS) .venv/bin/python -m pytest tests/web/test_page.py -q -s -o faulthandler_timeout=0 -k stalls_and_cuts $(OPTIONS)
 
 test-faults: setup  ## plant 120 small faults in a copy, one at a time, and say which the tests miss: hours (OPTIONS="--room poses")

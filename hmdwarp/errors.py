@@ -76,6 +76,11 @@ def listed(names: Sequence[str], word: str = "and") -> str:
     return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
+def are_digits(text: str) -> bool:
+    """Return whether a text is digits 0 to 9 alone, of which int() makes a number."""
+    return text.isascii() and text.isdigit()
+
+
 def in_brief(value: object) -> str:
     """Return a value of a caller for a message, in one short line."""
     text = " ".join(reprlib.repr(value).split())

@@ -154,6 +154,12 @@ def test_names_that_no_file_can_have_are_one_line(tmp_path):
         assert len(refused(lambda name=name: text_in(tmp_path / name, TABLE))) < 700
 
 
+def test_arrays_are_bounded_by_what_they_unpack_to(tmp_path):
+    """6 MB of the file were 6.4 GB; not one array is made."""
+    np.savez_compressed(tmp_path / "a.npz", colour=np.zeros((9000, 20_000, 3), np.uint8), depth_m=np.zeros((1, 1)))
+    refused(lambda: sequences.open(tmp_path), "bytes, unpacked; expected at most 536870912")
+
+
 def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
     rows = "time_ns,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(60_000))
     (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows.encode()))

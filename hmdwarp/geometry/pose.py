@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
+MOST_M = 1e9  # of a coordinate: doubles are 0.1 um apart there; the earth's radius is 6.4e6
 
 
 def frozen(value: ArrayLike, length: int) -> Vector:
@@ -128,6 +129,11 @@ class Pose:
         x, y, z, w = self.orientation_xyzw.tolist()
         length = math.sqrt(x * x + y * y + z * z + w * w)
         return x / length, y / length, z / length, w / length
+
+    def check_near(self, what: str) -> None:
+        """Check a pose of a user, for which pixels are drawn. Errors: InputError beyond MOST_M."""
+        if max(map(abs, self.position_m.tolist())) > MOST_M:
+            raise InputError(f"{what}: position {self.position_m.tolist()}: expected at most {MOST_M:g} m")
 
     @property
     def rotation(self) -> Rotation:

@@ -14,7 +14,7 @@ from typing import Any, cast
 import attrs
 import moderngl
 
-from ..errors import InputError
+from ..errors import InputError, are_digits
 
 VARIABLE = "HMDWARP_EGL_DEVICE"
 _DEVICE_PLATFORM, _DRM_FILE, _EXTENSIONS = 0x313F, 0x3233, 0x3055
@@ -165,7 +165,7 @@ def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
             except (OSError, ValueError) as error:
                 failures.append(f"device {device.index}: {error}")
         raise OSError("; ".join(failures) or "EGL lists no device")
-    if wanted.isdecimal():
+    if are_digits(wanted):
         chosen = [device for device in found if device.index == int(wanted)]
     else:
         names = {device.index: renderer_of(device, version) for device in found}

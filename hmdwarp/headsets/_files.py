@@ -199,7 +199,7 @@ def load_headset(spec: str) -> Headset:
     name, distance, ipd = spec.partition(IPD)
     if not distance:
         return _loaded(name)
-    if not re.fullmatch(r"\d{1,4}(\.\d*)?", ipd):
+    if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]*)?", ipd):
         raise InputError(f"headset '{spec}': expected NAME{IPD} and millimetres")
     return _loaded(name).with_ipd(float(ipd) * 1e-3)
 

@@ -237,6 +237,7 @@ def checked_view(name: str, view: object) -> View:
     """Return the view. Errors: InputError for anything else."""
     if not isinstance(view, View):
         raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
+    view.pose.check_near(name)
     return view
 
 

@@ -47,7 +47,7 @@ def parse_bandwidth(text: str) -> Bandwidth | None:
 
 def _number(text: str, refusal: str) -> float:
     try:
-        return float(text)
+        return float(text.encode("ascii"))
     except ValueError:
         raise InputError(refusal) from None
 

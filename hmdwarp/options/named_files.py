@@ -32,6 +32,26 @@ _LONGEST_NAME = 500
 _OTHERS = ((stat.S_ISDIR, "a directory"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
 
 
+MOST_PIXELS_BYTES = 512 * _MIB  # of a picture or the arrays of an archive, unpacked
+
+
+def most_unpacked(packed: int) -> int:
+    """Return the most bytes that so many packed ones may become: 16 MiB, or 50 times as many."""
+    return max(16 * _MIB, 50 * packed)
+
+
+def unpacked(decompressor: Any, data: bytes) -> bytes:
+    """Return what packed bytes hold. Errors: ValueError for too many; the decompressor's own.
+
+    decompressor: of bz2, lz4 or zstd, all of which can be told how much to unpack.
+    """
+    most = most_unpacked(len(data))
+    found: bytes = decompressor.decompress(data, most + 1)
+    if len(found) > most or not decompressor.eof:
+        raise ValueError(f"{len(data)} bytes, which end early or are more than {most} when they are unpacked")
+    return found
+
+
 @attrs.frozen
 class FileKind:
     """A kind of file, with the most bytes that one has."""

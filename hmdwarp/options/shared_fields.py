@@ -150,7 +150,7 @@ class HasGuard(Protocol):
 
 def parse_size(text: str, flag: str = "--size") -> Size:
     """Return (640, 400) for '640x400'. Errors: InputError."""
-    match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
+    match = re.fullmatch(r"([0-9]{1,6})\s*[xX]\s*([0-9]{1,6})", text.strip())
     if not match or 0 in map(int, match.groups()):
         raise InputError(f"{flag} '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
     return int(match.group(1)), int(match.group(2))

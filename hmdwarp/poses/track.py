@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, TraceError, in_brief
 from ..geometry import Pose, trusted_pose
+from ..geometry.pose import MOST_M
 from . import quaternions
 
 _MS = 1_000_000
@@ -161,6 +162,9 @@ class PoseTrack:
             if not np.isfinite(array).all():
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
                 raise TraceError(f"sample {i} of the head track is not finite: {array[i].tolist()}")
+        if n and (far := np.abs(self.position_m).max(axis=1)).max() > MOST_M:
+            i = int(np.argmax(far))
+            raise TraceError(f"sample {i} of the head track is {far[i]:g} m away: expected at most {MOST_M:g} m")
         if not isinstance(self.max_gap_ns, Real):
             raise TraceError(f"max_gap_ns: expected nanoseconds, found {in_brief(self.max_gap_ns)}")
         if any(not 0 <= i < n - 1 for i in self.jumps):

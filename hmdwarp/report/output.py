@@ -340,7 +340,7 @@ def _is_text(value: Any) -> bool:
 
 def _is_guard(value: Any) -> bool:
     if isinstance(value, str):
-        return re.fullmatch(r"[1-9]\d*(\.\d+)?x[1-9]\d*(\.\d+)?", value) is not None
+        return re.fullmatch(r"[1-9][0-9]*(\.[0-9]+)?x[1-9][0-9]*(\.[0-9]+)?", value) is not None
     return _is_number(value) and value >= 1
 
 

@@ -43,7 +43,7 @@ AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
 # Beyond the latency, for the first frame where nobody sees that it is waited for; of a server
 # elsewhere, which may be busy, last.
-PATIENCE_S = (10.0, 60.0)
+PATIENCE_S = (10.0, 30.0)
 
 
 class FrameHandler(Protocol):
@@ -200,7 +200,17 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
             say(str(closed))
+        if options.feed.connect and not log.count and ending.asked is not None:
+            raise _unshown(options)
     return log.result()
+
+
+def _unshown(options: LiveOptions, waited_s: float = 0.0) -> MachineError:
+    within = f" within {waited_s:.0f} s" if waited_s else ""
+    return MachineError(
+        f"--connect {options.feed.connect}: no frame that could be shown has arrived{within}: the lines above say why "
+        "frames are left out; see whether 'hmdwarp serve' there is of this version"
+    )
 
 
 def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bool], None]:
@@ -267,15 +277,22 @@ class _UserRun(FrameHandler):
     def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, pace: _Pace, hand: Hand) -> None:
         self._log, self._ending, self._host, self._pace, self._hand = log, ending, host, pace, hand
         self._commands = CommandHandler(host, pace.say, hand)
-        self._began_ns = ending.now_ns()
+        self._began_ns, self._arrived_s = ending.now_ns(), time.monotonic()
         log.status.choices = choices()
         log.status.values = values(host.options, host.run.sizes.shown)
 
     def over(self) -> bool:
         options = self._host.options
-        if not self._log.count and options.source == OFFSCREEN:  # nobody sees that it waits
+        waits_s, patience_s = time.monotonic() - self._arrived_s, PATIENCE_S[bool(options.feed.connect)]
+        if options.feed.connect:
+            # A display's clock may stand still between pictures.
+            if waits_s > options.latency_ms * 1e-3 + patience_s and (
+                options.source == OFFSCREEN or options.seconds or options.pictures
+            ):
+                raise _unshown(options, waits_s)
+        elif not self._log.count and options.source == OFFSCREEN:  # nobody sees that it waits
             waited_s = (self._ending.now_ns() - self._began_ns) * 1e-9
-            if waited_s > options.latency_ms * 1e-3 + PATIENCE_S[bool(options.feed.connect)]:
+            if waited_s > options.latency_ms * 1e-3 + patience_s:
                 raise InputError(
                     f"no frame has arrived within {waited_s:g} s: expected one after the latency: use less --loss, "
                     "more --bandwidth or a shorter delay"
@@ -292,6 +309,7 @@ class _UserRun(FrameHandler):
         return changed
 
     def arrived(self, refresh: Refresh) -> None:
+        self._arrived_s = time.monotonic()
         self._pace.picture()
         self._hand.follow(refresh)
 

@@ -232,7 +232,7 @@ class GltfFile:
             data = self.view(self.item("bufferViews", found.get("bufferView"), f"{user} (image {index})"))
         try:
             return rgba_of(Image.open(io.BytesIO(data)))
-        except (OSError, ValueError, SyntaxError, TypeError) as error:
+        except (OSError, ValueError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
             raise self.error(
                 f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
                 "PNG, JPEG or WebP; export it again"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, are_digits
+from ..geometry.pose import MOST_M
 from ..options import PICTURE, Declared, Number, one_of, option
 
 NONE = "none"
@@ -72,12 +71,12 @@ class SceneOptions(Declared):
         """
         parts = [part.strip() for part in (self.viewpoint or "").split(",")]
         try:
-            numbers = [float(part) for part in parts]
+            numbers = [float(part.encode("ascii")) for part in parts]
         except ValueError:
             return None
-        if len(numbers) == 1 and parts[0].isdecimal():
+        if len(numbers) == 1 and are_digits(parts[0]):
             return None  # a camera's number
-        if len(numbers) not in (3, 4) or not all(map(math.isfinite, numbers)):
+        if len(numbers) not in (3, 4) or not all(abs(number) <= MOST_M for number in numbers):
             raise InputError(
                 f"--viewpoint '{self.viewpoint}': expected X,Y,Z or X,Y,Z,YAW, such as 0,1.6,2,90, or the name or "
                 "number of a camera in the file"
@@ -95,7 +94,7 @@ def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") 
     """
     if name in names:
         return names.index(name)
-    if name.isdecimal() and int(name) < len(names):
+    if are_digits(name) and int(name) < len(names):
         return int(name)
     known = ", ".join(f"{number} '{known}'" for number, known in enumerate(names)) or f"no {kind}"
     wanted = " or ".join(filter(None, ("one of them" if names else "", also)))
@@ -105,6 +104,6 @@ def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") 
 def seed_of(spec: str) -> int:
     """Return the number of `seed:N`. Errors: InputError."""
     text = spec.removeprefix(SEED)
-    if not text.isdecimal():
+    if not are_digits(text):
         raise InputError(f"--input {spec}: expected seed:N with a whole number N, such as seed:1, or a file")
     return int(text)

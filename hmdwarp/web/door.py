@@ -29,7 +29,7 @@ import zmq
 import zmq.asyncio
 from aiohttp import web
 
-from ..errors import InputError
+from ..errors import InputError, are_digits
 from ..gpu.shaders import VERSION, flatten
 from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
@@ -320,7 +320,7 @@ def _as_json(content: Any) -> _File:
 
 def _checked(address: str) -> str:
     host, separator, port = address.rpartition(":")
-    if not (separator and host and (port == "*" or (port.isdecimal() and int(port) < 65536))):
+    if not (separator and host and (port == "*" or (are_digits(port) and int(port) < 65536))):
         raise InputError(f"--web {address}: expected HOST:PORT, such as 127.0.0.1:5580, or * for a free port")
     return f"tcp://{address}"
 
@@ -343,7 +343,7 @@ def _bytes(text: str) -> bytes:
 
 def _is_own(host: str) -> bool:
     """Whether a browser came by a number or this machine's name: no page of others has these."""
-    name = host.rpartition(":")[0] if host.rpartition(":")[2].isdecimal() and not host.endswith("]") else host
+    name = host.rpartition(":")[0] if are_digits(host.rpartition(":")[2]) and not host.endswith("]") else host
     if name.strip("[]") in ("localhost", socket.gethostname(), f"{socket.gethostname()}.local"):
         return True
     try:

@@ -281,3 +281,10 @@ def test_another_file_named_as_mcap_is_refused(tmp_path):
     path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "0,0,0,0,0,0,0,1\n" * 3)
     with pytest.raises(TraceError, match="is no MCAP file"):
         load_trace(path, TraceOptions(format="mcap"))
+
+
+def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path):
+    bag = Bag(tmp_path / "bag.mcap", chunk_size=1 << 26)
+    bag.add("/head", "geometry_msgs/msg/PoseStamped", 0, bytes(17 << 20))
+    with pytest.raises(TraceError, match="more than 16777216 bytes, unpacked"):
+        load_trace(bag.done())

@@ -312,3 +312,30 @@ def test_data_of_percents_and_of_base64_are_read(beside, tmp_path):
 def test_the_square_of_these_tests_faces_the_viewer():
     a, b, c = SQUARE[[0, 1, 2]]
     assert np.cross(b - a, c - a)[2] > 0
+
+
+def test_a_long_chain_of_nodes_stands_where_its_steps_lead(tmp_path):
+    glb, count = Glb(), 3000
+    glb.header["nodes"] = [{"children": [n + 1], "translation": [0, 0, -1e-3]} for n in range(count)] + [{"mesh": 0}]
+    scene, glb.header["nodes"] = glb.load(tmp_path), [{"mesh": 0, "translation": [0, 0, -count * 1e-3]}]
+    wanted = glb.load(tmp_path, "one.glb")
+    np.testing.assert_allclose(scene.meshes[0].positions, wanted.meshes[0].positions, atol=1e-5)
+
+
+@pytest.mark.parametrize("what", ["positions", "indices", "instances of a mesh"])
+def test_what_is_counted_but_not_there_is_refused_before_it_is_made(tmp_path, what):
+    """Neither refusal waits for an array: 3e7 elements, a file's triangles 50,000 times."""
+    glb = Glb()
+    if what == "instances of a mesh":
+        index = glb.primitive["indices"]
+        glb.header["accessors"][index]["count"] = 3_000_000
+        glb.header["nodes"], glb.header["scenes"] = [{"mesh": 0}] * 100, [{"nodes": [*range(100)]}]
+    else:
+        empty = {"componentType": 5126, "count": 30_000_000, "type": "VEC3"}
+        if what == "indices":
+            empty |= {"componentType": 5125, "type": "SCALAR"}
+        glb.header["accessors"].append(empty)
+        place = glb.primitive if what == "indices" else glb.primitive["attributes"]
+        place["indices" if what == "indices" else "POSITION"] = len(glb.header["accessors"]) - 1
+    with pytest.raises(SceneError, match="without data; expected at most|more than 50000000 triangles"):
+        glb.load(tmp_path)

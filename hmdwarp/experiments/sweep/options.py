@@ -17,8 +17,8 @@ from ...run.options import RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
-LOCAL = r"local:([1-9]\d{0,2})"
-_ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9]\d*"
+LOCAL = r"local:([1-9][0-9]{0,2})"
+_ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9][0-9]*"
 EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""

@@ -29,6 +29,7 @@ from .sweep_case import (
     SweepCase,
     Work,
     groups_of,
+    held,
     run_group,
 )
 
@@ -101,14 +102,14 @@ def run_cases(
 ) -> Swept:
     """Run the cases that are not done and keep each in the folder `cases` of `out`.
 
-    A case that fails is kept as failed, and the others go on. An interruption leaves what is done.
+    A case that fails is kept as failed, and the others go on. An interruption leaves what is done,
+    and what an earlier run kept: that of other cases is deleted at the end of one that does not
+    resume.
     progress(done, total): in steps of the cases. say: gets a sentence.
     Errors: InputError or MachineError for a folder that cannot be written.
     """
     kept = KeptCases(out / FOLDER)
-    if not options.resume:
-        kept.clear()
-    missing = [case for case in cases if kept.state(case.identity) != DONE]
+    missing = [case for case in cases if not options.resume or kept.state(case.identity) != DONE]
     known = len(cases) - len(missing)
     if known:
         say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
@@ -120,6 +121,8 @@ def run_cases(
         else:
             kept.keep(case.identity, case.name, outcome)
         bar.done(case)
+    if not options.resume:
+        kept.clear({case.identity for case in cases})
     failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
     return Swept(kept, tuple(cases), failed, known)
 
@@ -137,7 +140,7 @@ def experiment(
 
     files: that it may write, the JSON file last. The third value returns the content of that file:
     what was found, and what every experiment has. progress(done, total): in steps of the cases.
-    say: gets a sentence. Errors: as OutputFolder.
+    say: gets a sentence. Errors: as OutputFolder and held.
     """
     started_s = time.perf_counter()
 
@@ -145,7 +148,7 @@ def experiment(
         about = {"schema": SCHEMA, "hmdwarp": __version__, "command": options.command}
         return {**about, **found, "seconds": time.perf_counter() - started_s}
 
-    with OutputFolder(options.out, owned=files[:-1], last=files[-1], force=options.force) as out:
+    with OutputFolder(options.out, owned=files[:-1], last=files[-1], force=options.force) as out, held(options.out):
         yield out, run_cases(work, cases, options.out, options.sweep, progress, say), described
 
 

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import bisect
 import itertools
+import os
 import platform
+import socket
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from datetime import datetime
 from pathlib import Path
 from typing import Any, Protocol, overload
 
@@ -21,6 +24,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...options.documents import json_in
 from ...options.identity import identity_of
 from ...options.named_files import RESULTS
+from ...platforms import lock
 from ...report import write_bytes, write_json
 
 FOLDER = "cases"
@@ -90,6 +94,7 @@ class KeptCases:
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""
         self.folder.mkdir(parents=True, exist_ok=True)
+        self._path(identity).unlink(missing_ok=True)  # its files are of one run
         for file, content in result.files.items():
             write_bytes(self.file(identity, file), content)
         self._write(identity, {"state": DONE, "name": name, "where": result.where, "result": result.data})
@@ -103,10 +108,11 @@ class KeptCases:
         """Return the path of a file that belongs to a case."""
         return self.folder / f"{identity}-{name}"
 
-    def clear(self) -> None:
-        """Delete all cases: a run that does not resume begins with none."""
+    def clear(self, stay: Collection[str]) -> None:
+        """Delete all cases but these."""
         for path in self.folder.glob("*"):
-            if len(path.name.partition("-")[0].partition(".")[0]) == 32 and path.is_file():
+            identity = path.name.partition("-")[0].partition(".")[0]
+            if len(identity) == 32 and identity not in stay and path.is_file():
                 path.unlink()
 
     def _path(self, identity: str) -> Path:
@@ -121,6 +127,35 @@ class KeptCases:
             if isinstance(data, dict) and data.get("identity") == identity:
                 return data
         return None
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder. Errors: MachineError that says who holds it since when."""
+    path = folder / ".lock"
+    while True:
+        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+        try:
+            lock(file)
+            is_there = path.exists() and os.path.samestat(os.fstat(file), path.stat())
+        except BlockingIOError as error:
+            holder = os.read(file, 500).decode(errors="replace").strip()
+            os.close(file)
+            raise MachineError(
+                f"{folder}: another run writes here ({holder}): end it first, wait, or take another folder"
+            ) from error
+        except OSError:  # a file system that locks nothing
+            is_there = True
+        if is_there:
+            break
+        os.close(file)  # its holder has just deleted it
+    try:
+        now = datetime.now().astimezone()
+        os.write(file, f"since {now:%H:%M on %Y-%m-%d}, process {os.getpid()} on {socket.gethostname()}".encode())
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+        os.close(file)
 
 
 Row = dict[str, Any]

@@ -11,6 +11,7 @@ from typing import Any
 
 import attrs
 
+from ...errors import are_digits
 from ...link.codec import EXACT
 
 # Of the head, in m/s; of its rotation, in deg/s. 30 and 113 are the median and the 95th percentile
@@ -344,4 +345,4 @@ def _together(texts: Sequence[str]) -> str:
 
 
 def _is_number(text: str) -> bool:
-    return text.removesuffix("%").replace(".", "", 1).isdigit()
+    return are_digits(text.removesuffix("%").replace(".", "", 1))

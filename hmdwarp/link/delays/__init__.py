@@ -56,7 +56,7 @@ def milliseconds(what: str, text: str) -> float:
     Errors: InputError whose message starts with `what`.
     """
     try:
-        value = float(text)
+        value = float(text.encode("ascii"))
     except ValueError:
         value = math.nan
     if not 0 <= value <= LONGEST_MS:

@@ -103,7 +103,7 @@ def _is_heading(text: str) -> bool:
 
 def _delay(path: Path, number: int, text: str) -> float:
     try:
-        value = float(text)
+        value = float(text.encode("ascii"))
     except ValueError:
         value = math.nan
     if not 0 <= value <= LONGEST_MS:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
-from ...options.named_files import LIST, TRACE, opened
+from ...options.named_files import LIST, TRACE, most_unpacked, opened
 from ..assumptions import By, Defect
 from ..options import Euler
 from .colmap import MARK, table_of_colmap
@@ -30,9 +30,11 @@ from .pose_messages import MAGICS as BAGS
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
 _GZIP = b"\x1f\x8b"
-_NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?$")
-_WHOLE = re.compile(r"[-+]?\d+([eE][-+]?\d+)?$")
+_NUMBER = re.compile(
+    r"[-+]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][-+]?[0-9]+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE
+)
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?$")
+_WHOLE = re.compile(r"[-+]?[0-9]+([eE][-+]?[0-9]+)?$")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 COMMENT_SIGNS = ("#", "%", "//")
 
@@ -60,10 +62,18 @@ class Source:
 
 
 class _Unpacked(io.RawIOBase):
-    """What gzip packed. Errors: TraceError beyond the bound of a file that is not packed."""
+    """What gzip packed. Errors: TraceError for more than most_unpacked, or TRACE, allows."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self._path, self._file, self._unpacked = path, file, gzip.GzipFile(fileobj=file)
+        size = os.fstat(file.fileno()).st_size
+        self._most = min(TRACE.most_bytes, most_unpacked(size))
+        file.seek(max(0, size - 4))  # what it says itself, if it is of one piece
+        said = int.from_bytes(file.read(4), "little")
+        file.seek(0)
+        if size > 18 and said > self._most:
+            self.close()
+            self._check(said)
 
     def readable(self) -> bool:
         return True
@@ -76,11 +86,15 @@ class _Unpacked(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         count = self._unpacked.readinto(buffer)
-        if self._unpacked.tell() > TRACE.most_bytes:
-            raise TraceError(
-                f"{self._path}: more than {TRACE.most_bytes} bytes, unpacked: expected a shorter recording"
-            )
+        self._check(self._unpacked.tell())
         return count
+
+    def _check(self, size: int) -> None:
+        if size > self._most:
+            raise TraceError(
+                f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording, or one unpacked "
+                "already"
+            )
 
     def close(self) -> None:
         self._unpacked.close()
@@ -322,14 +336,14 @@ def _has_decimal_comma(fields: list[str]) -> bool:
     return commas > 0 and all(_DECIMAL_COMMA.match(f) or _WHOLE.match(f) or not is_number(f) for f in fields)
 
 
-_CELL_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_CELL_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _PLAIN = re.compile(rf"(?:{_CELL_NUMBER}|[-+]?(?:nan|inf))$", re.IGNORECASE)
 _LABELLED = re.compile(rf"([A-Za-z]+)[\"']*\s*[=:]\s*({_CELL_NUMBER})")
 _UNREAL = re.compile(rf"(?:X|P|Pitch)={_CELL_NUMBER},?\s*(?:Y|Yaw)={_CELL_NUMBER},?\s*(?:Z|R|Roll)={_CELL_NUMBER}")
-_COMMAS = re.compile(r"[-+]?\d+,\d+(?:[,;]\s+[-+]?\d+,\d+)+$")  # (0,1, 1,6): decimal commas
+_COMMAS = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[,;]\s+[-+]?[0-9]+,[0-9]+)+$")  # (0,1, 1,6): decimal commas
 # Brackets, quotes or labels about numbers, or numbers apart by another sign than the cells are.
 _SUSPECT = re.compile(
-    rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.\d]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*\d,[^;\t,]+,[^;\t]*\d"
+    rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.0-9]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*[0-9],[^;\t,]+,[^;\t]*[0-9]"
     rf"|,\s*{_CELL_NUMBER}\s+{_CELL_NUMBER}\s+{_CELL_NUMBER}"
 )
 _SAMPLE, _PREAMBLE, _LONGEST = 5, 200, 500  # rows, lines, characters that are looked at
@@ -404,7 +418,7 @@ def _cells(line: str, separator: str | None) -> Iterator[str]:
 def _parts(cell: str) -> list[tuple[str, str]]:
     """Return label and number of each part; a cell of one value is a part without a label."""
     bare = cell.strip().strip('"').strip()
-    if re.fullmatch(r"[-+]?\d*,\d+", bare):
+    if re.fullmatch(r"[-+]?[0-9]*,[0-9]+", bare):
         return [("", bare.replace(",", "."))]
     labelled = _LABELLED.findall(bare)
     if len(labelled) > 1:

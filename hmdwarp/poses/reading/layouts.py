@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError
+from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
 from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
@@ -148,7 +148,7 @@ def column_of(head: Head, word: str) -> int:
     """Return the index of a column by name, or by number from 1. Errors: InputError."""
     word = word.strip()
     index = head.column(word)
-    if index is None and word.isdigit() and 1 <= int(word) <= head.width:
+    if index is None and are_digits(word) and 1 <= int(word) <= head.width:
         index = int(word) - 1
     if index is None:
         raise InputError(f"{head.path} has no column '{word}' ({head.describe()}); numbers count from 1")
@@ -289,7 +289,7 @@ def _sniff_ticks(head: Head) -> int:
     """Recognise stamps of 18 digits."""
     time = head.column("timestamp") if head.names else 0
     stamp = head.rows[0][time] if time is not None and time < head.width else ""
-    if not (len(stamp) == 18 and stamp.isdigit()):
+    if not (len(stamp) == 18 and are_digits(stamp)):
         return 0
     if head.names is None:
         return 6 if head.width == 8 else 0
@@ -301,7 +301,7 @@ def _sniff_frames(head: Head) -> int:
     if head.names is not None or head.separator is not None or head.width != 6:
         return 0
     rows = [r for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
-    if not rows or not all(r[1].isdigit() for r in rows):
+    if not rows or not all(are_digits(r[1]) for r in rows):
         return 0
     frames = [int(r[1]) for r in rows]
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)

@@ -52,7 +52,7 @@ def _qualisys_made(path: Path, text: str) -> Made:
     bodies = about.get("BODY_NAMES") or [name.removesuffix(" X") for name in lines[begin][first::_QUALISYS_EACH]]
     clock = lines[begin].index("Time") if "Time" in lines[begin][:first] else None
     stated = "".join(about.get("FREQUENCY", [])[:1])
-    rate = float(stated) if clock is None and re.fullmatch(r"\d+(\.\d+)?", stated) else 0.0
+    rate = float(stated) if clock is None and re.fullmatch(r"[0-9]+(\.[0-9]+)?", stated) else 0.0
     if clock is None and not rate:
         raise TraceError(f"{path}: a Qualisys export with neither a column Time nor a FREQUENCY: export it with them")
     rows = []

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import bz2
 import operator
+import os
 import re
+import struct
 import threading
 import weakref
 from collections.abc import Callable, Collection, Iterator
@@ -15,7 +18,7 @@ import attrs
 
 from ...errors import HmdwarpError, TraceError
 from ...options.documents import parse_json
-from ...options.named_files import BAG, TABLE, opened, text_in
+from ...options.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
 from ...resources import import_extra
 from ..assumptions import Defect
 from .columns import Made
@@ -156,6 +159,7 @@ class _Reading(PoseMessages):
     def __init__(self, path: Path, stream: IO[bytes], size: int) -> None:
         super().__init__(path)
         self.stream = stream
+        self._check_unpacked(size)
         self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
         self._how = {"validate_crcs": True, "record_size_limit": size}
         modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
@@ -181,6 +185,22 @@ class _Reading(PoseMessages):
                 raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
             what = f"the file ends in the middle, after {count} poses ({why})"
             self.defects.append(Defect("file-cut", what, "read up to there"))
+
+    def _check_unpacked(self, size: int) -> None:
+        """Check what the chunks say that they unpack to. Errors: TraceError."""
+        left, at = most_unpacked(size), len(MAGIC)
+        while at + _RECORD.size <= size:
+            self.stream.seek(at)
+            code, length = _RECORD.unpack(self.stream.read(_RECORD.size))
+            at += _RECORD.size + length
+            if code == _CHUNK:
+                head = self.stream.read(_CHUNK_HEAD)
+                how, data = _packed_in(head)
+                left -= max(int.from_bytes(head[16:24], "little"), _frame_bytes(data) if how == b"zstd" else 0)
+            if left < 0:
+                what = f"its chunks are more than {most_unpacked(size)} bytes, unpacked: expected a shorter recording"
+                raise TraceError(f"{self.path}: {what}")
+        self.stream.seek(0)
 
     def _reader(self) -> tuple[Any, Any]:
         """Return a reader, and the index of a file that was closed as it should be, else None."""
@@ -224,6 +244,26 @@ class _Reading(PoseMessages):
         return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
 
 
+# Of the MCAP format: opcode and length of a record; a chunk, whose head has two instants, the size
+# unpacked, a checksum, a word, and the size packed; the data begin with a frame's own head.
+_RECORD, _CHUNK, _CHUNK_HEAD = struct.Struct("<BQ"), 6, 32 + 8 + 8 + 18
+
+
+def _packed_in(head: bytes) -> tuple[bytes, bytes]:
+    """Return how a chunk is packed, and the first of its data."""
+    end = 32 + int.from_bytes(head[28:32], "little")
+    return head[32:end], head[end + 8 :]
+
+
+def _frame_bytes(data: bytes) -> int:
+    """Return how many bytes a frame of Zstandard says that it holds; 0 where it does not say."""
+    zstandard = import_extra("zstandard", "zstandard", EXTRA)
+    try:
+        return max(0, int(zstandard.frame_content_size(data)))
+    except zstandard.ZstdError:
+        return 0  # damaged, as its reader will say
+
+
 def _by_name(value: Any) -> Any:
     """Return JSON with attributes in place of keys."""
     if isinstance(value, dict):
@@ -258,6 +298,7 @@ class Bag:
         highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
         types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
         _check_plain(path)
+        _bound_unpacking()
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
             defined = types.get_typestore(types.Stores.LATEST)
@@ -312,6 +353,48 @@ class _BagPath(type(Path())):  # type: ignore[misc]
 
     def read_text(self, *_: Any, **__: Any) -> str:
         return text_in(self, TABLE)
+
+
+class _Bounded:
+    """A packed file, open for reading. Errors: ValueError beyond most_unpacked."""
+
+    def __init__(self, file: BinaryIO, unpacking: BinaryIO) -> None:
+        self._unpacking, self._left = unpacking, most_unpacked(os.fstat(file.fileno()).st_size)
+
+    def read(self, size: int) -> bytes:
+        data = self._unpacking.read(size)
+        if (left := self._left - len(data)) < 0:
+            raise ValueError("too many bytes when it is unpacked")
+        self._left = left
+        return data
+
+    def __enter__(self) -> _Bounded:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._unpacking.close()
+
+
+def _bound_unpacking() -> None:
+    """Have rosbags unpack no more than most_unpacked; it would take what there is."""
+    first, second, mcap = (
+        import_extra(f"rosbags.{name}", "rosbags", BAGS_EXTRA)
+        for name in ("rosbag1.reader", "rosbag2.reader", "rosbag2.storage_mcap")
+    )
+    if isinstance(second.zstd, SimpleNamespace):
+        return
+    lz4, zstd = import_extra("lz4.frame", "lz4", BAGS_EXTRA), second.zstd
+    first.decompressors["bz2"] = lambda data: unpacked(bz2.BZ2Decompressor(), data)
+
+    def of_lz4(data: bytes) -> bytes:
+        return unpacked(lz4.LZ4FrameDecompressor(), data)
+
+    def of_zstd(data: bytes) -> bytes:
+        return unpacked(zstd.ZstdDecompressor(), data)
+
+    first.decompressors["lz4"] = of_lz4
+    mcap.DECOMPRESSORS.update(lz4=lambda data, _: of_lz4(data), zstd=lambda data, _: of_zstd(data))
+    second.zstd = SimpleNamespace(decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode)))
 
 
 def _check_plain(path: Path) -> None:

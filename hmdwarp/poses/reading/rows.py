@@ -23,6 +23,7 @@ from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, Stamps, parse_fields, parse_one
 
 Numbers = NDArray[np.float64]
+MOST_ROWS = 20_000_000  # of about 150 bytes each in memory
 CHUNK_BYTES = 4 * 1024 * 1024
 _REPAIR = "; repair or remove that line"
 _MATRIX_OFF = 0.05
@@ -90,9 +91,12 @@ class RowReader:
         """Return all rows. Errors: TraceError naming file, line and field."""
         self._check_width()
         parts: list[Rows] = []
+        left = MOST_ROWS
         for chunk in self._chunks():
             rows = self._read_fast(chunk)
             parts.append(rows if rows is not None else self._read_slowly(chunk))
+            if (left := left - len(parts[-1])) < 0:
+                raise TraceError(f"{self.head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
         if self._repeated_headers:
             lines = self._repeated_headers
             what = f"the header comes again {counted(len(lines), 'time')}"

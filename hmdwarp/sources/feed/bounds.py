@@ -6,6 +6,7 @@ import math
 
 import attrs
 
+from ...geometry.pose import MOST_M
 from ...scenes import ACTIONS, LEAST_WAY
 
 
@@ -47,8 +48,7 @@ def _shown(number: float) -> str:
 NUMBER = Bound("id", 1, 2**64)
 SIDE = Bound("width or height of a picture, rendered or shown", 1, 8192, "pixels")
 EYES = Bound("eyes", 1, 2)
-# Doubles are 0.1 um apart there; the earth's radius is 6.4e6.
-COORDINATE = Bound("coordinate of a position", -1e9, 1e9, "m")
+COORDINATE = Bound("coordinate of a position", -MOST_M, MOST_M, "m")
 LENGTH = Bound("length of a quaternion", 0.999, 1.001)
 # The angles themselves: geometry.Fov.
 EXTENT = Bound("field of view from left to right, or from down to up", 1e-4, 3.1242, "rad")

@@ -32,7 +32,7 @@ from . import EXTRA
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
-_TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):(\d+|\*)")
+_TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):([0-9]+|\*)")
 # Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
 MOST_UNREAD = 1 << 20
 # Bytes of frames that wait for a client; one frame may always wait, even if it is larger.

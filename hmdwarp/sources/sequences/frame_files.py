@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
 from ...options import as_path
-from ...options.named_files import PICTURE_FILE, content_of, named_in
+from ...options.named_files import MOST_PIXELS_BYTES, PICTURE_FILE, content_of, named_in
 from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
 from .camera import Camera, camera_of, read_json, refuse_distortion, unread_notes
@@ -240,6 +240,11 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
         raise InputError(f"{path}: not an .npz file; {wanted}")
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
+            size = sum(
+                one.file_size for one in data.zip.infolist() if one.filename.removesuffix(NPY) in (*_KEYS, *_FACTS)
+            )
+            if size > MOST_PIXELS_BYTES:
+                raise ValueError(f"arrays of {size} bytes, unpacked; expected at most {MOST_PIXELS_BYTES}")
             return read(data)
     # Zip, zlib and NumPy raise many kinds of exceptions for a damaged file.
     except Exception as error:
@@ -279,7 +284,9 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
             "by its length if it is a rotation"
         )
     try:
-        return View(Pose(position, orientation), _fov(path, data, size))
+        pose = Pose(position, orientation)
+        pose.check_near(str(path))
+        return View(pose, _fov(path, data, size))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...options import as_path
-from ...options.named_files import PICTURE_FILE, VIDEO, opened
+from ...options.named_files import MOST_PIXELS_BYTES, PICTURE_FILE, VIDEO, opened
 from ...resources import import_extra, pyav
 
 EXR, NPY = ".exr", ".npy"
@@ -310,6 +310,7 @@ def read_exr(path: Path) -> ExrPicture:
         with (
             opened(path, PICTURE_FILE) as plain,
             _printed_to(damage),
+            _small(path, library.File(_by_number(plain), header_only=True)),
             library.File(_by_number(plain), separate_channels=True) as file,
         ):
             parts = len(file.parts)
@@ -374,6 +375,17 @@ def _printed_to(damage: list[str]) -> Iterator[None]:
 
 def _library() -> Any:
     return import_extra("OpenEXR", "OpenEXR", "exr")
+
+
+@contextmanager
+def _small(path: Path, file: Any) -> Iterator[None]:
+    """Check what a file says that its pixels are, before any are read. Errors: InputError."""
+    with file:
+        (left, top), (right, bottom) = file.header()["dataWindow"]
+        count = (int(right) - int(left) + 1) * (int(bottom) - int(top) + 1) * len(file.header()["channels"])
+    if 4 * count > MOST_PIXELS_BYTES:
+        raise InputError(f"{path}: {4 * count} bytes of pixels, unpacked; expected at most {MOST_PIXELS_BYTES}")
+    yield
 
 
 def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[np.float32]:

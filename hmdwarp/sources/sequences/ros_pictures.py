@@ -80,7 +80,7 @@ def _decompressed(where: str, message: Any, encoding: str) -> NDArray[Any]:
     try:
         with Image.open(io.BytesIO(data)) as picture:
             return np.asarray(picture if encoding in DEPTHS else picture.convert("RGB"))
-    except (OSError, ValueError, SyntaxError) as error:
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
         raise InputError(f"{where}: a picture that cannot be read ({error}); expected JPEG or PNG") from error
 
 

@@ -55,7 +55,7 @@ def analyse(
     families: as families_for takes them. claims: published figures to compare with the data.
     Errors: as families_for; MachineError where statsmodels is missing.
     """
-    rows = ratings.rows.assign(number=ratings.rows["participant"].str.extract(r"^(\d{1,9})$")[0].astype(float))
+    rows = ratings.rows.assign(number=ratings.rows["participant"].str.extract(r"^([0-9]{1,9})$")[0].astype(float))
     order = ["part", "number", "participant", "session", "place", "repeat", "scale"]
     ratings = attrs.evolve(ratings, rows=rows.sort_values(order))
     compare, why = families_for(ratings, families)

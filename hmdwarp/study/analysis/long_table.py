@@ -302,7 +302,7 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
         data[role] = _whole(data, role, path, default)
     if part_column:
         data["part"] = data["part"].str.replace(
-            r"^(\d+)$", rf"{part_column} \1", regex=True
+            r"^([0-9]+)$", rf"{part_column} \1", regex=True
         )  # "run 1", where "run" holds 1
     data["scale"] = data["scale"].replace("", unnamed)
     data["reference"] = data["reference"].str.lower().isin(("true", "1", "yes"))
@@ -403,7 +403,9 @@ def _number(text: str) -> float:
 def _values(data: pd.DataFrame, path: Path) -> tuple[pd.Series, bool]:
     """Return each rating, NaN where missing, and whether they have decimal commas."""
     texts, missing = data["rating"], _lacks(data["rating"])
-    comma = texts.str.fullmatch(r"[+-]?\d+,\d+").any() and not texts[~missing].str.contains(".", regex=False).any()
+    comma = (
+        texts.str.fullmatch(r"[+-]?[0-9]+,[0-9]+").any() and not texts[~missing].str.contains(".", regex=False).any()
+    )
     texts = texts.str.replace(",", ".") if comma else texts
     values = texts.map(_number).astype(float)
     wanted = "expected a number with a decimal point, or an empty field where it is missing"
@@ -413,7 +415,7 @@ def _values(data: pd.DataFrame, path: Path) -> tuple[pd.Series, bool]:
 
 def _whole(data: pd.DataFrame, role: str, path: Path, default: int) -> pd.Series:
     """Return whole numbers: 1, ses-01 as in BIDS, 1.0 as in data frames."""
-    found = data[role].astype(str).str.extract(r"^(?:\w+-)?(\d{1,9})(?:\.0+)?$")[0]
+    found = data[role].astype(str).str.extract(r"^(?:\w+-)?([0-9]{1,9})(?:\.0+)?$")[0]
     _check(path, data[role], found.notna() | _lacks(data[role]), f"{role} '{{}}': expected a whole number")
     return pd.to_numeric(found).fillna(default).astype(int)
 

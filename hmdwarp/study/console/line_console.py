@@ -96,7 +96,7 @@ def checked_answer(text: str, question: Question) -> float | str:
         return text.strip()
     wanted = f"answers go from {range_text(question)}"
     try:
-        value = float(text.strip().replace(",", "."))
+        value = float(text.strip().replace(",", ".").encode("ascii"))
     except ValueError:
         found = f"{text.strip()!r} is no number" if text.strip() else "nothing was typed"
         raise ValueError(f"{found}: {wanted}") from None

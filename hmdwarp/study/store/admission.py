@@ -20,7 +20,7 @@ from .signature import plan_signature, signature_changes
 
 HOLDING = (RUNNING, INTERRUPTED, COMPLETE)  # other sessions free their order for another participant
 NEW = "new"
-_CODE = re.compile(r"[A-Za-z0-9_-]{1,32}")
+_CODE = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,31}")
 # Without 0 and O, 1, I and L, 2 and Z, 5 and S, 9 and g, which are easily confused.
 _CLEAR = "ABCDEFGHJKMNPQRTUVWXY34678"
 _SUB = "abcdefghijklmnopqrstuvwxyz0123456789"  # BIDS labels take only letters and digits
@@ -30,8 +30,8 @@ def check_code(code: str) -> None:
     """Raise InputError for an invalid code."""
     if not _CODE.fullmatch(code):
         raise InputError(
-            f"--participant {code!r}: expected a code of 1 to 32 letters a-z, digits, - and _, as P07; it must not be "
-            "a name, nor identify the person ('new' draws one)"
+            f"--participant {code!r}: expected a code of 1 to 32 letters a-z, digits, - and _, as P07, no - at its "
+            "start; it must not be a name, nor identify the person ('new' draws one)"
         )
 
 

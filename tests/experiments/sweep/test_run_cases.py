@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.experiments.sweep import run_cases
 from hmdwarp.experiments.sweep.options import SweepOptions
+from hmdwarp.experiments.sweep.sweep_case import held
 from hmdwarp.options.identity import identity_of
 
-from .cheap import sweep
+from .cheap import Cheap, cases, sweep
 
 
 def squares(swept) -> dict[int, int]:
@@ -117,3 +120,20 @@ def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
         == 3
     )
     assert identity_of("kind", 1, ("nowhere/",)) == plain
+
+
+def test_a_folder_is_one_run_s_and_what_it_keeps_stays_until_another_has_succeeded(tmp_path):
+    with held(tmp_path), pytest.raises(MachineError, match=rf"since .*, process {os.getpid()} on"), held(tmp_path):
+        raise AssertionError("two hold it")
+    sweep(tmp_path, 3)
+    kept = {*(tmp_path / "cases").iterdir()}
+
+    def ends(done: int, total: int) -> None:
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_cases(Cheap(tmp_path / "ran"), cases(5, "plain", ""), tmp_path, SweepOptions(), ends)
+    assert kept <= {*(tmp_path / "cases").iterdir()} and not (tmp_path / ".lock").exists()
+    sweep(tmp_path, 1)
+    assert len([*(tmp_path / "cases").iterdir()]) == 1

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hmdwarp.errors import MachineError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import viewer
@@ -166,7 +167,27 @@ def test_odd_frames_are_left_out_and_told_and_the_session_goes_on(tmp_path, monk
     assert abs(feed["views_off"]["moved_m"]) < 1e-6
 
 
-@pytest.mark.parametrize("odd", ["light that is no number", "another size", "a video of noise"])
+TURNS_BAD = ["light that is no number", "another size", "a video of noise", "nothing"]
+
+
+@pytest.mark.parametrize("odd", TURNS_BAD)
+def test_a_run_whose_frames_are_all_left_out_ends(odd, tmp_path, monkeypatch):
+    """They are whole as long as the way is measured; by Ctrl-C it ends without a picture, too."""
+    monkeypatch.setattr("hmdwarp.run.live_run.PATIENCE_S", (10.0, 2.0 if odd != "nothing" else 60.0))
+
+    def answers(number: int, asked: bytes) -> bytes:
+        if odd == "nothing" and number == 9:
+            signal.raise_signal(signal.SIGINT)
+        return foreign.frame(asked) if number < 6 else ODD[odd](asked)
+
+    said: list[str] = []
+    with server(answers) as address, pytest.raises(MachineError, match="no frame that could be shown"):
+        live(options(address, tmp_path / "out", seconds=5.0), said.append)
+    assert not (tmp_path / "out").exists()
+    assert len([line for line in said if "left out" in line]) <= 1 + (odd == "nothing")
+
+
+@pytest.mark.parametrize("odd", TURNS_BAD[:3])
 def test_the_truth_of_a_server_is_whole_or_none(odd, monkeypatch):
     monkeypatch.setattr(viewer, "_AGAIN_NS", 100_000_000)
     with server(lambda number, asked: ODD[odd](asked) if number == 0 else foreign.frame(asked)) as address:

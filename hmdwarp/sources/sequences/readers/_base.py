@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from ....errors import InputError
+from ....errors import InputError, are_digits
 from ....geometry import Pose
 from ....options.named_files import LIST, text_in
 from ....poses import PoseTrack
@@ -282,7 +282,7 @@ class Folder:
     def numbered(self, pattern: str) -> dict[int, Path]:
         """Return files by the first number in their names."""
         files = (path for path in sorted(self.path.glob(pattern)) if not path.name.startswith("."))
-        return {int(found.group()): path for path in files if (found := re.search(r"\d+", path.name))}
+        return {int(found.group()): path for path in files if (found := re.search(r"[0-9]+", path.name))}
 
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
         """Return the pictures of colour and depth, by their names, else their numbers or instants.
@@ -432,7 +432,9 @@ def _motion(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: in
 def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
     """Return world_from_eye in OpenXR's axes of a position and a (3, 3) rotation of a file."""
     turned = axes.world @ rotation @ axes.head.T
-    return Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
+    pose = Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
+    pose.check_near("recorded frames")
+    return pose
 
 
 def pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
@@ -523,7 +525,8 @@ def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
         one for one in files if one.suffix.lower() in endings and not one.name.startswith(".") and one.name != MASK
     ]
     return sorted(
-        found, key=lambda path: [(int(p), "") if p.isdigit() else (-1, p) for p in re.split(r"(\d+)", path.stem)]
+        found,
+        key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in re.split(r"([0-9]+)", path.stem)],
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....colour import linear_from_srgb
-from ....errors import InputError, TraceError, listed
+from ....errors import InputError, TraceError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter, named_in, opened
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
@@ -157,7 +157,7 @@ def scannet(at: Folder) -> None:
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
             refuse_moved(file, matrix_in(file))
-    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if one.stem.isdigit()}
+    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if are_digits(one.stem)}
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:

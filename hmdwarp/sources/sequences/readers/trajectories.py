@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ....errors import InputError, TraceError
+from ....errors import InputError, TraceError, are_digits
 from ....options.named_files import TABLE, named_in, text_in
 from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By
@@ -149,7 +149,7 @@ def redwood(at: Folder) -> None:
     if len(rows) % 5:
         raise InputError(f"{file}: {len(rows)} lines; expected five for each pose, a line of numbers and a matrix")
     for head, *matrix in zip(*[iter(rows)] * 5, strict=True):
-        if len(head.words) not in (1, 2, 3) or not head.words[0].lstrip("-").isdigit():
+        if len(head.words) not in (1, 2, 3) or not are_digits(head.words[0].lstrip("-")):
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), (head.where, [row.floats(4) for row in matrix])))
     numbers = [number for number, _ in found]
@@ -305,7 +305,7 @@ def stray_scanner(at: Folder) -> None:
     shared, at.notes = shared_camera(cameras, video.size)
     at.state(own=shared or Camera.of(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
     own = shared is None and len(cameras) == len(rows) and at.options.intrinsics is None
-    depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if one.stem.isdigit()}
+    depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
     at.size = video.size
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
@@ -319,7 +319,7 @@ def stray_scanner(at: Folder) -> None:
 
 
 _LIST = re.compile(r"^(\w+):[^\n]*\n(?:\s+(?:rows|cols|dt):[^\n]*\n)*\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
-_NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
+_NUMBER = re.compile(r"^(image_width|image_height):\s*([0-9]+)\s*$", re.MULTILINE)
 
 
 def _rtabmap_poses(path: Path) -> Path | None:

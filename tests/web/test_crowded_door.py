@@ -1,0 +1,182 @@
+"""The web's door under random requests, random messages, and peers that are slow or too many."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+import struct
+import time
+import urllib.request
+from http.cookiejar import CookieJar
+
+import aiohttp
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from serving import Serving
+
+from hmdwarp.sources.feed.message import FrameMessage, decode
+from hmdwarp.web.visitors import MOST_VISITORS
+
+from .crowd import Crowd, ask, held_by
+
+KINDS = settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@pytest.fixture(scope="module")
+def serving(tmp_path_factory):
+    out = tmp_path_factory.mktemp("out")
+    with Serving("--web", "127.0.0.1:*", "--out", str(out)) as server:
+        server.door = server.line("for a browser").split()[-1]
+        jar = CookieJar()
+        urllib.request.build_opener(urllib.request.HTTPCookieProcessor(jar)).open(server.door).close()
+        server.cookie = "; ".join(f"{one.name}={one.value}" for one in jar)
+        server.door = server.door.partition("?")[0]
+        yield server
+
+
+def place(serving) -> tuple[str, int]:
+    host, _, port = serving.door.split("/")[2].rpartition(":")
+    return host, int(port)
+
+
+def answer(serving, request: bytes) -> bytes:
+    """What comes back until the door closes."""
+    with socket.create_connection(place(serving)) as one:
+        one.sendall(request)
+        one.shutdown(socket.SHUT_WR)
+        found = b""
+        try:
+            while more := one.recv(1 << 16):
+                found += more
+        except ConnectionError:
+            pass
+        return found
+
+
+def log_of(serving) -> str:
+    return "".join(serving._said)
+
+
+async def _spoken(serving, messages: list[bytes | str]) -> object:
+    """The frame that a page gets after others, from other connections, have said all that."""
+    address, headers = f"ws://{serving.door.split('/')[2]}/feed", {"Cookie": serving.cookie}
+    async with aiohttp.ClientSession(headers=headers) as session:
+        for message in messages:
+            async with session.ws_connect(address) as one:
+                await (one.send_str(message) if isinstance(message, str) else one.send_bytes(message))
+        async with session.ws_connect(address) as one:
+            await one.send_bytes(ask())
+            return decode((await one.receive()).data)
+
+
+LINES = st.sampled_from(
+    [
+        b"Host: 127.0.0.1",
+        b"Host: [",
+        b"Origin: null",
+        b"Cookie: hmdwarp-1=\xff",
+        b'Cookie: a="\\377\\400',
+        b"Upgrade: websocket",
+        b"Connection: Upgrade",
+        b"Connection: close",
+        b"Content-Length: 9",
+        b"Content-Length: -1",
+        b"Transfer-Encoding: chunked",
+        b"Expect: 100-continue",
+        b"Sec-WebSocket-Version: 13",
+        b"Sec-WebSocket-Key: x",
+        b"Range: bytes=9-",
+        b" folded",
+        b"\0: \0",
+    ]
+)
+TARGETS = st.sampled_from(
+    [
+        b"/",
+        b"/feed",
+        b"/?token=%ff",
+        b"/?token=\xfe",
+        b"*",
+        b"http://[",
+        b"http://a:99999999/",
+        b"//[::/",
+        b"/%00",
+        b"\xff",
+        b"/..;/",
+    ]
+)
+METHODS = st.sampled_from([b"GET", b"HEAD", b"POST", b"OPTIONS", b"CONNECT", b"PRI", b"\xff", b""])
+HEADS = st.builds(
+    lambda method, target, lines, end: b"\r\n".join([method + b" " + target + b" HTTP/1.1", *lines]) + end,
+    METHODS,
+    TARGETS,
+    st.lists(LINES | st.binary(max_size=40), max_size=8),
+    st.sampled_from([b"\r\n\r\n", b"\n\n", b"\r\n", b""]),
+)
+
+
+@KINDS
+@given(HEADS | st.binary(max_size=300))
+def test_any_request_is_refused_without_a_traceback(serving, request_):
+    found = answer(serving, request_)
+    assert not found or int(found.split()[1]) in range(400, 432), found[:200]
+    assert "Traceback" not in log_of(serving)
+
+
+NUMBERS = st.floats(width=64) | st.integers(-(2**70), 2**70) | st.sampled_from([1e-320, 1e20, 10**400])
+JSONS = st.recursive(
+    NUMBERS | st.text(max_size=8) | st.none() | st.booleans(),
+    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=6), inner, max_size=4),
+)
+REPORTS = st.fixed_dictionaries(
+    dict.fromkeys(("display", "warp", "missed", "delays_ms"), JSONS)
+    | {"refreshes": JSONS | st.lists(st.lists(NUMBERS, min_size=10, max_size=10))}
+)
+
+
+def changed(fields: list[tuple[int, float]]) -> bytes:
+    """A request with some of its numbers changed, of eight bytes each, behind its token."""
+    data = bytearray(ask())
+    for at, number in fields:
+        struct.pack_into("<d", data, 84 + at % (len(data) - 92), number)
+    return bytes(data)
+
+
+FIELDS = st.lists(st.tuples(st.integers(0, 500), st.floats()), min_size=1, max_size=4)
+MESSAGES = (
+    st.builds(json.dumps, REPORTS | JSONS) | st.text(max_size=99) | st.binary(max_size=400) | st.builds(changed, FIELDS)
+)
+
+
+@KINDS
+@given(st.lists(MESSAGES, max_size=6))
+def test_any_message_leaves_the_next_page_its_frame(serving, messages):
+    assert isinstance(asyncio.run(_spoken(serving, messages)), FrameMessage)
+    assert "internal error" not in log_of(serving) and "Traceback" not in log_of(serving)
+
+
+def test_a_crowd_shuts_nobody_out_and_leaves_nothing_behind(serving):
+    """More than all may be, from one address; the soak says how soon all is as it was."""
+    asyncio.run(Crowd(serving, serving.cookie).all(1.0, 0, 1))
+    before_mib, before = held_by(serving.process.pid)
+    crowd = Crowd(serving, serving.cookie)
+    asyncio.run(crowd.all(5.0, 3 * MOST_VISITORS, 6))
+    assert crowd.frames >= 5
+    left_s = time.monotonic()
+    while held_by(serving.process.pid)[1] > before and time.monotonic() - left_s < 100:
+        time.sleep(0.1)
+    after_mib, after = held_by(serving.process.pid)
+    assert after <= before and after_mib < before_mib + 64
+
+
+def test_who_never_finishes_a_head_is_cut(serving):
+    """And so is one that is sent what it does not read."""
+    with socket.create_connection(place(serving)) as silent, socket.create_connection(place(serving)) as slow:
+        slow.sendall(b"GET / HTTP/1.1\r\n")
+        for one in (silent, slow):
+            with pytest.raises(ConnectionResetError):
+                assert one.recv(1) == b""
+                raise ConnectionResetError
+    assert serving.line("no whole request")
