@@ -1,4 +1,3 @@
-from .glides import Glide as Glide
 from .load import load_trace as load_trace
 from .options import TraceOptions as TraceOptions
 from .prediction import ERROR_PERCENTILES as ERROR_PERCENTILES
@@ -23,6 +22,7 @@ from .reading.plausibility import jumps_between as jumps_between
 from .synth import DECIMALS as DECIMALS
 from .synth import GLIDES as GLIDES
 from .synth import KINDS as KINDS
+from .synth import Glide as Glide
 from .synth import minimum_jerk as minimum_jerk
 from .synth import shift_seconds as shift_seconds
 from .synth import synthesise as synthesise

@@ -37,9 +37,13 @@ def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose |
     if now is None:
         return None
     before = _in_world(track, now_ns - KNOWN_NS) if ahead_ns > 0 else None
-    if before is not None and not _leapt(track, now_ns):
-        now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / KNOWN_NS
-        now = now / np.linalg.norm(now)
+    if before is not None and track.gaze is not None:
+        seen = slice(max(track.index_at(now_ns - KNOWN_NS), 0), track.index_at(now_ns) + 1)
+        world = quaternions.rotate(track.orientation_xyzw[seen], track.gaze[seen])
+        # Eyes that leapt in the window, or were lost, say nothing of where they go.
+        if np.isfinite(world).all() and not (_speeds(world, track.time_ns[seen]) > SACCADE_DEG_S).any():
+            now = now + (now - before) * min(ahead_ns, _HORIZON_NS) / KNOWN_NS
+            now = now / np.linalg.norm(now)
     x, y, z = ((head or track.at(now_ns).pose).rotation_matrix.T @ now).tolist()
     return x, y, z
 
@@ -47,14 +51,6 @@ def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose |
 def _in_world(track: PoseTrack, time_ns: int) -> NDArray[np.float64] | None:
     sample = track.at(time_ns)
     return None if sample.gaze is None else sample.pose.rotation_matrix @ np.array(sample.gaze)
-
-
-def _leapt(track: PoseTrack, now_ns: int) -> bool:
-    """Return whether the eyes leapt in the world, or were lost, in the window before an instant."""
-    assert track.gaze is not None, "it is known"
-    seen = slice(max(track.index_at(now_ns - KNOWN_NS), 0), track.index_at(now_ns) + 1)
-    world = quaternions.rotate(track.orientation_xyzw[seen], track.gaze[seen])
-    return not np.isfinite(world).all() or bool((_speeds(world, track.time_ns[seen]) > SACCADE_DEG_S).any())
 
 
 def _speeds(gaze: NDArray[np.float64], time_ns: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -287,9 +283,8 @@ def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.in
     """Return where neither end lies within a gap, and no gap or jump lies between."""
     if len(track) < 2:
         return np.zeros(len(start_ns), bool)
-    return np.asarray(
-        (track.run_of(start_ns) == track.run_of(end_ns)) & (track.sample_many(end_ns).origin != Origin.HELD)
-    )
+    known = track.sample_many(end_ns).origin != Origin.HELD
+    return np.asarray((track.run_of(start_ns) == track.run_of(end_ns)) & known)
 
 
 def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tuple[float, ...]:
@@ -303,44 +298,30 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
 
     Percentiles are keys such as p95. What the track is too short for is NaN.
     """
+    rates = ("samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz")
     return {
-        "trace": str(loaded.path),
-        "format": loaded.format,
-        "origin": loaded.track.origin,
-        "axes": loaded.axes,
-        "columns": loaded.columns,
-        "samples": figures.samples,
-        "repeated_share": figures.repeated_share,
-        "duration_s": figures.duration_s,
-        "rate_hz": figures.rate_hz,
-        "mean_rate_hz": figures.mean_rate_hz,
-        "clock": loaded.time_unit,
-        "clock_starts_s": loaded.track.epoch_ns / 1e9,
+        **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},
+        **{"axes": loaded.axes, "columns": loaded.columns},
+        **{name: getattr(figures, name) for name in rates},
+        **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
         "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
         "jumps": figures.jumps,
         "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
         "errors_deg": [
-            {
-                "latency_ms": row.latency_ms,
-                **{
-                    name: {
-                        "mean": errors.mean,
-                        **_by_name(errors.percentiles, ERROR_PERCENTILES),
-                        "lead_share": errors.lead_share,
-                        "lead_p95": errors.lead,
-                        "lag_p95": errors.lag,
-                    }
-                    for name, errors in row.errors.items()
-                },
-            }
+            {"latency_ms": row.latency_ms, **{name: _error_row(errors) for name, errors in row.errors.items()}}
             for row in figures.errors
         ],
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
     }
+
+
+def _error_row(errors: PredictionErrors) -> dict[str, float]:
+    share = {"lead_share": errors.lead_share, "lead_p95": errors.lead, "lag_p95": errors.lag}
+    return {"mean": errors.mean, **_by_name(errors.percentiles, ERROR_PERCENTILES), **share}
 
 
 def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:

@@ -6,8 +6,8 @@ movement). The duration of a shift grows linearly with its amplitude, so its pea
 amplitude and levels off: the main sequence of heads (Zangemeister, Jones and Stark 1981, Dynamics
 of head movement trajectories). Between shifts it drifts in slow submovements, like a head that
 follows an object. It turns about the neck, not about the eyes; it sways like a standing person and
-bobs at each step of a walking one. The motions of `glides` are no person's: they move in one way
-only, at a known speed, to tell apart what each kind of motion costs.
+bobs at each step of a walking one. Glides are no person's: they move in one way only, at a known
+speed, to tell apart what each kind of motion costs.
 
 All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions
 and machines.
@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Iterator
-from typing import IO
+from typing import IO, Any
 
 import attrs
 import numpy as np
@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
 from . import quaternions
-from .glides import BACKWARD, FORWARD, ROTATE, SIDEWAYS, Glide
 from .track import PoseTrack
 from .writing import write_native
 
@@ -65,6 +64,72 @@ class Motion:
     neck_to_eyes_m: Array = NECK_TO_EYES_M  # zeros for a head that turns about its eyes
 
 
+_LEAST = 1e-3  # of a glide's speed and amplitude
+EASE_S = 0.2  # 0.5 m/s is reached at 4.7 m/s2 at most, as a person sets off
+# `room`, the largest shipped scene, can be walked in to 1.6 m from where a head begins.
+_MOST = {"m": (5.0, 1.5), "degrees": (720.0, 360.0)}
+
+
+@attrs.frozen
+class Glide:
+    """A motion there and back: along a line, or about the upright axis.
+
+    A way out and a way back take equal times and follow each other without a pause. Each begins and
+    ends at rest: the speed grows along a minimum-jerk profile for `EASE_S`, stays, and falls the
+    same way. So the head never goes farther than the amplitude, nor faster than the speed.
+    Errors of `with_`: InputError for a speed or amplitude out of range.
+    """
+
+    speed: float  # at most, in `unit` per second
+    amplitude: float  # distance of the turning point from the start, in `unit`
+    direction: tuple[float, float, float] | None  # of the way out, as a unit vector; None turns to the left
+
+    @property
+    def unit(self) -> str:
+        """Return what the amplitude counts: m or degrees."""
+        return "degrees" if self.direction is None else "m"
+
+    def with_(self, speed: float | None, amplitude: float | None) -> Glide:
+        """Return it with another speed or amplitude; None keeps its own."""
+        most_speed, most_amplitude = _MOST[self.unit]
+        for name, value, most, per in (
+            ("speed", speed, most_speed, " per second"),
+            ("amplitude", amplitude, most_amplitude, ""),
+        ):
+            if value is not None and not _LEAST <= value <= most:
+                raise InputError(f"{name} {value:g} {self.unit}{per}: expected {_LEAST:g} to {most:g}")
+        changes: dict[str, Any] = {"speed": speed, "amplitude": amplitude}
+        return attrs.evolve(self, **{name: value for name, value in changes.items() if value is not None})
+
+    @property
+    def ease_s(self) -> float:
+        """Return how long it takes to reach the speed: EASE_S, less for a short way."""
+        return min(EASE_S, self.amplitude / self.speed)
+
+    @property
+    def steady_s(self) -> tuple[float, float]:
+        """Return the seconds between which the first way out has its full speed."""
+        return self.ease_s, self.amplitude / self.speed
+
+    def way(self, t: Array) -> Array:
+        """Return the distance from the start at the seconds t: 0 to the amplitude and back."""
+        leg_s = self.amplitude / self.speed + self.ease_s
+        phase = np.mod(t, 2 * leg_s)
+        out_s = np.minimum(phase, 2 * leg_s - phase)
+        return self.speed * (self._eased(out_s) - self._eased(out_s - self.amplitude / self.speed))
+
+    def _eased(self, t: Array) -> Array:
+        """Return the integral of a minimum-jerk step from 0 to 1 that begins at 0."""
+        s = np.clip(t / self.ease_s, 0.0, 1.0)
+        return self.ease_s * (s**4 * (2.5 + s * (s - 3.0))) + np.maximum(t - self.ease_s, 0.0)
+
+    def motion(self, t: Array) -> Motion:
+        """Return it at the seconds t, of a head that turns about its eyes."""
+        still, way = np.zeros_like(t), self.way(t)
+        place = np.outer(way, self.direction or (0.0, 0.0, 0.0)) + np.array([0.0, EYE_HEIGHT_M, 0.0])
+        return Motion(way if self.direction is None else still, still, still, place, neck_to_eyes_m=np.zeros(3))
+
+
 @attrs.frozen
 class Kind:
     """A kind of synthetic motion."""
@@ -89,7 +154,7 @@ def synthesise(
     """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
     kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
-    samples per second. speed, amplitude: of a motion there and back (`glides`), in m/s and m, or in
+    samples per second. speed, amplitude: of a motion there and back (`Glide`), in m/s and m, or in
     degrees per second and degrees.
     Errors: UnknownNameError; InputError for a number out of range, and for one that the motion does
     not have.
@@ -107,7 +172,7 @@ def synthesise(
         if seed is not None:
             raise InputError(f"--seed {seed}: motion {kind} has nothing random; leave the seed out")
         glide = build.with_(speed, amplitude)
-        motion, flags = _glided(glide, t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
+        motion, flags = glide.motion(t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
     else:
         if speed is not None or amplitude is not None:
             given = f"--amplitude {amplitude:g}" if speed is None else f"--speed {speed:g}"
@@ -122,12 +187,6 @@ def synthesise(
     how = f"hmdwarp trace synth {kind} {flags} --seconds {seconds:g} --rate {rate_hz:g}"
     made = f"made up by '{how}'; {KINDS[kind].summary}"
     return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
-
-
-def _glided(glide: Glide, t: Array) -> Motion:
-    still = np.zeros_like(t)
-    place = glide.place(t) + np.array([0.0, EYE_HEIGHT_M, 0.0])
-    return Motion(glide.yaw(t), still, still, place, neck_to_eyes_m=np.zeros(3))
 
 
 def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
@@ -230,9 +289,8 @@ def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = m
 
 
 def _still(rng: random.Random, seconds: float, t: Array) -> Motion:
-    return Motion(
-        _sines(rng, t, 4.0, 0.1, 1.2), _sines(rng, t, 3.0, 0.1, 1.2), _sines(rng, t, 1.5, 0.1, 1.0), _sway(rng, t)
-    )
+    yaw, pitch, roll = (_sines(rng, t, *size) for size in ((4.0, 0.1, 1.2), (3.0, 0.1, 1.2), (1.5, 0.1, 1.0)))
+    return Motion(yaw, pitch, roll, _sway(rng, t))
 
 
 def _look_around(rng: random.Random, seconds: float, t: Array) -> Motion:
@@ -299,20 +357,15 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     bob = 0.022 * going * np.sin(step + 0.5 * math.pi)
     _, heading = _path(t + _LEAD_S * going, seconds)
     side = 0.018 * going * np.sin(step / 2)
-    place = place + side[:, None] * np.stack(
-        [np.cos(np.radians(heading)), np.zeros_like(t), -np.sin(np.radians(heading))], axis=1
-    )
+    turned = np.radians(heading)
+    place = place + side[:, None] * np.stack([np.cos(turned), np.zeros_like(t), -np.sin(turned)], axis=1)
     place[:, 1] += bob
     glances = _sum_of(_glances(rng, seconds), t)
     # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
     pitch = -6.0 * going - 1.0 * going * np.sin(step + 0.5 * math.pi) + _sines(rng, t, 3.0, 0.1, 0.7)
     roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
-    return Motion(
-        heading + glances,
-        pitch,
-        roll,
-        place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M),
-    )
+    place = place + 0.5 * (_sway(rng, t) - np.array([0.0, EYE_HEIGHT_M, 0.0]) + NECK_TO_EYES_M)
+    return Motion(heading + glances, pitch, roll, place)
 
 
 def _path_pace(t: Array, seconds: float) -> Array:
@@ -349,30 +402,20 @@ def _glances(rng: random.Random, seconds: float) -> list[Shift]:
     return shifts
 
 
-KINDS: dict[str, Kind] = {
-    kind.name: kind
-    for kind in (
-        Kind("still", "standing still: sway only", 20.0, 1, _still),
-        Kind(
-            "look-around",
-            "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene",
-            30.0,
-            66,
-            _look_around,
-        ),
-        Kind(
-            "reversals",
-            "the head turns back and forth without resting, the worst case for prediction",
-            20.0,
-            1,
-            _reversals,
-        ),
-        Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
-        Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
-        Kind("forward", "forward at a steady speed and back, without turning", 8.0, None, FORWARD),
-        Kind("backward", "backward at a steady speed and back, without turning", 8.0, None, BACKWARD),
-        Kind("sideways", "to the right at a steady speed and back, without turning", 8.0, None, SIDEWAYS),
-        Kind("rotate", "turning to the left at a steady speed and back, about the eyes", 8.0, None, ROTATE),
-    )
-}
+_SHIFTS = "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene"
+_REVERSES = "the head turns back and forth without resting, the worst case for prediction"
+_STEADY = "at a steady speed and back, without turning"
+_AHEAD, _RIGHT = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
+_KINDS = (
+    Kind("still", "standing still: sway only", 20.0, 1, _still),
+    Kind("look-around", _SHIFTS, 30.0, 66, _look_around),
+    Kind("reversals", _REVERSES, 20.0, 1, _reversals),
+    Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
+    Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
+    Kind("forward", f"forward {_STEADY}", 8.0, None, Glide(0.5, 0.8, _AHEAD)),
+    Kind("backward", f"backward {_STEADY}", 8.0, None, Glide(0.5, 0.8, (0.0, 0.0, 1.0))),
+    Kind("sideways", f"to the right {_STEADY}", 8.0, None, Glide(0.5, 0.8, _RIGHT)),
+    Kind("rotate", "turning to the left at a steady speed and back, about the eyes", 8.0, None, Glide(60, 180, None)),
+)
+KINDS: dict[str, Kind] = {kind.name: kind for kind in _KINDS}
 GLIDES: dict[str, Glide] = {name: kind.build for name, kind in KINDS.items() if isinstance(kind.build, Glide)}

@@ -74,18 +74,16 @@ def _times(value: ArrayLike) -> NDArray[np.int64]:
     return array.astype(np.int64)
 
 
-def _jumps(value: Iterable[int]) -> tuple[int, ...]:
-    try:
-        return tuple(int(i) for i in value)
-    except NO_NUMBERS as error:
-        raise TraceError(f"jumps: expected indices of samples, found {in_brief(value)}") from error
+def _rows_of(name: str, what: str, kind: type) -> Callable[[Iterable[Any]], tuple[Any, ...]]:
+    """Return what makes a tuple of any row of such values. Errors: TraceError."""
 
+    def convert(value: Iterable[Any]) -> tuple[Any, ...]:
+        try:
+            return tuple(map(kind, value))
+        except NO_NUMBERS as error:
+            raise TraceError(f"{name}: expected {what}, found {in_brief(value)}") from error
 
-def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    try:
-        return tuple(value)
-    except TypeError as error:
-        raise TraceError(f"notes: expected texts, found {in_brief(value)}") from error
+    return convert
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
@@ -121,12 +119,12 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_rows_of("notes", "texts", str))  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_rows_of("jumps", "indices of samples", int))
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
@@ -155,9 +153,8 @@ class PoseTrack:
         steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
             i = int(np.argmax(steps <= 0))
-            raise TraceError(
-                f"time_ns does not increase at sample {i + 1}: {self.time_ns[i]} then {self.time_ns[i + 1]}"
-            )
+            a, b = self.time_ns[i : i + 2]
+            raise TraceError(f"time_ns does not increase at sample {i + 1}: {a} then {b}")
         for array in (self.position_m, self.orientation_xyzw):
             if not np.isfinite(array).all():
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
@@ -300,19 +297,8 @@ class PoseTrack:
         """
         if len(changes.get("time_ns", self.time_ns)) != len(self):
             changes = {"gaze": None, **changes}
-        fields = (
-            "gaze",
-            "time_ns",
-            "position_m",
-            "orientation_xyzw",
-            "name",
-            "origin",
-            "axes",
-            "notes",
-            "epoch_ns",
-            "jumps",
-        )
-        return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
+        fields = (f.name for f in attrs.fields(PoseTrack) if f.name not in ("max_gap_ns", "broken"))
+        return PoseTrack(**{name: getattr(self, name) for name in fields} | changes)
 
 
 def _unit_gaze(gaze: NDArray[np.float64] | None, n: int) -> NDArray[np.float64] | None:
@@ -379,18 +365,15 @@ class RecordedSource:
         """Do nothing: a recording holds no device."""
 
 
-class LoopedSource:
+class LoopedSource(RecordedSource):
     """A PoseSource over a track, on the clock `now_ns`.
 
     At its end the track is played backwards to its beginning, so that nothing jumps.
     """
 
     def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
-        self.track, self._now_ns = track, now_ns
-        self._begun_ns, self._begun = now_ns(), 0
-
-    def start(self) -> None:
-        """Do nothing: a track is ready."""
+        super().__init__(track)
+        self._now_ns, self._begun_ns, self._begun = now_ns, now_ns(), 0
 
     def restart(self) -> None:
         """Begin the track at this instant."""
@@ -407,9 +390,6 @@ class LoopedSource:
     def moment(self, time_ns: int) -> Moment:
         """Return where the recording is at an instant of the clock."""
         return folded(time_ns - self._begun_ns, self.track.duration_ns)
-
-    def close(self) -> None:
-        """Do nothing: a track holds no device."""
 
 
 @attrs.frozen

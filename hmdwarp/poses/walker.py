@@ -43,12 +43,8 @@ class _State:
 
     @property
     def at_rest(self) -> bool:
-        return (
-            not any(self.wish)
-            and not any(self.velocity)
-            and self.yaw == self.yaw_goal
-            and self.pitch == self.pitch_goal
-        )
+        turned = self.yaw == self.yaw_goal and self.pitch == self.pitch_goal
+        return turned and not any(self.wish) and not any(self.velocity)
 
     def after(self, time_ns: int) -> _State:
         """Return the state without further input: first-order lags, exact, heading at its mean."""
@@ -63,10 +59,8 @@ class _State:
             return x + u * seconds + (v - u) * WALK_S * (1 - slowed)
 
         position = moved(x, vx, ux), moved(y, vy, uy), moved(z, vz, uz)
-        yaw, pitch = (
-            self.yaw_goal + (self.yaw - self.yaw_goal) * turned,
-            self.pitch_goal + (self.pitch - self.pitch_goal) * turned,
-        )
+        yaw = self.yaw_goal + (self.yaw - self.yaw_goal) * turned
+        pitch = self.pitch_goal + (self.pitch - self.pitch_goal) * turned
         return _State(time_ns, position, velocity, yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
 
     def settled(self) -> _State:
@@ -78,15 +72,9 @@ class _State:
         return self
 
     def pose(self) -> Pose:
-        sy, cy, sp, cp = (
-            math.sin(self.yaw / 2),
-            math.cos(self.yaw / 2),
-            math.sin(self.pitch / 2),
-            math.cos(self.pitch / 2),
-        )
-        return Pose(
-            self.position, (cy * sp, sy * cp, -sy * sp, cy * cp)
-        )  # about the world's y after the head's x: never any roll
+        (sy, cy), (sp, cp) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in (self.yaw, self.pitch))
+        # About the world's y after the head's x: never any roll.
+        return Pose(self.position, (cy * sp, sy * cp, -sy * sp, cy * cp))
 
 
 class Walker:
@@ -151,18 +139,13 @@ class Walker:
         with their lags, so the head never overshoots when the hand stops.
         """
         if time_ns > self._now_ns:
-            pose, origin = (
-                self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)).pose(),
-                Origin.PREDICTED,
-            )
+            state, origin = self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)), Origin.PREDICTED
         elif time_ns < self._states[0].time_ns:
-            pose, origin = self._states[0].pose(), Origin.HELD
+            state, origin = self._states[0], Origin.HELD
         else:
-            pose, origin = (
-                self._known(time_ns).pose(),
-                Origin.MEASURED if time_ns == self._now_ns else Origin.INTERPOLATED,
-            )
-        return PoseSample(time_ns, pose, origin, read_ns=self._now_ns, space=self._recentred)
+            state, origin = self._known(time_ns), Origin.INTERPOLATED
+            origin = Origin.MEASURED if time_ns == self._now_ns else origin
+        return PoseSample(time_ns, state.pose(), origin, read_ns=self._now_ns, space=self._recentred)
 
     def _known(self, time_ns: int) -> _State:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)

@@ -123,6 +123,7 @@ def _bodies(rows: list[Row]) -> str:
     return "\n".join(["device,time,px,py,pz,qx,qy,qz,qw", *lines, ""])
 
 
+_ASL = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 _POSE = "px,py,pz,qx,qy,qz,qw"
 _HEAD = "HeadPosX,HeadPosY,HeadPosZ,HeadOrientationW,HeadOrientationX,HeadOrientationY,HeadOrientationZ"
 LAYOUTS = (
@@ -189,20 +190,14 @@ LAYOUTS = (
     Layout(
         "EuRoC MAV",
         "euroc",
-        _csv(
-            "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []",
-            lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
-        ),
+        _csv(_ASL, lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]),
         {"axes": "euroc"},
         proof="T_BS of cam0 in its sensor.yaml: the camera's x is the body's y, its y the body's -x",
     ),
     Layout(
         "TUM-VI",
         "tum-vi",
-        _csv(
-            "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []",
-            lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
-        ),
+        _csv(_ASL, lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]),
         {"axes": "tum-vi"},
         proof="T_cam_imu of its camchain.yaml",
     ),

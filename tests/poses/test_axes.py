@@ -16,7 +16,7 @@ from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import Axes, load_preset, parse_axes, preset_names
 
-from .traces import found, kinds, refusal, rows, same_motion, write
+from .traces import found, kinds, rows, same_motion, write
 
 # Matrices, angles and changes of axes round a few times at 2e-16; the angle of a turn near zero has
 # the square root of that, some 1e-8.
@@ -183,32 +183,19 @@ def test_a_clock_that_no_tracker_has_is_named_with_the_unit_that_fits(tmp_path):
         assert right.rate_hz == pytest.approx(90, rel=1e-3) and "rate-implausible" not in kinds(right)
 
 
-@pytest.mark.parametrize(("metres", "name"), [(0.01, "centimetres"), (0.001, "millimetres")])
-def test_a_head_far_from_any_room_is_named_with_the_scale_that_fits(tmp_path, metres, name):
+@pytest.mark.parametrize(
+    ("metres", "said"),
+    [
+        (0.01, "takes the positions as centimetres"),
+        (0.001, "takes the positions as millimetres"),
+        (0.3048, "takes it as feet"),  # by its height, if the floor is there
+    ],
+)
+def test_a_head_where_none_is_is_named_with_the_scale_that_fits(tmp_path, metres, said):
     path = written(tmp_path, WALK.evolve(position_m=WALK.position_m / metres))
     defect = found(load_trace(path), "place-implausible")
-    assert f"--scale {metres:g} takes the positions as {name}" in defect.done
+    assert f"--scale {metres:g} {said}" in defect.done
     assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=metres)))
-
-
-def test_a_height_in_feet_is_named(tmp_path):
-    path = written(tmp_path, WALK.evolve(position_m=WALK.position_m / 0.3048))
-    defect = found(load_trace(path), "place-implausible")
-    assert "--scale 0.3048 takes it as feet" in defect.done and "floor" in defect.done
-    assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=0.3048)))
-
-
-def test_a_tilt_is_reported_with_the_axes(tmp_path):
-    """What keeps no defects, such as a study's records, has it too."""
-    tilt = Rotation.from_euler("X", 25, degrees=True)
-    turned = (tilt * Rotation.from_quat(LOOK.orientation_xyzw)).as_quat()
-    loaded = load_trace(written(tmp_path, LOOK.evolve(orientation_xyzw=turned)))
-    assert "assumed; up is tilted by 2" in loaded.axes and "tilt" in kinds(loaded)
-
-
-def test_quaternions_whose_median_length_is_off_are_refused(tmp_path):
-    longer = [[*r[:4], *(repr(1.4 * float(f)) for f in r[4:])] for r in rows(WALK)]
-    assert "longer than 1.4, expected 1" in refusal(write(tmp_path / "head.csv", longer))
 
 
 def test_gravity_columns_decide_which_way_is_up(tmp_path):

@@ -269,6 +269,9 @@ VECTORS = {
     "JSON in quotes": vector_rows(
         '"{{x: {:.4f}, y: {:.4f}, z: {:.4f}}}"', '"{{x: {:.5f}, y: {:.5f}, z: {:.5f}, w: {:.5f}}}"'
     ),
+    "decimal commas": vector_rows("({:.4f}; {:.4f}; {:.4f})", "({:.5f}; {:.5f}; {:.5f}; {:.5f})", "\t")
+    .replace(".", ",")
+    .replace(";", ","),
     "no header": vector_rows("({:.4f}, {:.4f}, {:.4f})", "({:.5f}, {:.5f}, {:.5f}, {:.5f})", header=""),
     "letters in the header": vector_rows(
         '"({:.4f}, {:.4f}, {:.4f})"',
@@ -288,13 +291,6 @@ def test_several_numbers_in_a_cell(tmp_path, form):
     named = form in ("type names", "JSON in quotes", "letters in the header")
     assert by(loaded, "orientation") is (By.FILE if named else By.NOBODY)
     assert by(loaded, "columns") is (By.NOBODY if form == "no header" else By.FILE)
-
-
-def test_decimal_commas_inside_vectors(tmp_path):
-    path = tmp_path / "v.csv"
-    text = vector_rows("({:.4f}; {:.4f}; {:.4f})", "({:.5f}; {:.5f}; {:.5f}; {:.5f})", "\t")
-    path.write_text(text.replace(".", ",").replace(";", ","))
-    assert same_motion(load_trace(path).track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
 
 
 def unreal_rotator(q: np.ndarray) -> tuple[float, float, float]:
@@ -424,15 +420,9 @@ def qualisys(clocked: bool = True) -> list[str]:
     return lines
 
 
-def test_qualisys_exports_without_the_lines_of_key_words(tmp_path):
-    loaded = load_trace(lined(tmp_path / "head_6D.tsv", qualisys()[10:]))
-    assert (loaded.format, loaded.device) == ("qualisys", "Head")
-    assert np.abs(loaded.track.position_m - TRACK.position_m).max() < EXACT
-
-
 def test_qualisys_exports(tmp_path):
-    for clocked in (True, False):
-        loaded = load_trace(lined(tmp_path / "head_6D.tsv", qualisys(clocked), "\r\n"))
+    for lines in (qualisys(), qualisys(clocked=False), qualisys()[10:]):  # the last without lines of key words
+        loaded = load_trace(lined(tmp_path / "head_6D.tsv", lines, "\r\n"))
         assert (loaded.format, loaded.device) == ("qualisys", "Head")
         assert np.abs(loaded.track.position_m - TRACK.position_m).max() < EXACT
         turn = Rotation.from_quat(loaded.track.orientation_xyzw).inv() * TURNS
@@ -503,13 +493,19 @@ def stamped(folder: Path, stamps: list, name: str = "time", track: PoseTrack = T
     return write(folder / "c.csv", table, f"{name},x,y,z,qx,qy,qz,qw")
 
 
-@pytest.mark.parametrize("signed", [False, True])
-@pytest.mark.parametrize(("unit", "step_ns"), [("ms", 10**6), ("us", 10**3), ("ns", 1)])
-def test_clocks_of_32_bits_are_counted_on(tmp_path, unit, step_ns, signed):
+@pytest.mark.parametrize(
+    ("bits", "step_ns", "name", "low"),
+    [
+        *((32, step, name, 0) for name, step in (("time_ms", 10**6), ("time_us", 10**3), ("time_ns", 1))),
+        *((32, step, name, -(2**31)) for name, step in (("time_ms", 10**6), ("time_us", 10**3), ("time_ns", 1))),
+        *((33, 1000, "time", 0), (30, 1000, "time", 0), (24, 1000, "time", 0), (24, 10**6, "time", 0)),
+        (16, 10**6, "time", 0),
+    ],
+)
+def test_clocks_of_few_bits_are_counted_on(tmp_path, bits, step_ns, name, low):
     long = head(600)
-    low = -(2**31) if signed else 0  # and a second before the wrap at first
-    ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**32 + low
-    loaded = load_trace(stamped(tmp_path, ticks.tolist(), f"time_{unit}", long))
+    ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**bits + low  # a second before the wrap at first
+    loaded = load_trace(stamped(tmp_path, ticks.tolist(), name, long))
     assert len(loaded.track) == 600 and len(loaded.segments) == 1
     assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns
     assert "clock-wrap" in kinds(loaded) and by(loaded, "clock wrap") is By.NOBODY
@@ -519,15 +515,6 @@ def test_a_32_bit_clock_of_microseconds_written_as_seconds(tmp_path):
     ticks = (TRACK.time_ns // 1000 + 2**32 - 10**6) % 2**32
     loaded = load_trace(stamped(tmp_path, [f"{t // 10**6}.{t % 10**6:06d}" for t in ticks.tolist()], "time_s"))
     assert len(loaded.track) == len(TRACK) and abs(loaded.track.duration_ns - TRACK.duration_ns) <= 2000
-
-
-@pytest.mark.parametrize(("bits", "step_ns"), [(33, 1000), (30, 1000), (24, 1000), (24, 10**6), (16, 10**6)])
-def test_clocks_of_other_bits_are_counted_on(tmp_path, bits, step_ns):
-    long = head(600)
-    ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**bits
-    loaded = load_trace(stamped(tmp_path, ticks.tolist(), "time", long))
-    assert len(loaded.track) == 600 and "clock-wrap" in kinds(loaded)
-    assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns
 
 
 def test_key_frames_with_unix_time_are_seconds(tmp_path):

@@ -30,6 +30,11 @@ def steady(n: int = 100, step_ns: int = 11 * MS) -> PoseTrack:
     return PoseTrack(t, t[:, None] * 1e-9 * SPEED_M_S, q)
 
 
+def part(track: PoseTrack, of: slice) -> PoseTrack:
+    p, q = track.position_m[of], track.orientation_xyzw[of]
+    return track.evolve(time_ns=track.time_ns[of], position_m=p, orientation_xyzw=q)
+
+
 def truth(t_ns: int) -> Pose:
     start = Rotation.from_euler("YXZ", [1.0, 0.3, 0.1])
     return Pose(t_ns * 1e-9 * SPEED_M_S, (Rotation.from_rotvec(t_ns * 1e-9 * SPIN_RAD_S) * start).as_quat())
@@ -60,11 +65,7 @@ def test_the_horizon_caps_the_prediction():
 def test_no_sample_after_now_is_looked_at(method, now, ahead):
     track = head(100)
     known = max(track.index_at(now), 0) + 1
-    past = track.evolve(
-        time_ns=track.time_ns[:known],
-        position_m=track.position_m[:known],
-        orientation_xyzw=track.orientation_xyzw[:known],
-    )
+    past = part(track, slice(known))
     a, b = predict(track, now, now + ahead, method), predict(past, now, now + ahead, method)
     assert a.origin is b.origin
     assert a.pose.isclose(b.pose, atol=0)
@@ -97,14 +98,7 @@ def test_prediction_stops_at_gaps_and_jumps(method):
     jumped = track.evolve(jumps=(50,))
     at = int(track.time_ns[52])
     only_after = predict(jumped, at, at + 50 * MS, method)
-    alone = predict(
-        track.evolve(
-            time_ns=track.time_ns[51:], position_m=track.position_m[51:], orientation_xyzw=track.orientation_xyzw[51:]
-        ),
-        at,
-        at + 50 * MS,
-        method,
-    )
+    alone = predict(part(track, slice(51, None)), at, at + 50 * MS, method)
     assert only_after.pose.isclose(alone.pose, atol=0)
 
 
@@ -127,13 +121,6 @@ def test_a_head_at_rest_stays(method):
     rested = track.evolve(position_m=track.position_m[still], orientation_xyzw=track.orientation_xyzw[still])
     now = int(track.time_ns[80])
     assert predict(rested, now, now + 50 * MS, method).pose.isclose(track.pose(50), atol=0)
-
-
-@given(st.integers(200 * MS, 900 * MS), st.sampled_from([20 * MS, 100 * MS]))
-def test_many_at_once_are_exact_for_a_constant_velocity_too(now, ahead):
-    found = predictors.get("constant_velocity").predict_many(steady(), np.array([now]), ahead)
-    assert found.time_ns.tolist() == [now + ahead]
-    assert Pose(found.position_m[0], found.orientation_xyzw[0]).isclose(truth(now + ahead), atol=1e-14)
 
 
 @pytest.mark.parametrize("method", [predictor.name for predictor in predictors])

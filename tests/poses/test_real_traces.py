@@ -117,15 +117,16 @@ def test_the_euler_twin_proves_the_quaternions(real_traces):
     assert turns[1] > turns[0] > turns[2]
 
 
-def test_the_euler_twin_itself_is_refused(real_traces):
-    with pytest.raises(TraceError, match="Euler angles only"):
-        load_trace(real_traces / "multiviewpoint_mmsys18" / "user1_euler.txt")
-
-
-def test_other_tables_of_the_sets_are_refused(real_traces):
-    """A quaternion for each scene, in one cell, is no head over time."""
-    with pytest.raises(TraceError, match="has no time"):
-        load_trace(real_traces / "eyenavgs_nthu" / "scene_setting.csv")
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("multiviewpoint_mmsys18/user1_euler.txt", "Euler angles only"),
+        ("eyenavgs_nthu/scene_setting.csv", "has no time"),  # a quaternion for each scene is no head over time
+    ],
+)
+def test_other_tables_of_the_sets_are_refused(real_traces, name, said):
+    with pytest.raises(TraceError, match=said):
+        load_trace(real_traces / name)
 
 
 def test_speeds_are_those_published_for_the_one_file_that_is_a_whole_set(real_traces):

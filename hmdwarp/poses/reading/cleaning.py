@@ -15,10 +15,10 @@ from .. import quaternions
 from ..assumptions import Assumption, By, Defect, Layout, unstated
 from ..options import TraceOptions
 from ..track import PoseTrack, gap_limit_ns
-from .axes import AXES, UP, WRAP, is_inverse
+from .axes import AXES, UP, WRAP
 from .columns import head_rank
 from .file_head import Head
-from .judged_axes import JudgedAxes
+from .judged_axes import JudgedAxes, is_inverse
 from .plausibility import find_jumps, inverted, rate_fault
 from .rows import Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps, absurd_rows, guess_unit, midnights, to_ns, wraps_of

@@ -19,19 +19,11 @@ from .columns import Made, rows_text
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
 COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 # Name and number of parameters of each camera model, by its number in binary files.
-_MODELS = (
-    ("SIMPLE_PINHOLE", 3),
-    ("PINHOLE", 4),
-    ("SIMPLE_RADIAL", 4),
-    ("RADIAL", 5),
-    ("OPENCV", 8),
-    ("OPENCV_FISHEYE", 8),
-    ("FULL_OPENCV", 12),
-    ("FOV", 5),
-    ("SIMPLE_RADIAL_FISHEYE", 4),
-    ("RADIAL_FISHEYE", 5),
-    ("THIN_PRISM_FISHEYE", 12),
-)
+_MODELS = [
+    *(("SIMPLE_PINHOLE", 3), ("PINHOLE", 4), ("SIMPLE_RADIAL", 4), ("RADIAL", 5), ("OPENCV", 8)),
+    *(("OPENCV_FISHEYE", 8), ("FULL_OPENCV", 12), ("FOV", 5), ("SIMPLE_RADIAL_FISHEYE", 4)),
+    *(("RADIAL_FISHEYE", 5), ("THIN_PRISM_FISHEYE", 12)),
+]
 _POSE = struct.Struct("<i7di")
 _CAMERA = struct.Struct("<iiQQ")
 _POINT_BYTES = 24
@@ -65,13 +57,13 @@ class ColmapCamera:
 
 def read_images(path: Path) -> list[ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
-    rows = _images_in_binary(path) if path.suffix == ".bin" else images_in_text(path, _bytes(path))
+    rows = _images_in_binary(path) if path.suffix == ".bin" else _images_in_text(path, _bytes(path))
     return sorted(rows, key=lambda image: image.name)
 
 
 def table_of_colmap(path: Path, raw: bytes) -> Made:
     """Return the poses of images.txt in the order of the names. Errors: TraceError."""
-    images = sorted(images_in_text(path, raw), key=lambda image: image.name)
+    images = sorted(_images_in_text(path, raw), key=lambda image: image.name)
     return Made("colmap", rows_text(map(repr, image.pose) for image in images), COLUMNS)
 
 
@@ -80,11 +72,8 @@ def read_cameras(path: Path) -> dict[int, ColmapCamera]:
     return dict(_cameras_in_binary(path) if path.suffix == ".bin" else _cameras_in_text(path))
 
 
-def images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
-    """Yield the images of the text form: a line of its pose, and one of points, which may be empty.
-
-    Errors: TraceError naming the line.
-    """
+def _images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
+    """Yield the images of the text form: a line of its pose, and one of points, perhaps empty."""
     lines = enumerate(_lines(path, raw), 1)
     for number, line in lines:
         if not line.strip() or line.startswith("#"):
@@ -128,15 +117,12 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
     stream = io.BytesIO(raw)
     for number in range(_count(path, stream)):
         _, *pose, camera_id = _unpacked(path, stream, _POSE)
-        begin = stream.tell()
-        end = raw.find(b"\0", begin)
-        name = stream.read(max(0, end - begin))
+        name = stream.read(max(0, raw.find(b"\0", stream.tell()) - stream.tell()))
         stream.read(1)
         yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
         points = _POINT_BYTES * _count(path, stream)
-        if points > len(raw) - stream.tell():
+        if len(stream.read(points)) < points:
             raise _cut(path)
-        stream.seek(points, io.SEEK_CUR)
 
 
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:

@@ -139,9 +139,9 @@ def find_columns(names: list[str]) -> Columns:
         if unit:
             lengths[key] = _LENGTHS[unit]
     orientation_key = _best([k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k)])
-    position_key = _best(
-        [k for k, g in groups.items() if {"x", "y", "z"} <= set(g) and k != orientation_key and _is_position(k)]
-    )
+    triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
+    places = [k for k in triples if k != orientation_key and (set(k) & _POSITION or set(k) <= set(_HEAD))]
+    position_key, down = _best(places), next((k for k in triples if "gravity" in k), None)
     orientation: tuple[int, int, int, int] | None = None
     numbered = False
     if orientation_key is not None:
@@ -157,32 +157,23 @@ def find_columns(names: list[str]) -> Columns:
             order = orders[order_key]
             orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
     clocks, nanoseconds = _find_clocks(split)
-    position = None
-    if position_key is not None:
-        place = groups[position_key]
-        position = place["x"], place["y"], place["z"]
+
+    def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
+        return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+
     return Columns(
         clocks=clocks,
         nanoseconds=nanoseconds,
         orientation=orientation,
         numbered=numbered,
-        position=position,
+        position=xyz(position_key),
         length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
         angles=_find_angles(split, groups),
         vector=_find_vector(groups, split),
-        gravity=_find_gravity(groups),
+        gravity=xyz(down),
     )
-
-
-def _find_gravity(groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
-    found = next((g for key, g in groups.items() if "gravity" in key and {"x", "y", "z"} <= set(g)), None)
-    return None if found is None else (found["x"], found["y"], found["z"])
-
-
-def _is_position(key: tuple[str, ...]) -> bool:
-    return bool(set(key) & _POSITION) or set(key) <= set(_HEAD)
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -217,17 +208,15 @@ def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list
     free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
     angle = next(free, None)
     about = None if angle is None else _best([key for key in keys if "axis" in key])
-    key = about if about is not None else _best([key for key in keys if _is_vector(set(key))])
+    named_so = [k for k in keys if set(k) & _VECTOR or {"axis", "angle"} <= set(k)]
+    named_so += [k for k in keys if k not in named_so and set(k) & _ROTATION and set(k) & {"vector", "vec"}]
+    key = about if about is not None else _best([k for k in keys if k in named_so])
     if key is None:
         return None
     at = groups[key]
     columns = (at["x"], at["y"], at["z"], *([angle] if about is not None and angle is not None else []))
     named = {word for column in columns for word in split[column]}
     return Vector(columns, bool(named & _DEGREES), bool(named & (_DEGREES | _RADIANS)))
-
-
-def _is_vector(key: set[str]) -> bool:
-    return bool(key & _VECTOR) or {"axis", "angle"} <= key or bool(key & _ROTATION and key & {"vector", "vec"})
 
 
 def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
@@ -282,13 +271,13 @@ _PLACE = re.compile(r"(.*?)[._\[\s]*(\d{1,2})\]?$")
 
 def named_matrices(names: list[str]) -> list[Cells]:
     """Return the columns of every matrix that names number: m00 .. m33, r11 .. r33, T.0 .. T.15."""
-    found = [*_by_row_and_column(names), *_by_place(names)]
-    return [cells for _, cells in sorted(found, key=lambda one: (_is_other(one[0]), head_rank(one[0]), -len(one[1])))]
 
+    def rank(one: tuple[str, Cells]) -> tuple[bool, int, int]:
+        """Put projections, and inverses of one that may be there as well, last."""
+        other = bool(set(words(one[0])) & {"projection", "proj", "view", "inverse", "inv"})
+        return other, head_rank(one[0]), -len(one[1])
 
-def _is_other(name: str) -> bool:
-    """Return whether a matrix is a projection, or the inverse of one that may be there as well."""
-    return bool(set(words(name)) & {"projection", "proj", "view", "inverse", "inv"})
+    return [cells for _, cells in sorted([*_by_row_and_column(names), *_by_place(names)], key=rank)]
 
 
 def _by_row_and_column(names: list[str]) -> Iterator[tuple[str, Cells]]:
@@ -297,15 +286,14 @@ def _by_row_and_column(names: list[str]) -> Iterator[tuple[str, Cells]]:
         if found := _CELL.match(name):
             cells[found[1]].setdefault((int(found[2]), int(found[3])), i)
     for name, group in cells.items():
-        for rows, columns in SHAPES.values():
-            whole = next((first for first in (0, 1) if _grid(first, rows, columns) <= set(group)), None)
-            if whole is not None:
-                yield name, tuple(group[cell] for cell in sorted(_grid(whole, rows, columns)))
-                break
-
-
-def _grid(first: int, rows: int, columns: int) -> set[tuple[int, int]]:
-    return {(first + r, first + c) for r in range(rows) for c in range(columns)}
+        grids = (
+            [(first + r, first + c) for r in range(rows) for c in range(columns)]
+            for rows, columns in SHAPES.values()
+            for first in (0, 1)
+        )
+        whole = next((grid for grid in grids if set(grid) <= set(group)), None)
+        if whole is not None:
+            yield name, tuple(group[cell] for cell in whole)
 
 
 def _by_place(names: list[str]) -> Iterator[tuple[str, Cells]]:

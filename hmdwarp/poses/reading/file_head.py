@@ -24,7 +24,7 @@ from .colmap import MARK, table_of_colmap
 from .columns import Made, names_rotation, rows_text
 from .json_records import table_of_json
 from .motion_capture import export_reader
-from .pose_messages import MAGIC, table_of_bag, table_of_mcap
+from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS
 
 LOOK_BYTES = 256 * 1024
@@ -37,6 +37,7 @@ _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?$")
 _WHOLE = re.compile(r"[-+]?[0-9]+([eE][-+]?[0-9]+)?$")
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 COMMENT_SIGNS = ("#", "%", "//")
+_ENDINGS = (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3")
 
 
 @attrs.frozen(eq=False)
@@ -187,11 +188,7 @@ def read_head(path: Path) -> Head:
 
 
 def _source(path: Path) -> Source:
-    """Unpack what is no text of rows: gzip as it is read, the rest at once.
-
-    Errors: OSError; TraceError and MachineError as `table_of_mcap`; TraceError for an export that
-    holds no poses.
-    """
+    """Unpack what is no text of rows: gzip as it is read, the rest at once."""
     with opened(path, TRACE) as file:
         text = Source(packed=file.read(2) == _GZIP)
     with text.open(path) as file:
@@ -207,20 +204,18 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
         whole = io.BytesIO(_whole(path, file)) if packed else file
         size = whole.seek(0, os.SEEK_END)
         whole.seek(0)
-        return table_of_mcap(path, whole, size)
-    return table_of_bag(path) if start.startswith(BAGS) else _made_of_text(path, start, file)
-
-
-def _made_of_text(path: Path, start: bytes, file: BinaryIO) -> Made | None:
+        return McapPoses(path, whole, size).table()
+    if start.startswith(BAGS):
+        return BagPoses(path).table()
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(_whole(path, file))
     if MARK in start[:200]:
         return table_of_colmap(path, _whole(path, file))
-    if (export := export_reader(path, start)) is not None:
-        return export(path, _whole(path, file).decode("utf-8-sig", "replace"))
-    if holds_vectors(start.decode("utf-8", "replace").splitlines()):
-        return table_of_cells(_whole(path, file).decode("utf-8-sig", "replace"))
-    return None
+    export = export_reader(path, start)
+    if export is None and not holds_vectors(start.decode("utf-8", "replace").splitlines()):
+        return None
+    text = _whole(path, file).decode("utf-8-sig", "replace")
+    return table_of_cells(text) if export is None else export(path, text)
 
 
 def _whole(path: Path, file: BinaryIO) -> bytes:
@@ -235,7 +230,9 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
     """Return the source of the rows, their first bytes, and whether more follow."""
     try:
         if path.is_dir():
-            raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
+            found = sorted(p.name for p in path.iterdir() if p.suffix in _ENDINGS)
+            inside = f", for instance {found[0]} in it" if found else ""
+            raise TraceError(f"{path} is a directory: expected a file of head poses{inside}")
         source = _source(path)
         with source.open(path) as file:
             raw, more = file.read(LOOK_BYTES), bool(file.read(1))
@@ -246,14 +243,6 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
     if not raw.strip():
         raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
     return source, raw, more
-
-
-def _inside(path: Path) -> str:
-    try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3"))
-    except OSError:
-        return ""
-    return f", for instance {found[0]} in it" if found else ""
 
 
 def _refuse_binary(path: Path, raw: bytes) -> None:
@@ -302,17 +291,15 @@ def _preamble(
         sign = next((s for s in COMMENT_SIGNS if bare.startswith(s)), None)
         if sign:
             comments.append((number, bare[len(sign) :].strip()))
-        elif header is None and not named and _looks_like_names(bare):
+        elif header is None and not named:
+            fields = [f.strip('"([{') for f in re.split(r"[,;\t ]+", bare) if f]
+            words = sum(1 for f in fields if f[:1].isalpha() and not is_number(f))
+            if words * 2 <= len(fields):
+                return comments, header, (offset, number, bare)
             header = (number, bare)
         else:
             return comments, header, (offset, number, bare)
     raise TraceError(f"{path} holds no rows of numbers, only {'a header' if header else 'comments'}")
-
-
-def _looks_like_names(text: str) -> bool:
-    fields = [f.strip('"([{') for f in re.split(r"[,;\t ]+", text) if f]
-    words = sum(1 for f in fields if f[:1].isalpha() and not is_number(f))
-    return words * 2 > len(fields)
 
 
 def _separator(row: str, header: tuple[int, str] | None) -> tuple[str | None, bool]:
@@ -368,13 +355,16 @@ def table_of_cells(text: str) -> Made | None:
     begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
     if begin is None:
         return None
-    separator = _separator_of_cells(lines[begin])
+    outside = re.sub(r"\[[^\[\]]*\]", "", lines[begin])
+    outside = re.sub(r'"[^"]*"|\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}', "", outside)
+    separator = next((mark for mark in ";\t," if mark in outside), None)
     first = [_parts(cell) for cell in _cells(lines[begin], separator)]
     header = [_header_name(cell) for cell in _cells(lines[begin - 1], separator)] if begin else []
     named = len(header) == len(first)
     names: list[str] = []
     for i, parts in enumerate(first):
-        name, labels = header[i] if named else (_shape_name(len(parts), i), "")
+        plain = {1: "time" if i == 0 else f"column {i + 1}", 3: "position", 4: "rotation"}.get(len(parts), f"{i + 1}")
+        name, labels = header[i] if named else (plain, "")
         names += _names(name, labels, parts)
     if max(map(len, first)) < 2 or len(set(names)) < len(names):
         return None
@@ -394,11 +384,6 @@ def _is_row(line: str) -> bool:
         return False
     words = re.findall(r"[A-Za-z_]\w*", bare)
     return len(_LABELLED.findall(bare)) > 1 or len(re.findall(rf"(?<![\w.]){_CELL_NUMBER}(?![\w.])", bare)) > len(words)
-
-
-def _separator_of_cells(row: str) -> str | None:
-    outside = re.sub(r'"[^"]*"|\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}', "", re.sub(r"\[[^\[\]]*\]", "", row))
-    return next((mark for mark in ";\t," if mark in outside), None)
 
 
 def _cells(line: str, separator: str | None) -> Iterator[str]:
@@ -439,10 +424,6 @@ def _header_name(cell: str) -> tuple[str, str]:
     if letters is None:
         return bare, ""
     return bare[: letters.start()].strip(), "".join(re.findall("[A-Za-z]", letters[1])).lower()
-
-
-def _shape_name(count: int, place: int) -> str:
-    return {1: "time" if place == 0 else f"column {place + 1}", 3: "position", 4: "rotation"}.get(count, f"{place + 1}")
 
 
 def _is_rotator(labels: list[str]) -> bool:

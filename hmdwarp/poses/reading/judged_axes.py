@@ -13,7 +13,7 @@ from ...errors import InputError, TraceError
 from .. import quaternions
 from ..assumptions import AXES_BY, Assumption, By, Layout
 from ..options import DIRECT, INVERSE, TraceOptions
-from .axes import AUTO, DIRECTION, Axes, assumptions_of, is_inverse, is_tilt, parse_axes, parse_up, tilted, upright
+from .axes import AUTO, AXES, CLOCK, DIRECTION, LENGTH, ORIENTATION, POSE, UP, Axes, parse_axes, parse_up, upright
 from .plausibility import (
     CLEAR,
     SURE,
@@ -35,14 +35,14 @@ _GAZE = "which way it looks is not clear"
 _TILT_SHOWN_DEG = 10.0
 _TILT_STATED_DEG = 0.5  # by gravity columns
 # How an unstated order was read, the other one, and the options that state them.
-_ORDERS = {
-    "matrix": ("by rows, its matrices", "by columns", "--matrix columns, or rows"),
-    "quaternion": (
-        *("with w last, as in TUM files, its quaternions", "with w first"),
-        "--quat-order wxyz, or xyzw",
-    ),
-}
+_BY_ROWS = "by rows, its matrices", "by columns", "--matrix columns, or rows"
+_W_LAST = "with w last, as in TUM files, its quaternions", "with w first", "--quat-order wxyz, or xyzw"
 Note = Callable[[str, str, str], None]  # records a defect: its kind, what it is, what was done
+
+
+def is_inverse(layout: Layout, options: TraceOptions) -> bool:
+    """Return whether a file's poses are head from world."""
+    return layout.inverse if options.pose is None else options.pose == INVERSE
 
 
 class JudgedAxes:
@@ -51,44 +51,61 @@ class JudgedAxes:
     def __init__(self, layout: Layout, options: TraceOptions, where: str, note: Note) -> None:
         self.layout, self.options, self.where, self._note = layout, options, where, note
         self.axes, self.axes_by = self._stated_axes()
-        self._wrong = False
+        self._wrong = self._gaze_unclear = False
         self._tilt_deg = 0.0
         self._leaves_open = ""
-        self._gaze_unclear = False
         self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
 
     def assumptions(self, layout: Layout, clock: str, has_position: bool) -> tuple[Assumption, ...]:
-        """Return the facts of the file. clock: its unit, in words."""
-        facts = assumptions_of(layout, self.options, self.axes, self.axes_by, clock, has_position)
-        if not self._upright:
-            return facts
-        up = attrs.evolve(facts[-2], value=self._upright, by=self._upright_by)
-        return (*facts[:-2], up, facts[-1])
+        """Return every fact by which rows became poses. clock: its unit, in words."""
+        options, (scale, scale_by) = self.options, self._scale()
+        if layout.euler is not None:
+            turn, option = f"angles {layout.euler.words()}", "--euler"
+        elif layout.matrix:
+            turn, option = f"matrix {layout.matrix}", "--matrix"
+        else:
+            turn, option = f"quaternion {layout.order}", "--quat-order"
+        way, tilt = DIRECTION[is_inverse(layout, options)], self.axes.tilt is not None and not self._upright
+        up = self._upright or f"{self.axes.up()}{f', tilted to {options.up}' if tilt else ''}"
+        up_by = self._upright_by if self._upright else By.USER if tilt else self.axes_by
+        length = Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
+        return (
+            Assumption(ORIENTATION, turn, layout.order_by, option),
+            Assumption(POSE, way, By.USER if options.pose else layout.direction_by, "--pose"),
+            *([length] if has_position else []),
+            Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
+            Assumption(UP, up, up_by, "--up"),
+            Assumption(CLOCK, clock, By.USER if options.rate or options.time_unit else layout.unit_by, "--time-unit"),
+        )
 
     def scale(self) -> float:
         """Return the metres of a unit of the file."""
+        return self._scale()[0]
+
+    def _scale(self) -> tuple[float, By]:
         if self.options.scale is not None:
-            return self.options.scale
-        return self.layout.scale if self.axes.metres_per_unit is None else self.axes.metres_per_unit
+            return self.options.scale, By.USER
+        own = self.axes.metres_per_unit
+        return (self.layout.scale, self.layout.scale_by) if own is None else (own, self.axes_by)
 
     def _stated_axes(self) -> tuple[Axes, By]:
         """Return the axes and who says so: --axes and --up before the file and its format.
 
         `--up z` for a format whose z is up changes nothing.
         """
-        own = parse_axes(self.layout.axes)
-        stated, up = self.options.axes, self.options.up
-        if up is not None and is_tilt(up):
-            axes, by = (parse_axes(stated), By.USER) if stated not in (None, AUTO) else (own, self.layout.axes_by)
-            return tilted(axes, up), by
-        if up is not None and stated is not None:
+        own, by = parse_axes(self.layout.axes), self.layout.axes_by
+        up, stated = self.options.up, self.options.axes if self.options.axes != AUTO else None
+        if up is not None and not any(axis in up.lower() for axis in "xyz"):  # a direction in numbers
+            axes, by = (own, by) if stated is None else (parse_axes(stated), By.USER)
+            return attrs.evolve(axes, tilt=parse_up(up).tilt), by
+        if up is not None and self.options.axes is not None:
             raise InputError(
                 "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
             )
-        if stated is not None and stated != AUTO:
+        if stated is not None:
             return parse_axes(stated), By.USER
         if up is None or own.up() == up.strip().lower().removeprefix("+"):
-            return own, self.layout.axes_by
+            return own, by
         return parse_up(up), By.USER
 
     def weigh(self, time_ns: NDArray[np.int64], rows: Rows) -> None:
@@ -97,7 +114,7 @@ class JudgedAxes:
         metres = None if p is None else p * self.scale()
         evidence = evidence_of(time_ns, rows.orientation, metres, gravity)
         what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
-        if self.layout.order_by is By.NOBODY:
+        if self.layout.order_by is By.NOBODY and self.layout.euler is None:
             self._check_order(evidence, time_ns, rows)
         verdict = judge(evidence, self.axes)
         if not what and not verdict.faults:
@@ -105,28 +122,42 @@ class JudgedAxes:
         if what:
             self._note("place-implausible", what, f"kept; {remedy}")
         self._leaves_open = verdict.leaves_open
-        auto = self.options.axes == AUTO
         if self._is_inverse(evidence, time_ns, rows.orientation, metres, bool(verdict.faults)):
             return
-        if verdict.world_alone and self._is_tilted(rows.orientation):
-            self._set_upright(gravity, rows.orientation)
-            return
-        if auto and verdict.better is not None and verdict.clear:
-            self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
-            self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), By.MOTION
-        elif auto and verdict.upright is not None:
-            done = (
-                f"--axes auto takes {verdict.upright.label()}, which sets the head upright; {_GAZE}: --axes states it"
-            )
-            self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", done)
-            self.axes, self.axes_by = attrs.evolve(verdict.upright, tilt=self.axes.tilt), By.MOTION
-            self._gaze_unclear = True
-        elif verdict.faults:
-            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
-            self._note("axes-contradicted", what, _advice(verdict, auto))
-            self._wrong = True
+        if verdict.world_alone:
+            # Where up lies between the file's axes, `report_tilt` says by how much.
+            axis = gravity_axis(self.axes.in_openxr(rows.orientation))
+            if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
+                self._set_upright(gravity, rows.orientation)
+                return
+        self._take_or_contradict(verdict)
         if not self._wrong:
             self._set_upright(gravity, rows.orientation)
+
+    def _take_or_contradict(self, verdict: Verdict) -> None:
+        auto, faults, (own, best) = self.options.axes == AUTO, ", ".join(verdict.faults), verdict.points
+        found, points = verdict.better, f"{best:.1f} points against {own:.1f}"
+        if auto and found is not None and verdict.clear:
+            also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
+            done = f"--axes auto takes {found.label()}: {points}{also}"
+        elif auto and verdict.upright is not None:
+            found, self._gaze_unclear = verdict.upright, True
+            done = f"--axes auto takes {found.label()}, which sets the head upright; {_GAZE}: --axes states it"
+        elif faults:
+            done = "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
+            if found is not None:
+                sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
+                also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
+                kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
+                done = f"{kept}; --axes '{found.name or found.words()}' {sure}{also}: {points}"
+            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {faults}"
+            self._note("axes-contradicted", what, done)
+            self._wrong = True
+            return
+        else:
+            return
+        self._note("axes-chosen", f"as {self.axes.label()}: {faults}", done)
+        self.axes, self.axes_by = attrs.evolve(found, tilt=self.axes.tilt), By.MOTION
 
     def _is_inverse(
         self,
@@ -145,10 +176,9 @@ class JudgedAxes:
         gain = inverse_gain(evidence, other)
         if gain <= (CLEAR if contradicted else SURE):
             return False
-        here, there = DIRECTION[::-1] if is_inverse(self.layout, self.options) else DIRECTION
-        verdict = judge(other, self.axes)
-        axes = f" --axes '{verdict.better.name or verdict.better.words()}'" if verdict.better is not None else ""
-        word = INVERSE if here == DIRECTION[0] else DIRECT
+        here, there = DIRECTION[::-1] if self.layout.inverse else DIRECTION
+        better, word = judge(other, self.axes).better, DIRECT if self.layout.inverse else INVERSE
+        axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
         what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
         self._note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
         self._wrong = True
@@ -163,36 +193,27 @@ class JudgedAxes:
         if axis is None:
             return
         axis = axis / np.linalg.norm(axis)
-        tilt = _tilt_of(axis)
-        if tilt <= (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
-            return
-        shown = ",".join(f"{a:.2f}" for a in axis)
-        what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
-        self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
-        self.axes = attrs.evolve(self.axes, tilt=upright(axis))
-        self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
+        tilt, shown = _tilt_of(axis), ",".join(f"{a:.2f}" for a in axis)
+        if tilt > (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
+            what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
+            self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
+            self.axes = attrs.evolve(self.axes, tilt=upright(axis))
+            self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
 
     def _check_order(self, evidence: Evidence, time_ns: NDArray[np.int64], rows: Rows) -> None:
         """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
-        if self.layout.euler is not None:
-            return
         at = every(time_ns)
         q, p = rows.orientation[at], None if rows.position is None else rows.position[at]
         turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
-        other = evidence_of(time_ns[at], turned, p, evidence.gravity)
-        if best_points(other) <= best_points(evidence) + CLEAR:
-            return
-        what, right, wrong = _ORDERS["matrix" if self.layout.matrix else "quaternion"]
-        raise TraceError(
-            f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it is"
-        )
-
-    def _is_tilted(self, orientation: NDArray[np.float64]) -> bool:
-        """Return whether up lies between the file's axes: `report_tilt` then says by how much."""
-        axis = gravity_axis(self.axes.in_openxr(orientation))
-        return axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
+        if best_points(evidence_of(time_ns[at], turned, p, evidence.gravity)) > best_points(evidence) + CLEAR:
+            what, right, wrong = _BY_ROWS if self.layout.matrix else _W_LAST
+            raise TraceError(
+                f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it "
+                "is"
+            )
 
     def words(self) -> str:
+        """Return the axes, who says so, and what the motion shows."""
         words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
         if self._wrong:
             return f"{words}; the motion contradicts them"
@@ -214,34 +235,12 @@ class JudgedAxes:
         Wrong axes are another matter: turning the world alone would leave the head on its side.
         """
         axis = None if self._wrong else gravity_axis(orientation)
-        if axis is None:
-            return
-        tilt = _tilt_of(axis)
-        if tilt > _TILT_SHOWN_DEG:
-            shown = ",".join(f"{a:.2f}" for a in axis)
+        if axis is not None and (tilt := _tilt_of(axis)) > _TILT_SHOWN_DEG:
+            self._tilt_deg, shown = tilt, ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
-            self._tilt_deg = tilt
             self._note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
 
 
 def _tilt_of(up: NDArray[np.float64]) -> float:
     """Return the angle of a direction (3,) from +y, in degrees."""
     return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))
-
-
-def _advice(verdict: Verdict, auto: bool) -> str:
-    if verdict.better is None:
-        return "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
-    sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
-    also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
-    kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
-    own, better = verdict.points
-    named = verdict.better.name or verdict.better.words()
-    return f"{kept}; --axes '{named}' {sure}{also}: {better:.1f} points against {own:.1f}"
-
-
-def _chosen(verdict: Verdict) -> str:
-    assert verdict.better is not None
-    also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
-    own, better = verdict.points
-    return f"--axes auto takes {verdict.better.label()}: {better:.1f} points against {own:.1f}{also}"

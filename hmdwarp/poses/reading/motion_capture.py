@@ -27,17 +27,9 @@ _QUALISYS_EACH = 16  # columns of a body: X Y Z Roll Pitch Yaw Residual Rot[0] .
 _QUALISYS_TURN = tuple(7 + 3 * column + row for row in range(3) for column in range(3))  # Rot[] goes by columns
 _QUALISYS_NAMES = ("time_s", "device", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
 _QUALISYS_FACTS = {
-    "scale": 0.001,
-    "scale_by": By.FORMAT,
-    "matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)",
-    "order_by": By.FORMAT,
+    **{"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "order_by": By.FORMAT},
+    **{"scale": 0.001, "scale_by": By.FORMAT},
 }
-
-
-def _is_qualisys(path: Path, start: bytes) -> bool:
-    """Return whether a file is such an export."""
-    first = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
-    return first.startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t")) or b"\tResidual\tRot[0]\t" in first
 
 
 def _qualisys_made(path: Path, text: str) -> Made:
@@ -67,11 +59,6 @@ def _qualisys_made(path: Path, text: str) -> Made:
 
 _MOTIVE_LENGTHS = {"meters": 1.0, "centimeters": 0.01, "millimeters": 0.001, "inches": 0.0254, "feet": 0.3048}
 _BODIES = ("rigidbody", "bone", "skeletonbone")
-
-
-def _is_motive(path: Path, start: bytes) -> bool:
-    """Return whether a file is such an export."""
-    return start.removeprefix(b"\xef\xbb\xbf").startswith(b"Format Version,")
 
 
 def _motive_made(path: Path, text: str) -> Made:
@@ -115,11 +102,6 @@ _DIRECTIONS = {
 }
 
 
-def _is_bids(path: Path, start: bytes) -> bool:
-    """Return whether a file is such a table, by its name as the specification has it."""
-    return path.name.endswith(_ENDING)
-
-
 def _bids_made(path: Path, text: str) -> Made:
     """Return a row for each tracked point in each sample. Errors: TraceError."""
     stem = str(path).removesuffix(_ENDING)
@@ -136,7 +118,9 @@ def _bids_made(path: Path, text: str) -> Made:
         raise TraceError(
             f"{path}: {len(lines[0])} columns, but {len(channels)} rows in its channels.tsv: they must agree"
         )
-    parts = [part for part in at if part.startswith("POS")] + _turn_parts(at)
+    quaternion = [f"ORNT.{part}" for part in _QUATERNION]
+    turn = quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
+    parts = [part for part in at if part.startswith("POS")] + turn
     facts = _bids_facts(stem, channels, at)
     against = facts.pop("against", False)  # turns go against the hand of the axes
     rows = []
@@ -147,15 +131,15 @@ def _bids_made(path: Path, text: str) -> Made:
         time = [line[clock]] if clock is not None else [repr(i / rate)] if rate else []
         for name, columns in points.items():
             if set(parts) <= set(columns):
-                numbers = [(part, line[columns[part]]) for part in parts]
-                turned = (_negated(n) if against and part in _TURNING else n for part, n in numbers)
-                rows.append([*time, name.replace(",", " "), *turned])
-    names = (*(["time_s"] if clock is not None or rate else []), "device", *map(_bids_name, parts))
+                numbers = {part: line[columns[part]] for part in parts}
+                for part in _TURNING & numbers.keys() if against else ():
+                    number = numbers[part]
+                    numbers[part] = number[1:] if number.startswith("-") else f"-{number.removeprefix('+')}"
+                rows.append([*time, name.replace(",", " "), *numbers.values()])
+    named = [part.replace("POS.", "position.").replace("ORNT.quat_", "q") for part in parts]
+    named = [part.replace("ORNT.", "rotation.") for part in named]
+    names = (*(["time_s"] if clock is not None or rate else []), "device", *named)
     return Made("bids", rows_text(rows), names, facts=facts)
-
-
-def _bids_name(part: str) -> str:
-    return part.replace("POS.", "position.").replace("ORNT.quat_", "q").replace("ORNT.", "rotation.")
 
 
 def _points(channels: list[dict[str, str]]) -> dict[str, dict[str, int]]:
@@ -166,11 +150,6 @@ def _points(channels: list[dict[str, str]]) -> dict[str, dict[str, int]]:
         if kind in ("POS", "ORNT"):
             points.setdefault(channel["tracked_point"], {})[f"{kind}.{channel['component']}"] = i
     return {name: at for name, at in points.items() if any(part.startswith("ORNT") for part in at)}
-
-
-def _turn_parts(at: dict[str, int]) -> list[str]:
-    quaternion = [f"ORNT.{part}" for part in _QUATERNION]
-    return quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
 
 
 def _channels(path: Path, table: Path) -> list[dict[str, str]]:
@@ -205,10 +184,6 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     return facts
 
 
-def _negated(number: str) -> str:
-    return number.removeprefix("-") if number.startswith("-") else f"-{number.removeprefix('+')}"
-
-
 def _axes(letters: str) -> str:
     """Return axes for world and head of, for instance, "ARS" (x ahead, y right, z up)."""
     known = ((_DIRECTIONS[s], axis) for s, axis in zip(letters, "xyz", strict=False) if s in _DIRECTIONS)
@@ -216,9 +191,11 @@ def _axes(letters: str) -> str:
     return ",".join(found[way] for way in ("right", "up", "ahead")) if len(found) == 3 else ""
 
 
-_KINDS = ((_is_motive, _motive_made), (_is_qualisys, _qualisys_made), (_is_bids, _bids_made))
-
-
 def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
     """Return what reads such an export, None for any other file. start: its first bytes."""
-    return next((made for fits, made in _KINDS if fits(path, start)), None)
+    first = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
+    if first.startswith(b"Format Version,"):
+        return _motive_made
+    if first.startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t")) or b"\tResidual\tRot[0]\t" in first:
+        return _qualisys_made
+    return _bids_made if path.name.endswith(_ENDING) else None  # as the specification has it

@@ -70,12 +70,9 @@ def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
         "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
     )
     numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
-    yield StampedPose(_nanoseconds(stamp), parent, child, numbers)
-
-
-def _nanoseconds(stamp: Any) -> int:
     whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
-    return int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
+    stamp_ns = int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
+    yield StampedPose(stamp_ns, parent, child, numbers)
 
 
 def part_of(path: Path) -> str:
@@ -99,8 +96,6 @@ class PoseMessages:
         self.comments: list[str] = []
         self.defects: list[Defect] = []
         self.held: dict[str, str] = {}  # what the other topics hold, in words
-        self._frames: dict[str, str] = {}  # by topic of a transform: its parent
-        self._children: dict[str, str] = {}  # by frame: the frame it is in
 
     def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
         """Yield topic, time of logging in ns and pose. Errors: TraceError."""
@@ -108,34 +103,32 @@ class PoseMessages:
 
     def table(self) -> Made:
         """Return every pose in the order of logging. Errors: TraceError without any."""
-        rows = []
+        rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
         for topic, logged_ns, pose in self.poses():
             if pose.child:
-                self._children.setdefault(pose.child, pose.parent)
+                children.setdefault(pose.child, pose.parent)
             if topic.rpartition("/")[2] == _STATIC:
                 continue
             name = " ".join(f"{topic} {pose.child}".replace(",", " ").replace('"', " ").split())
-            self._frames.setdefault(name, pose.parent)
+            frames.setdefault(name, pose.parent)
             rows.append(",".join((str(pose.stamp_ns), str(logged_ns), name, *map(repr, pose.numbers))))
         if not rows:
-            types = ", ".join([*_FIELDS, *_LISTS])
+            types, held = ", ".join([*_FIELDS, *_LISTS]), [f"{topic} ({what})" for topic, what in self.held.items()]
+            others = f" that can be read; it holds {', '.join(held[:8])}" if held else ""
             raise TraceError(
-                f"{self.path} is {self.file} without poses{self._others()}: expected messages of {types}, {self.wanted}"
+                f"{self.path} is {self.file} without poses{others}: expected messages of {types}, {self.wanted}"
             )
         if part := part_of(self.path):
             self.defects.append(Defect("part-alone", part, "the others are not read"))
         text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
-        return Made(self.kind, text, defects=tuple(self.defects), nested=dict(self._nested()))
-
-    def _nested(self) -> Iterator[tuple[str, Defect]]:
-        for name, parent in self._frames.items():
-            if parent in self._children:
-                what = f"its poses are in frame '{parent}', which is itself in frame '{self._children[parent]}'"
-                yield name, Defect("frame-nested", what, "taken as they are; transforms are not chained")
-
-    def _others(self) -> str:
-        held = [f"{topic} ({what})" for topic, what in self.held.items()]
-        return f" that can be read; it holds {', '.join(held[:8])}" if held else ""
+        nested = {
+            name: f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
+            for name, parent in frames.items()
+            if parent in children
+        }
+        done = "taken as they are; transforms are not chained"
+        told = {name: Defect("frame-nested", what, done) for name, what in nested.items()}
+        return Made(self.kind, text, defects=tuple(self.defects), nested=told)
 
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -143,15 +136,9 @@ EXTRA = "mcap"
 METADATA = "hmdwarp"  # name of the record that states the axes and the origin
 
 
-def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
-    """Return every pose of the messages that hold one, in the order they were logged.
+class McapPoses(PoseMessages):
+    """Errors: TraceError for damaged data; MachineError where `mcap` is missing."""
 
-    Errors: TraceError without any, or for damaged data; MachineError where `mcap` is missing.
-    """
-    return _Reading(path, stream, size).table()
-
-
-class _Reading(PoseMessages):
     kind = "mcap"
     file = "an MCAP file"
     wanted = "as JSON, protobuf or ROS 2's CDR"
@@ -208,16 +195,13 @@ class _Reading(PoseMessages):
             reader = self._mcap.SeekingReader(self.stream, **self._how)
             index = reader.get_summary()
             if index is not None:
-                self._state(reader)
+                stated = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
+                self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
                 return reader, index
         except Exception:  # as above: a file that was cut off has no index where it should be
             pass
         self.stream.seek(0)
         return self._mcap.NonSeekingReader(self.stream, **self._how), None
-
-    def _state(self, reader: Any) -> None:
-        stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
-        self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
 
     def _topics(self, index: Any) -> list[str] | None:
         """Return the topics with poses; None for all. Only their parts of the file are read."""
@@ -232,16 +216,15 @@ class _Reading(PoseMessages):
 
     def _decoder(self, name: str, schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
         if channel.id not in self._decoders:
-            found = self._decoder_of(schema, channel.message_encoding) if has_poses(name) else None
+            coded, found = channel.message_encoding, None
+            if has_poses(name) and coded == "json":
+                found = lambda data: _by_name(parse_json(data))  # noqa: E731
+            elif has_poses(name):
+                found = next(filter(None, (f.decoder_for(coded, schema) for f in self._factories)), None)
             if found is None:
-                self.held[channel.topic] = f"{name or 'no schema'}, {channel.message_encoding}"
+                self.held[channel.topic] = f"{name or 'no schema'}, {coded}"
             self._decoders[channel.id] = found
         return self._decoders[channel.id]
-
-    def _decoder_of(self, schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
-        if encoding == "json":
-            return lambda data: _by_name(parse_json(data))
-        return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
 
 
 # Of the MCAP format: opcode and length of a record; a chunk, whose head has two instants, the size
@@ -310,9 +293,7 @@ class Bag:
             raise self._damaged(error) from None
         weakref.finalize(self, self._reader.close)
         # Type by topic, as ROS 1 names it: sensor_msgs/Image.
-        self.topics = {
-            connection.topic: connection.msgtype.replace("/msg/", "/") for connection in self._reader.connections
-        }
+        self.topics = {each.topic: each.msgtype.replace("/msg/", "/") for each in self._reader.connections}
 
     def messages(
         self, topics: Collection[str], first_ns: int | None = None, last_ns: int | None = None
@@ -411,15 +392,9 @@ def stamp_ns(stamp: Any) -> int:
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
-def table_of_bag(path: Path) -> Made:
-    """Return every pose of the messages that hold one, in the order they were logged.
+class BagPoses(PoseMessages):
+    """Errors: as of Bag."""
 
-    Errors: TraceError without any, or for damaged data; MachineError where rosbags is missing.
-    """
-    return _BagReading(path).table()
-
-
-class _BagReading(PoseMessages):
     kind = "rosbag"
     file = "a bag"
     wanted = "of ROS 1 or ROS 2"

@@ -20,7 +20,7 @@ from ...errors import TraceError, counted
 from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, Euler
 from .file_head import COMMENT_SIGNS, Head, is_number, split
-from .times import WIDTH, Stamps, parse_fields, parse_one
+from .times import WIDTH, Stamps, parse_fields, parse_one, stamps_of
 
 Numbers = NDArray[np.float64]
 MOST_ROWS = 20_000_000  # of about 150 bytes each in memory
@@ -32,6 +32,7 @@ _MATRIX_OFF = 0.05
 _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
+_WORDS = {"nan", "inf", "infinity", "null", "none"}
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
 
@@ -51,16 +52,9 @@ class Rows:
 
     def keep(self, which: NDArray[np.bool_] | slice) -> None:
         """Keep only these rows; one column at a time, to avoid a second copy of everything."""
-        self.orientation = self.orientation[which]
-        self.line = self.line[which]
-        if self.stamps is not None:
-            self.stamps = self.stamps[which]
-        if self.position is not None:
-            self.position = self.position[which]
-        if self.gaze is not None:
-            self.gaze = self.gaze[which]
-        if self.device is not None:
-            self.device = self.device[which]
+        for name in ("orientation", "line", "stamps", "position", "gaze", "device"):
+            if (column := getattr(self, name)) is not None:
+                setattr(self, name, column[which])
 
 
 @attrs.define
@@ -241,7 +235,8 @@ class RowReader:
             for i, t in enumerate(pieces.decode("utf-8", "replace").split("\n"), chunk.line)
             if t.strip(" \t\r\x00")
         ]
-        values, times, devices, lines = [], [], [], []
+        rows: list[tuple[list[float], tuple[int, int, bool], bytes]] = []
+        lines: list[int] = []
         for k, (number, text) in enumerate(found):
             bare = text.strip()
             if bare.startswith(COMMENT_SIGNS):
@@ -250,32 +245,22 @@ class RowReader:
                 self._repeated_headers.append(number)
                 continue
             try:
-                row, time, device = self._parse_line(bare, number)
+                rows.append(self._parse_line(bare, number))
+                lines.append(number)
             except TraceError as error:
-                if not (chunk.last and k == len(found) - 1 and _looks_cut(bare)):
+                # NaN and words are faults, not truncation.
+                words = {f.lower().lstrip("+-") for field in split(bare, None) for f in field.split(",")}
+                cut = chunk.last and k == len(found) - 1 and not words & _WORDS
+                if not cut:
                     self._bad_rows += 1
                     self._first_bad = self._first_bad or (number, error)
                     continue
                 reason = str(error).removeprefix(f"{self.head.path}: line {number}: ")
                 self.defects.append(Defect("last-row-cut", f"the last row is cut off ({reason})", "dropped", 1, number))
                 continue
-            values.append(row)
-            times.append(time)
-            devices.append(device)
-            lines.append(number)
-        return self._from_lists(values, times, devices, lines)
-
-    def _from_lists(
-        self, values: list[list[float]], times: list[tuple[int, int, bool]], devices: list[bytes], lines: list[int]
-    ) -> Rows:
-        n = len(lines)
-        table = np.array(values, dtype=np.float64).reshape(n, len(self._columns))
-        stamps = None
-        if self.layout.time is not None:
-            whole = np.array([t[0] for t in times], dtype=np.int64)
-            parts = np.array([t[1] for t in times], dtype=np.int64)
-            stamps = Stamps(whole, parts, any(t[2] for t in times))
-        device = None if self.layout.device is None else np.array(devices, dtype=np.bytes_)
+        table = np.array([row[0] for row in rows], dtype=np.float64).reshape(len(lines), len(self._columns))
+        stamps = None if self.layout.time is None else stamps_of([row[1] for row in rows])
+        device = None if self.layout.device is None else np.array([row[2] for row in rows], dtype=np.bytes_)
         return self._rows(stamps, table, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
@@ -341,25 +326,20 @@ class RowReader:
         self.defects.append(Defect("angles-implausible", what, remedy))
 
 
-def _of_angles(numbers: NDArray[np.float64], euler: Euler) -> NDArray[np.float64]:
-    from scipy.spatial.transform import Rotation
-
-    if euler.order == AXIS_ANGLE:
-        length = np.linalg.norm(numbers[:, :3], axis=1, keepdims=True)
-        numbers = numbers[:, 3:] * numbers[:, :3] / np.where(length > 0, length, 1)
-    if euler.order in (VECTOR, AXIS_ANGLE):
-        return np.asarray(Rotation.from_rotvec(numbers, degrees=euler.degrees).as_quat())
-    return np.asarray(Rotation.from_euler(euler.order, numbers * euler.signs, degrees=euler.degrees).as_quat())
-
-
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
     """Return (n, 4) quaternions xyzw; zeros for a matrix without a turn. Errors: TraceError."""
-    if not layout.matrix and layout.euler is None:
+    euler = layout.euler
+    if not layout.matrix and euler is None:
         return numbers
     from scipy.spatial.transform import Rotation
 
-    if layout.euler is not None:
-        return _of_angles(numbers, layout.euler)
+    if euler is not None and euler.order in (VECTOR, AXIS_ANGLE):
+        if euler.order == AXIS_ANGLE:
+            length = np.linalg.norm(numbers[:, :3], axis=1, keepdims=True)
+            numbers = numbers[:, 3:] * numbers[:, :3] / np.where(length > 0, length, 1)
+        return np.asarray(Rotation.from_rotvec(numbers, degrees=euler.degrees).as_quat())
+    if euler is not None:
+        return np.asarray(Rotation.from_euler(euler.order, numbers * euler.signs, degrees=euler.degrees).as_quat())
     matrices = numbers.reshape(-1, 3, 3)
     off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
@@ -371,12 +351,3 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     turns = np.linalg.det(matrices) > 0.1  # lost tracking writes zeros
     out[turns] = Rotation.from_matrix(matrices[turns]).as_quat()
     return out
-
-
-def _looks_cut(text: str) -> bool:
-    """Return whether a last line may be truncated; NaN and words are faults, not truncation."""
-    return not any(
-        f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")
-        for f in split(text, None)
-        for f in f.split(",")
-    )

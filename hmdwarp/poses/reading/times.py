@@ -26,13 +26,8 @@ _CLOCK = re.compile(
     re.IGNORECASE,
 )
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
-UNIT_NAMES = {
-    "s": "seconds",
-    "ms": "milliseconds",
-    "us": "microseconds",
-    "100ns": "ticks of 100 ns",
-    "ns": "nanoseconds",
-}
+_NAMES = "seconds", "milliseconds", "microseconds", "ticks of 100 ns", "nanoseconds"
+UNIT_NAMES = dict(zip(UNITS_NS, _NAMES, strict=True))
 
 
 @attrs.define
@@ -63,26 +58,15 @@ class Stamps:
 
 
 def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
-    """Parse plain decimal stamps at once, others one by one. Errors: BadStamp for the first."""
+    """Parse plain decimal stamps at once, others one by one. Errors: ValueError."""
     fast = _parse_plain(fields)
-    if fast is not None:
-        return fast
-    whole, parts, clock = np.empty(len(fields), np.int64), np.empty(len(fields), np.int64), False
-    for i, field in enumerate(fields.tolist()):
-        try:
-            whole[i], parts[i], is_clock = parse_one(field.decode("latin-1"))
-        except ValueError as error:
-            raise BadStamp(i, str(error)) from None
-        clock |= is_clock
-    return Stamps(whole, parts, clock)
+    return fast if fast is not None else stamps_of([parse_one(field.decode("latin-1")) for field in fields.tolist()])
 
 
-class BadStamp(ValueError):
-    """A malformed time field; `index` is its row."""
-
-    def __init__(self, index: int, why: str) -> None:
-        super().__init__(why)
-        self.index = index
+def stamps_of(parsed: list[tuple[int, int, bool]]) -> Stamps:
+    """Return stamps of what `parse_one` gives."""
+    whole, parts = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1))
+    return Stamps(whole, parts, any(stamp[2] for stamp in parsed))
 
 
 def parse_one(text: str) -> tuple[int, int, bool]:
@@ -306,10 +290,10 @@ def _out_of_line(stamps: Stamps, fall: int, step: float) -> set[int]:
     """Return the rows at a step back without which time goes on; empty where it starts anew."""
     for count in range(1, _MOST_ROWS + 1):
         for before, after in ((fall - count, fall + 1), (fall, fall + 1 + count)):
-            if before >= 0 and after < len(stamps):
-                gap = float(stamps[np.array([before, after])].steps()[0])
-                if 0 < gap <= _IN_LINE * step * (count + 1):
-                    return set(range(before + 1, after))
+            inside = before >= 0 and after < len(stamps)
+            gap = float(stamps[np.array([before, after])].steps()[0]) if inside else 0.0
+            if 0 < gap <= _IN_LINE * step * (count + 1):
+                return set(range(before + 1, after))
     return set()
 
 
