@@ -51,7 +51,10 @@ class Curve:
         start, end = self._value(key), self._value(key + 1)
         if self.path != "rotation":
             return start + share * (end - start), (end - start) / length
-        return _slerp(start, end, share, length)
+        first = Rotation.from_quat(start)
+        turn = (Rotation.from_quat(end) * first.inv()).as_rotvec()  # the shorter way round
+        now = (Rotation.from_rotvec(share * turn) * first).as_quat()
+        return now, 0.5 * _product(np.append(turn / length, 0.0), now)
 
     def _value(self, key: int) -> Array:
         return np.asarray(self.values[key] if self.kind != "CUBICSPLINE" else self.values[key, 1])
@@ -71,13 +74,6 @@ class Curve:
         size = max(float(np.linalg.norm(value)), 1e-12)
         unit = value / size
         return unit, (rate - unit * (unit @ rate)) / (size * length)
-
-
-def _slerp(start: Array, end: Array, share: float, length: float) -> tuple[Array, Array]:
-    first = Rotation.from_quat(start)
-    turn = (Rotation.from_quat(end) * first.inv()).as_rotvec()  # the shorter way round
-    now = (Rotation.from_rotvec(share * turn) * first).as_quat()
-    return now, 0.5 * _product(np.append(turn / length, 0.0), now)
 
 
 def _product(p: Array, q: Array) -> Array:
@@ -146,15 +142,12 @@ class Nodes:
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
-        seconds = self._seconds(time_ns)
+        seconds = float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
         placed, moving = self.root, np.zeros((4, 4))
         for parent in self.line(node):
             local, change = self._local(parent, seconds)
             placed, moving = placed @ local, moving @ local + placed @ change
         return placed, moving
-
-    def _seconds(self, time_ns: int) -> float:
-        return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
         rest, curves = self._rest[node], self.curves.get(node, {})
@@ -254,15 +247,11 @@ class Nodes:
             raise error(f"{name}: key {key} is at {times[key]:g} s; key times must be 0 or more and increase")
         values = values.reshape(len(times), 3, -1) if each == 3 else values
         if path == "rotation":
-            values = self._unit(values, each, name)
+            size = np.linalg.norm(values[:, 1] if each == 3 else values, axis=1, keepdims=True)
+            if (size < 1e-6).any():
+                raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
+            values = values if each == 3 else values / size
         return Curve(path, kind, times, values)
-
-    def _unit(self, values: Array, each: int, name: str) -> Array:
-        turns = values[:, 1] if each == 3 else values
-        size = np.linalg.norm(turns, axis=1, keepdims=True)
-        if (size < 1e-6).any():
-            raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
-        return values if each == 3 else values / size
 
 
 def _matrix(parts: dict[str, Array]) -> Array:

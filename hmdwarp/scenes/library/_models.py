@@ -74,16 +74,13 @@ class StoredModel:
 
     def doubles(self, name: str, columns: int) -> NDArray[np.float64]:
         """Return the (n, columns) numbers of the buffer view of that name."""
-        return np.frombuffer(self._view(name), "<f8").reshape(-1, columns)
+        (view,) = (view for view in self._file.items("bufferViews") if view.get("name") == name)
+        return np.frombuffer(self._file.view(view), "<f8").reshape(-1, columns)
 
     def mask(self, name: str) -> NDArray[np.bool_]:
         """Return the (h, w) black and white image of that name."""
         names = [image.get("name") for image in self._file.items("images")]
         return self._file.image(names.index(name), name)[..., 0] > 127
-
-    def _view(self, name: str) -> bytes:
-        (view,) = (view for view in self._file.items("bufferViews") if view.get("name") == name)
-        return self._file.view(view)
 
 
 BORDER = 1  # texels around each chart, so that light never blends with another's

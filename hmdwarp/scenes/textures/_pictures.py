@@ -21,15 +21,12 @@ _LETTERS = {
 }  # fmt: skip
 
 
-def _glyph(letter: str) -> NDArray[np.bool_]:
-    rows = [int(code, 32) for code in _LETTERS.get(letter, _LETTERS[" "])[-7:]]
-    return np.array([[bool(row >> bit & 1) for bit in (4, 3, 2, 1, 0)] for row in rows])
-
-
 def lettering(text: str, scale: int = 1) -> NDArray[np.bool_]:
     """Return the mask of a line of text, 7 x scale pixels high."""
     gap = np.zeros((7, 1), bool)
-    line = np.concatenate([part for letter in text.upper() for part in (_glyph(letter), gap)], axis=1)
+    rows = [[int(code, 32) for code in _LETTERS.get(one, _LETTERS[" "])[-7:]] for one in text.upper()]
+    glyphs = (np.array(each)[:, None] >> [4, 3, 2, 1, 0] & 1 > 0 for each in rows)
+    line = np.concatenate([part for glyph in glyphs for part in (glyph, gap)], axis=1)
     return line.repeat(scale, axis=0).repeat(scale, axis=1)
 
 

@@ -270,14 +270,9 @@ def sun_floor(boards: Image, shaded: NDArray[np.bool_]) -> Image:
     image[top:bottom, left:right] = (np.clip(rug(down, across), 0, 1) * 255).astype(np.uint8)
     # Half a degree of sun blurs a shadow by two texels over 1.5 m.
     shadow = np.clip(gaussian_filter(shaded.astype(np.float32), 2.0) * 2.6, 0, 1)
-    share = (1 + GAIN * _window_light(x, z) * (1 - shadow)) / (1 + GAIN)
+    t = (WINDOW_Z - z) / TOWARDS_SUN[2]
+    at_x, at_y = x + t * TOWARDS_SUN[0], t * TOWARDS_SUN[1] + 0 * x  # where the way to the sun meets the window's wall
+    inside = (at_x > WINDOW_LEFT) & (at_x < WINDOW_RIGHT) & (at_y > WINDOW_BOTTOM) & (at_y < WINDOW_TOP)
+    share = (1 + GAIN * inside.astype(np.float32) * (1 - shadow)) / (1 + GAIN)
     # sRGB is nearly a power of 2.2 over the range that matters.
     return np.asarray((image * (share ** (1 / 2.2))[..., None] + 0.5).astype(np.uint8))
-
-
-def _window_light(x: NDArray[Any], z: NDArray[Any]) -> NDArray[np.float32]:
-    """Return 1 where the way to the sun goes through the window, else 0."""
-    t = (WINDOW_Z - z) / TOWARDS_SUN[2]
-    at_x, at_y = x + t * TOWARDS_SUN[0], t * TOWARDS_SUN[1] + 0 * x
-    inside = (at_x > WINDOW_LEFT) & (at_x < WINDOW_RIGHT) & (at_y > WINDOW_BOTTOM) & (at_y < WINDOW_TOP)
-    return np.asarray(inside.astype(np.float32))
