@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
@@ -37,10 +39,11 @@ def explained(search: Search, reading: Reading) -> float:
 def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str, ...]:
     """Return those of FAULTS that explain the frames as well as a reading, or what it leaves."""
     own = best.fitted.names if best.fitted else ()
-    tries = [
-        (search.fitted(Reading(), tuple(least)), search.fitted(best.reading, (*least, *own)), least)
-        for least in _FITTED.values()
-    ]
+    tries = []
+    for least in _FITTED.values():
+        starts = itertools.product(*(_starts(search, name) for name in least))
+        start = search.best([attrs.evolve(Reading(), **dict(zip(least, one, strict=True))) for one in starts])
+        tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
     tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
     limit = best.changes or explained(search, best.reading) < EXPLAINED
     found = [FAULTS[0]] if limit and _is_cut_off(search) else []
@@ -52,6 +55,12 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
         if explains and _has_a_name(instead, named) or leaves and _has_a_name(besides, named):
             found.append(words)
     return tuple(found)
+
+
+def _starts(search: Search, name: str) -> Sequence[float]:
+    if name in DEPTH_SHIFT:
+        return [at * search.stated.frames[0].depth.shape[1] for at in (-0.1, -0.05, 0.0, 0.05, 0.1)]
+    return (-0.12, 0.0, 0.12) if name in TURN else (-0.2, 0.0, 0.2) if name == BEND else (0.85, 1.0, 1.18)
 
 
 def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
