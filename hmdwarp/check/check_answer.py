@@ -32,6 +32,7 @@ from .conventions import (
     value,
 )
 from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
+from .faults import FAULTS
 from .overlap import LATE, OFFSET, Overlap
 from .search import SURE, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
@@ -90,7 +91,7 @@ class Answer:
         """
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) or self.decision.besides else "right"
+        return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
@@ -146,16 +147,26 @@ def check(stated: Stated) -> Answer:
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
-        ()
-        if decision.is_told
-        else tuple(_values(possible.reading, stated) for possible in (decision.best, *decision.rivals)),
+        tuple(
+            listed(
+                [f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)]
+            )
+            for one in (() if decision.is_told else (decision.best, *decision.rivals))
+        ),
         tuple(code(best, stated)) if decision.is_told else (),
     )
 
 
 def untold(decision: Decision) -> str:
     """Return what it may be, where frames do not tell."""
-    causes = [_labels(names) for names in decision.causes if names]
+    causes = [_labels(names) for names in decision.causes if names] + list(decision.faults)
+    if decision.faults or not decision.rivals and not decision.besides:
+        share, stated = (100 * one for one in decision.explained)
+        told = [one for one in FAULTS if one not in decision.faults]
+        of = (
+            f"{' or '.join(causes)} (explains {share:.1f} % of the depths that nothing hides, as stated {stated:.1f} %)"
+        )
+        return f"{of}; excluded: {listed(told)}" if told else of
     if decision.besides:
         named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
         return f"more than one of {_labels(tuple(named))} differs, or something else does"
@@ -164,10 +175,6 @@ def untold(decision: Decision) -> str:
 
 def _labels(names: Sequence[str]) -> str:
     return listed([CONVENTIONS[name].label for name in names])
-
-
-def _values(reading: Reading, stated: Stated) -> str:
-    return listed([f"{CONVENTIONS[name].label}: {value(reading, stated, name)}" for name in differences(reading)])
 
 
 def _finding(decision: Decision, name: str) -> Finding:
@@ -203,7 +210,9 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
-    shift = _shift(search, best, others[least])
+    a, b = (search.fine.residuals(which) for which in (best, others[least]))
+    apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
+    shift = float(np.median(apart)) if len(apart) else math.inf
     other = value(others[least], search.stated, name)
     why = (
         f"{other} would move pixels by only {shift:.2g}"
@@ -242,13 +251,6 @@ def _margin(decision: Decision, other: Reading) -> float:
         coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
     )
     return standard_errors(better - worse)
-
-
-def _shift(search: Search, one: Reading, other: Reading) -> float:
-    """Return the median shift between two readings, in pixels."""
-    a, b = (search.fine.residuals(which) for which in (one, other))
-    both = a.seen & b.seen
-    return float(np.median(np.linalg.norm(a.pixel[both] - b.pixel[both], axis=-1))) if both.any() else math.inf
 
 
 def _vague(search: Search, best: Reading, name: str) -> str:

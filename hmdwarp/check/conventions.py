@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import attrs
 import numpy as np
 
 from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
-from .stated_frames import BUFFER, METRES, Array, Reading, Stated, eye_axes
+from .stated_frames import BUFFER, METRES, Reading, Stated, eye_axes
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
 RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"
@@ -254,13 +254,10 @@ def _turned(axes: str) -> Iterator[str]:
         from scipy.spatial.transform import Rotation
 
         turn = Rotation.from_matrix(eye.T).as_quat(canonical=True)
-        yield f"pose = pose @ Pose(orientation_xyzw={_numbers(turn)})  # the eye's axes were those of {axes}"
+        numbers = ", ".join(f"{round(float(value), 6) + 0.0:g}" for value in turn)
+        yield f"pose = pose @ Pose(orientation_xyzw=({numbers}))  # the eye's axes were those of {axes}"
         return
     yield f"eye = np.array({[[int(cell) for cell in row] for row in eye]})  # right, up and back in the axes of {axes}"
     yield "world = np.diag([1, 1, -1])  # the other hand"
     yield "turn = Rotation.from_matrix(world @ pose.rotation_matrix @ eye.T)  # of SciPy"
     yield "pose = Pose(world @ pose.position_m, turn.as_quat())"
-
-
-def _numbers(values: Array | Sequence[float]) -> str:
-    return f"({', '.join(f'{round(float(value), 6) + 0.0:g}' for value in values)})"

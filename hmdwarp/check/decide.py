@@ -23,6 +23,7 @@ from .conventions import (
     is_half_a_pixel,
     restored,
 )
+from .faults import EXPLAINED, explained, standing_faults
 from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
@@ -35,6 +36,7 @@ _MOST_CHANGES = 2  # that are named
 _KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
+_LESS = 0.005  # of what is explained: an answer that explains less than what is stated is none
 _LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
 
 
@@ -49,11 +51,17 @@ class Decision:
     rivals: tuple[Candidate, ...] = ()
     # Conventions of which one or more differ besides, where no reading of them was found.
     besides: tuple[str, ...] = ()
+    # Faults that are no convention and explain as much, or what the best reading leaves.
+    faults: tuple[str, ...] = ()
+    # Shares of the depths that the best reading explains, and what is stated.
+    explained: tuple[float, float] = (1.0, 1.0)
 
     @property
     def is_told(self) -> bool:
-        """Whether the best reading is the only one that explains the frames."""
-        return not self.rivals and not self.besides
+        """Whether the best reading is the only one that explains the frames, and nearly all."""
+        share, stated = self.explained
+        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS)
+        return not self.rivals and not self.besides and not self.faults and enough
 
     @property
     def causes(self) -> tuple[tuple[str, ...], ...]:
@@ -135,9 +143,11 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
             and agreement(search, other.reading) >= _AS_GOOD * most
         )
         rivals += tuple(as_good)
+    share = explained(search, best.reading)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    return Decision(search, found.noise, best, rivals, besides)
+    faults = standing_faults(search, found.noise, best) if explains(search, best.reading) else ()
+    return Decision(search, found.noise, best, rivals, besides, faults, (share, explained(search, Reading())))
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
@@ -151,18 +161,14 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
     for reading in sorted(dict.fromkeys(found), key=search.score, reverse=True):
         if len(kept) == _KEPT or search.score(reading) < least:
             break
-        names = _numbers_of(reading)
+        names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
+        names += [OFFSET] if reading.offset or reading.end else []
+        names += [number for name in numbered(reading) if name in _LOOSE for number in FITTED[name]]
         fitted = search.fitted(reading, names) if names else fixed(reading)
         if all(matters(search, name, fitted.reading) for name in numbered(fitted.reading)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
     return kept
-
-
-def _numbers_of(reading: Reading) -> list[str]:
-    names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
-    names += [OFFSET] if reading.offset or reading.end else []
-    return [*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name])]
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
@@ -290,9 +296,8 @@ class NumberSearch:
         """Return which numbers differ: none, one convention, or two where one leaves too much."""
         nothing = self._candidate(self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
-        singles = [
-            model for model in self._of(1) if self._is_known(model, needed) and self._gains(nothing, model, needed)
-        ]
+        gain = -_NO_WORSE if not nothing.changes else needed / 4
+        singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
         best, rivals = self._least(nothing, singles)
         besides = self._besides(best)
         if besides and not nothing.changes:
@@ -357,9 +362,6 @@ class NumberSearch:
             if name not in taken and matters(self.search, name, every.reading) and self._sureness(every, name) > SURE
         )
 
-    def _gains(self, nothing: Candidate, one: Candidate, needed: float) -> bool:
-        return margin(nothing, one) > (-_NO_WORSE if not nothing.changes else needed / 4)
-
     def _is_known(self, one: Candidate, needed: float) -> bool:
         names = numbered(one.reading)
         return bool(names) and all(
@@ -370,12 +372,12 @@ class NumberSearch:
         """Return by how many standard errors a convention is not as stated."""
         assert one.fitted is not None
         error = dict(zip(one.fitted.names, one.fitted.error, strict=True))
-        each = [self._off(one.reading, number) / float(error[number]) for number in _DECIDES[FITTED[name]]]
+        each = []
+        for number in _DECIDES[FITTED[name]]:
+            now, then = (getattr(which, number) for which in (one.reading, self.base))
+            off = math.log(now / then) if number in LOGARITHMS else now - then
+            each.append(abs(off) / float(error[number]))
         return min(each) if name == CENTRE and is_half_a_pixel(one.reading) else max(each)
-
-    def _off(self, reading: Reading, number: str) -> float:
-        now, then = (getattr(which, number) for which in (reading, self.base))
-        return abs(math.log(now / then)) if number in LOGARITHMS else abs(now - then)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
         """Return the reading in which these conventions differ, from the best known start."""

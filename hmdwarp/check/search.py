@@ -11,11 +11,15 @@ import numpy as np
 
 from .overlap import (
     ALONG,
+    BEND,
+    DEPTH_SHIFT,
+    DEPTH_WIDE,
     FACTOR,
     LATE,
     OFFSET,
     PIXEL_X,
     PIXEL_Y,
+    TURN,
     WIDE,
     WIDE_X,
     WIDE_Y,
@@ -59,7 +63,9 @@ class Search:
 
     def __init__(self, stated: Stated) -> None:
         self.stated = stated
-        pairs = _pairs(_inner(stated))
+        is_long = min(map(len, stated.tracks)) >= _LONG  # its ends are not compared
+        ends = {int(track[end]) for track in stated.tracks for end in (0, -1)} if is_long else set()
+        pairs = _pairs([k for k in range(len(stated.frames)) if k not in ends])
         points = max(1, PAIRS // len(pairs))
         self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
@@ -174,7 +180,8 @@ class Search:
     def sharpened(self, reading: Reading) -> Reading:
         """Return the reading with the factor, and offset, for which coarse pictures agree best."""
         for step in (1.12, 1.05, 1.02):
-            reading = self.best([reading, *(_scaled(reading, step**power) for power in (-1, 1))])
+            numbers = ((reading.factor * by, reading.offset * by) for by in (1 / step, step))
+            reading = self.best([reading, *(attrs.evolve(reading, factor=a, offset=b) for a, b in numbers)])
         return reading
 
     # What has a number that the fine pictures tell.
@@ -196,7 +203,8 @@ class Search:
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
         steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
-        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3, WIDE: 2e-3}
+        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3, WIDE: 2e-3, DEPTH_WIDE: 2e-3, BEND: 5e-3}
+        steps |= {**dict.fromkeys(TURN, 1e-3), **dict.fromkeys(DEPTH_SHIFT, 0.05)}
         if self.stated.interval_s is not None:
             steps[LATE] = 0.05 * self.stated.interval_s
         return steps
@@ -231,17 +239,6 @@ def _near(inverse: Array) -> Array:
     """Return what is known and not infinitely far, as the sky is; 0 alone where nothing is."""
     known = inverse[np.isfinite(inverse) & (inverse != 0)]
     return known if len(known) else np.zeros(1)
-
-
-def _scaled(reading: Reading, by: float) -> Reading:
-    return attrs.evolve(reading, factor=reading.factor * by, offset=reading.offset * by)
-
-
-def _inner(stated: Stated) -> list[int]:
-    """Return the frames to compare: without the ends of long tracks."""
-    tracks = stated.tracks
-    ends = {int(track[end]) for track in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
-    return [k for k in range(len(stated.frames)) if k not in ends]
 
 
 def _pairs(frames: Sequence[int]) -> Indices:

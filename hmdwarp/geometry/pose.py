@@ -147,6 +147,27 @@ class Pose:
         """The orientation as a 3x3 matrix, read-only."""
         return matrix_of(self.orientation_xyzw.tolist())
 
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike) -> Pose:
+        """Return the pose that a matrix is: (4, 4) or (3, 4), or 16 numbers by columns, as WebXR.
+
+        Of (4, 4) the position stands in the last column, or in the last row. Errors: InputError
+        for one that does more than turn and move.
+        """
+        from scipy.spatial.transform import Rotation
+
+        found = np.asarray(matrix, np.float64)
+        found = found.reshape(4, 4).T if found.shape == (16,) else found
+        if found.shape == (4, 4):
+            found = found if np.allclose(found[3], (0, 0, 0, 1)) else found.T
+        turn, whole = found[:3, :3], found.shape in ((3, 4), (4, 4)) and np.isfinite(found).all()
+        last = found[3:] if whole else np.zeros((1, 4))
+        if not whole or not np.allclose(last, (0, 0, 0, 1)) or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
+            raise InputError(f"matrix is {in_brief(matrix)}: expected (4, 4), (3, 4) or 16 numbers that turn and move")
+        if np.linalg.det(turn) < 0:
+            raise InputError(f"matrix is {in_brief(matrix)}: it mirrors; expected a right-handed rotation")
+        return cls(found[:3, 3], Rotation.from_matrix(turn).as_quat())
+
     def transform(self, points: ArrayLike) -> Vector:
         """Transform points (..., 3) in b, in metres, to the same points in a."""
         points = floats(points)

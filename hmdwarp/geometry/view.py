@@ -152,6 +152,28 @@ class Fov:
         left, up = cx + 0.5 - centre, cy + 0.5 - centre  # pixels from the picture's corner
         return cls.from_tangents((-left / fx, (wide - left) / fx, -(high - up) / fy, up / fy))
 
+    @classmethod
+    def from_projection(cls, matrix: ArrayLike) -> Fov:
+        """Return the field of view of a projection matrix, as OpenGL, WebXR, Unity, OpenVR have it.
+
+        matrix: (4, 4) or 16 numbers, by rows or columns, looking along -z or z, y up or down.
+        Errors: InputError for one that is no perspective along z.
+        """
+        found = np.asarray(matrix, np.float64)
+        found = found.reshape(4, 4) if found.size == 16 else np.zeros((4, 4))
+        whole = [one for one in (found, found.T) if np.allclose(np.abs(one[3]), (0, 0, 1, 0)) and not one[2, :2].any()]
+        if (
+            not whole
+            or not np.isfinite(found).all()
+            or not whole[0][0, 0] * whole[0][1, 1]
+            or found[0, 1]
+            or found[1, 0]
+        ):
+            raise InputError(f"projection is {in_brief(matrix)}: expected a perspective along z, (4, 4) or 16 numbers")
+        scales = ((whole[0][k, k], whole[0][k, 2] / whole[0][3, 2]) for k in (0, 1))
+        (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
+        return cls.from_tangents((left, right, down, up))
+
     def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
         """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""
         left, right, down, up = self.tangents.tolist()

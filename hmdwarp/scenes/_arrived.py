@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..geometry import RigidState
 from ._mesh import Body, Brightness, Deformation, Motion
-from ._scene import Lamp, Scene
+from ._scene import Scene
 from .motions import swing_m
 
 
@@ -79,21 +79,19 @@ def moves(scene: Scene) -> bool:
     return bool(scene.bodies or scene.lamps or any(mesh.deformation is not None for mesh in scene.meshes))
 
 
-def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
-    brightness = None if lamp.brightness is None else _ArrivedBrightness(lamp.brightness, arrived)
-    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness)
-
-
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
     and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright.
     """
+    bright = [one.brightness and _ArrivedBrightness(one.brightness, arrived) for one in scene.lamps]
+    moving = [_ArrivedMotion(one.motion, arrived) for one in scene.lamps]
+    lamps = zip(scene.lamps, moving, bright, strict=True)
     return attrs.evolve(
         scene,
         bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
-        lamps=[_arrived_lamp(lamp, arrived) for lamp in scene.lamps],
+        lamps=[attrs.evolve(lamp, motion=motion, brightness=own) for lamp, motion, own in lamps],
         meshes=[
             mesh
             if mesh.deformation is None

@@ -108,7 +108,10 @@ class Draft:
             positions = positions - origin
         # No lamp of the world shines on what is fixed to the head. Else the light stays where it is
         # in the file, wherever the viewer stands.
-        lit = np.ones(len(normals)) if locked or look.unlit else _light_on(self.normals, look.double_sided)
+        up, facing, lit = self.normals[:, 1], self.normals @ _KEY_LIGHT, np.ones(len(normals))
+        if not (locked or look.unlit):  # a plain light; a single sheet is lit from both sides
+            both, one = 0.45 + 0.25 * up + 0.5 * np.abs(facing), 0.42 + 0.18 * up + 0.55 * np.maximum(facing, 0)
+            lit = both if look.double_sided else one
         return Mesh(
             self.name,
             positions,
@@ -123,13 +126,6 @@ class Draft:
             self.driven.seen_from(origin) if self.driven is not None else None,
             self.colour + look.emission if self.is_surface else self.colour,
         )
-
-
-def _light_on(normals: Array, double_sided: bool) -> Array:
-    """Return (n,) a plain light on unit normals; a single sheet is lit from both sides."""
-    if double_sided:
-        return np.asarray(0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT))
-    return np.asarray(0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0))
 
 
 def normals_of(vertices: Array, faces: NDArray[Any]) -> Array:

@@ -29,6 +29,9 @@ SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 STANDING = np.array([0.0, EYE_HEIGHT_M, 0.0])
 
 
+_FROM_Z_UP = ((1, 0, 0), (0, 0, 1), (0, -1, 0))
+
+
 def scene_from_file(path: Path, options: SceneOptions) -> Scene:
     """Return the file's triangles as a Scene; its notes say what had to be left out or replaced.
 
@@ -43,7 +46,8 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
             raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
     if path.suffix.lower() not in FILE_ENDINGS:
         raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
-    notes, units = Notes(path), _units(options)
+    notes, units = Notes(path), np.eye(4)  # from the file's world to metres with +y up
+    units[:3, :3] = options.scale * np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1)] if options.up == "y" else _FROM_Z_UP)
     try:
         with np.errstate(all="ignore"):
             if path.suffix.lower() in (".glb", ".gltf"):
@@ -54,28 +58,14 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
             textures: list[Texture] = []
             read = mitsuba_drafts if path.suffix.lower() == ".xml" else drafts_of
             drafts = read(path, units, notes, textures)
-            _note_unstated(options, notes)
+            taken = ["a unit is a metre (--scene-scale)"] * (options.scale == 1)
+            if taken := taken + ["y is up (--scene-up)"] * (options.up == "y"):
+                notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
             return _scene(path, options, notes, drafts, textures)
     except (HmdwarpError, MemoryError):
         raise
     except Exception as error:  # a damaged file may hold any value where another is due
         raise unreadable(path, error) from error
-
-
-def _note_unstated(options: SceneOptions, notes: Notes) -> None:
-    """Note what a file without units and axes, as OBJ and PLY are, was taken to mean."""
-    taken = ["a unit is a metre (--scene-scale)"] if options.scale == 1 else []
-    taken += ["y is up (--scene-up)"] if options.up == "y" else []
-    if taken:
-        notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
-
-
-def _units(options: SceneOptions) -> Array:
-    """Return 4x4, from the file's world to metres with +y up."""
-    turn = np.eye(3) if options.up == "y" else np.array([(1, 0, 0), (0, 0, 1), (0, -1, 0)])
-    out = np.eye(4)
-    out[:3, :3] = options.scale * turn
-    return out
 
 
 def _scene(
@@ -105,7 +95,8 @@ def _scene(
     triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
     add_hints(triangles, low, high, options.scale, options.up, notes)
     place = _place(options, notes, triangles, low, high, content)
-    world_from_file = _put(place)
+    half = np.radians(place.yaw_deg) / 2  # a head at rest is there
+    world_from_file = Pose(STANDING) @ Pose(place.eye, (0.0, np.sin(half), 0.0, np.cos(half))).inverse()
     if content is not None:
         content.move(world_from_file)
     bodies: Sequence[Body] = content.bodies if content is not None else ()
@@ -120,7 +111,7 @@ def _scene(
         lit = [is_rigid and not look.unlit and not look.emission.any() for look, is_rigid in looks]
         meshes, lamps = lit_by(lamps, meshes, lit, textures, origin, notes)
     return Scene(
-        _name(path),
+        path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem,
         f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
         meshes,
         textures,
@@ -134,11 +125,6 @@ def _scene(
         lamps=lamps,
         panels=panels,
     )
-
-
-def _name(path: Path) -> str:
-    """Return the name of a file's scene: that of its folder where every file is scene.xml."""
-    return path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem
 
 
 def _place(
@@ -165,10 +151,3 @@ def _place(
     elif np.linalg.norm(np.maximum(0, np.maximum(low - eye, eye - high))) > max(2 * float((high - low).max()), 3):
         notes.add(f"the viewpoint {options.viewpoint} lies far outside the scene, which is hardly seen from there")
     return place_at(triangles, eye, yaw, high - low)
-
-
-def _put(place: Place) -> Pose:
-    """Return world_from_file, which takes the place to where a head at rest is."""
-    half = np.radians(place.yaw_deg) / 2
-    turned = Pose(place.eye, (0.0, np.sin(half), 0.0, np.cos(half)))
-    return Pose(STANDING) @ turned.inverse()

@@ -218,11 +218,6 @@ def _cut(
     return attrs.evolve(mesh, **rows, light=albedo[kept], albedo=albedo[kept], triangles=triangles, light_uv=light_uv)
 
 
-def _scaled(colour: tuple[float, float, float], factor: float) -> tuple[float, float, float]:
-    red, green, blue = colour
-    return factor * red, factor * green, factor * blue
-
-
 def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tuple[list[Lamp], float]:
     """Return the lamps so scaled that white surfaces show MEAN_LIGHT on average, and the factor.
 
@@ -245,5 +240,5 @@ def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tu
             light += max(lamp.colour) * fades * cosine / (far**2 if place[3] else 1)
         total, area = total + float(size @ light), area + float(size[light > 0].sum())
     factor = MEAN_LIGHT * area / total if total > 0 else 1.0
-    scaled = [attrs.evolve(lamp, colour=_scaled(lamp.colour, factor)) for lamp in lamps]
+    scaled = [attrs.evolve(lamp, colour=tuple(factor * one for one in lamp.colour)) for lamp in lamps]
     return scaled, factor

@@ -67,7 +67,10 @@ def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
     """Return base colour (h, w, 3) and how much is metal (h, w, 1)."""
     diffuse, specular = np.broadcast_arrays(diffuse, specular)
     left = 1 - specular.max(axis=2, keepdims=True)
-    metallic = _metallic(_bright(diffuse), _bright(specular), left)
+    # The share of metal at which both brightnesses come out.
+    b = _bright(diffuse) * left / (1 - _DIELECTRIC) + (bright := _bright(specular)) - 2 * _DIELECTRIC
+    root = np.sqrt(np.maximum(b**2 - 4 * _DIELECTRIC * (_DIELECTRIC - bright), 0))
+    metallic = np.where(bright < _DIELECTRIC, 0.0, np.clip((root - b) / (2 * _DIELECTRIC), 0, 1))
     of_diffuse = diffuse * left / (1 - _DIELECTRIC) / np.maximum(1 - metallic, 1e-6)
     of_specular = (specular - _DIELECTRIC * (1 - metallic)) / np.maximum(metallic, 1e-6)
     share = metallic**2
@@ -76,14 +79,6 @@ def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
 
 def _bright(colour: Array) -> Array:
     return np.asarray(np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]))
-
-
-def _metallic(diffuse: Array, specular: Array, left: Array) -> Array:
-    """Return the share of metal at which both brightnesses come out."""
-    b = diffuse * left / (1 - _DIELECTRIC) + specular - 2 * _DIELECTRIC
-    root = np.sqrt(np.maximum(b**2 - 4 * _DIELECTRIC * (_DIELECTRIC - specular), 0))
-    found = np.clip((root - b) / (2 * _DIELECTRIC), 0, 1)
-    return np.asarray(np.where(specular < _DIELECTRIC, 0.0, found))
 
 
 _WHITE = np.full((1, 1, 3), 255, np.uint8)
@@ -140,7 +135,10 @@ class Looks:
             cutoff = float(gltf.get("alphaCutoff", 0.5))
             if image is None and alpha < cutoff:
                 return None
-            image, alpha = (None if image is None else _cut(image, alpha, cutoff)), 1.0
+            if image is not None:
+                image = image.copy()
+                image[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
+            alpha = 1.0
         elif mode != "BLEND" and image is not None:
             image = image[..., :3]
         # A mask without holes, or a blend that lets nothing pass, is a surface like any other.
@@ -321,9 +319,3 @@ def _mean_of(image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
     """Return one pixel: the mean of an sRGB picture in linear light."""
     assert image is not None
     return srgb8_from_linear(linear_from_srgb(image).mean(axis=(0, 1), keepdims=True))
-
-
-def _cut(image: NDArray[np.uint8], alpha: float, cutoff: float) -> NDArray[np.uint8]:
-    out = image.copy()
-    out[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
-    return out

@@ -52,7 +52,10 @@ class Curve:
         start, end = self._value(key), self._value(key + 1)
         if self.path != "rotation":
             return start + share * (end - start), (end - start) / length
-        return _slerp(start, end, share, length)
+        first = Rotation.from_quat(start)
+        turn = (Rotation.from_quat(end) * first.inv()).as_rotvec()  # the shorter way round
+        now = (Rotation.from_rotvec(share * turn) * first).as_quat()
+        return now, 0.5 * _product(np.append(turn / length, 0.0), now)
 
     def _value(self, key: int) -> Array:
         return np.asarray(self.values[key] if self.kind != "CUBICSPLINE" else self.values[key, 1])
@@ -72,13 +75,6 @@ class Curve:
         size = max(float(np.linalg.norm(value)), 1e-12)
         unit = value / size
         return unit, (rate - unit * (unit @ rate)) / (size * length)
-
-
-def _slerp(start: Array, end: Array, share: float, length: float) -> tuple[Array, Array]:
-    first = Rotation.from_quat(start)
-    turn = (Rotation.from_quat(end) * first.inv()).as_rotvec()  # the shorter way round
-    now = (Rotation.from_rotvec(share * turn) * first).as_quat()
-    return now, 0.5 * _product(np.append(turn / length, 0.0), now)
 
 
 def _product(p: Array, q: Array) -> Array:
@@ -164,7 +160,7 @@ class Nodes:
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
-        seconds = self._seconds(time_ns)
+        seconds = float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
         key = id(self.root), seconds
         kept = self._found.get(key)
         if kept is None:  # each node is placed once a time, however many hang below it
@@ -180,9 +176,6 @@ class Nodes:
             found[below] = placed @ local, moving @ local + placed @ change
             node = below
         return found[node]
-
-    def _seconds(self, time_ns: int) -> float:
-        return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
         rest, curves = self._rest[node], self.curves.get(node, {})
@@ -287,15 +280,11 @@ class Nodes:
             raise error(f"{name}: key {key} is at {times[key]:g} s; key times must be 0 or more and increase")
         values = values.reshape(len(times), 3, -1) if each == 3 else values
         if path == "rotation":
-            values = self._unit(values, each, name)
+            size = np.linalg.norm(values[:, 1] if each == 3 else values, axis=1, keepdims=True)
+            if (size < 1e-6).any():
+                raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
+            values = values if each == 3 else values / size
         return Curve(path, kind, times, values)
-
-    def _unit(self, values: Array, each: int, name: str) -> Array:
-        turns = values[:, 1] if each == 3 else values
-        size = np.linalg.norm(turns, axis=1, keepdims=True)
-        if (size < 1e-6).any():
-            raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
-        return values if each == 3 else values / size
 
 
 def _matrix(parts: dict[str, Array]) -> Array:

@@ -152,7 +152,11 @@ class GltfContent:
             self._left -= len(instances) * len(triangles)
             if self._left < 0:
                 raise file.error(f"{user}: {len(instances)} instances of {len(triangles)} triangles; export fewer")
-            rest, triangles = _repeated(rest, triangles, instances)
+            turns = instances[:, :3, :3]
+            first = np.arange(len(instances))[:, None, None] * len(rest)
+            rest = (np.einsum("kij,nj->kni", turns, rest) + instances[:, None, :3, 3]).reshape(-1, 3)
+            faces = np.where(np.linalg.det(turns)[:, None, None] < 0, triangles[None, :, ::-1], triangles[None])
+            triangles = (faces + first).reshape(-1, 3).astype(np.uint32)
             uv, colour = np.tile(uv, (len(instances), 1)), np.tile(colour, (len(instances), 1))
             if not len(triangles):
                 return None
@@ -164,8 +168,10 @@ class GltfContent:
         draft = self._placed(draft, node, skin, primitive)
         if skin is None and np.linalg.det(self._nodes.at(node, 0)[0][:3, :3]) < 0:
             draft = attrs.evolve(draft, triangles=draft.triangles[:, ::-1])  # a mirrored node turns them inside out
-        if look.material.reflectivity and not look.material.curved and not _is_flat(draft.positions):
-            draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=True)))
+        if look.material.reflectivity and not look.material.curved:
+            sizes = np.linalg.svd(draft.positions - draft.positions.mean(axis=0), compute_uv=False)
+            curved = len(sizes) == 3 and bool(sizes[-1] > FLAT * sizes[0])
+            draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=curved)))
         return draft
 
     def _shaped(self, rest: Array, node: dict[str, Any], primitive: dict[str, Any], user: str) -> Array:
@@ -222,14 +228,6 @@ def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int)
     return strip.astype(np.uint32)
 
 
-def _repeated(rest: Array, triangles: NDArray[np.uint32], instances: Array) -> tuple[Array, NDArray[np.uint32]]:
-    """Return positions and triangles of all instances together, in the axes of their node."""
-    places = np.einsum("kij,nj->kni", instances[:, :3, :3], rest) + instances[:, None, :3, 3]
-    first = np.arange(len(instances), dtype=np.uint32)[:, None, None] * len(rest)
-    faces = np.where(np.linalg.det(instances[:, :3, :3])[:, None, None] < 0, triangles[None, :, ::-1], triangles[None])
-    return places.reshape(-1, 3), (faces + first).reshape(-1, 3).astype(np.uint32)
-
-
 def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count: int) -> Array:
     """Return texture coordinates with their origin bottom left; glTF has it top left."""
     if look.texcoords not in attributes:
@@ -257,9 +255,3 @@ def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count
 def _as_shares(values: NDArray[Any]) -> Array:
     """Return floats; integers count as normalised even where the file omits the flag."""
     return values / np.iinfo(values.dtype).max if values.dtype.kind in "iu" else values.astype(np.float64)
-
-
-def _is_flat(positions: Array) -> bool:
-    middle = positions - positions.mean(axis=0)
-    sizes = np.linalg.svd(middle, compute_uv=False)
-    return bool(sizes[-1] <= FLAT * sizes[0]) if len(sizes) == 3 else True

@@ -14,7 +14,7 @@ from ..errors import SceneError
 from ..options import NoSettings
 from ..registry import Registry
 from ._mesh import Mesh
-from ._scene import Lamp, Scene
+from ._scene import Scene
 
 Array = NDArray[np.float64]
 Light = tuple[Array, tuple[float, float, float]]  # place and fading, colour; see lamps_at
@@ -91,13 +91,9 @@ def lamps_at(scene: Scene, time_ns: int) -> list[Light]:
     Places are relative to the scene's origin.
     """
     at = scene.lit_ns(time_ns)
-    return [(_seen_from(lamp, scene.origin_m, at), lamp.light(at)) for lamp in scene.lamps]
-
-
-def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
-    place = lamp.place(time_ns)
-    place[:3] -= place[3] * origin
-    return np.append(place, lamp.fading(time_ns))
+    origin = np.append(scene.origin_m, 0)
+    places = ((lamp, lamp.place(at)) for lamp in scene.lamps)
+    return [(np.append(place - place[3] * origin, lamp.fading(at)), lamp.light(at)) for lamp, place in places]
 
 
 @attrs.frozen

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import attrs
 
@@ -34,7 +33,9 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
                 flag = option_of(field).flag
                 raise InputError(f"{flag} with scene '{text}': it is for scene files; leave it out")
         source = scenes.get(text)
-        return _built(source) if source.reacts is None else _reacting(_built(source), source.reacts)
+        if source.reacts is None:
+            return _built(source)
+        return attrs.evolve(_built(source), inputs=(log := InputLog()), **source.reacts(log))
     check_scene_name(text)
     from ._files import scene_from_file  # reading glTF brings SciPy, and shipped scenes do without
 
@@ -46,11 +47,6 @@ def check_scene_name(text: str) -> None:
     path = Path(text)
     if text not in scenes.names() and path.suffix.lower() not in FILE_ENDINGS and not path.is_file():
         raise unknown_name("scene", text, [*scenes.names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
-
-
-def _reacting(scene: Scene, reacts: Callable[[InputLog], dict[str, Any]]) -> Scene:
-    log = InputLog()
-    return attrs.evolve(scene, inputs=log, **reacts(log))
 
 
 @cache

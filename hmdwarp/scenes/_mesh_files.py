@@ -1,4 +1,4 @@
-"""OBJ and PLY files, which trimesh reads, as parts of a scene."""
+"""OBJ and PLY files as parts of a scene; trimesh reads PLY, and materials of OBJ."""
 
 from __future__ import annotations
 
@@ -37,8 +37,19 @@ def mesh_parts(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file with triangles (trimesh.Trimesh), checked."""
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
     for part in parts:
-        _check_shape(path, part)
-        _check_finite(path, part)
+        # trimesh passes on what a damaged file says, vertices of two numbers for instance.
+        for name, array in (("vertices", part.vertices), ("faces", part.faces)):
+            if np.ndim(array) != 2 or np.shape(array)[1] != 3:
+                raise SceneError(
+                    f"{path}: {name} of shape {np.shape(array)}; expected three numbers each; export the file again"
+                )
+        bad, most = ~np.isfinite(part.vertices).all(axis=1), int(part.faces.max())
+        if bad.any():
+            raise SceneError(
+                f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it"
+            )
+        if most >= len(part.vertices) or int(part.faces.min()) < 0:
+            raise SceneError(f"{path}: a triangle uses vertex {most} of {len(part.vertices)}; the file is damaged")
     return parts
 
 
@@ -52,23 +63,12 @@ def is_closed(positions: Array, triangles: NDArray[Any]) -> bool:
     return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
 
 
-class _LogHandler(logging.Handler):
-    """Notes what trimesh logs."""
-
-    def __init__(self, say: Callable[[str], None]) -> None:
-        super().__init__(logging.WARNING)
-        self._say = say
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self._say(record.getMessage())
-
-
 @contextmanager
 def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
     """Pass on what trimesh warns of in the block, by either way, instead of printing it."""
-    logger, handler = logging.getLogger("trimesh"), _LogHandler(say)
-    propagates, level = logger.propagate, logger.level
-    logger.propagate = False
+    logger, handler = logging.getLogger("trimesh"), logging.Handler(logging.WARNING)
+    handler.emit = lambda record: say(record.getMessage())  # type: ignore[method-assign]
+    (propagates, level), logger.propagate = (logger.propagate, logger.level), False
     logger.setLevel(logging.WARNING)
     logger.addHandler(handler)
     try:
@@ -76,7 +76,7 @@ def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
             warnings.simplefilter("always")
             yield
         for warning in caught:
-            if not issubclass(warning.category, RuntimeWarning):  # of numbers such as 0 / 0, see _check_finite
+            if not issubclass(warning.category, RuntimeWarning):  # of numbers such as 0 / 0
                 say(str(warning.message))
     finally:
         logger.removeHandler(handler)
@@ -88,11 +88,14 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file (trimesh.Trimesh)."""
     trimesh = _trimesh()
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
-    beside = _beside(path.parent)
+    beside = _Beside(path.parent)
     try:
         with _warnings_to(warned.append), np.errstate(all="ignore"), opened(path, SCENE) as file:
-            loaded = trimesh.load(file, file_type=kind, resolver=beside, process=False, maintain_order=True)
-            found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
+            if kind == "obj":
+                found = _parts_of_obj(path, file.read().decode("utf-8", "replace"), beside, notes)
+            else:
+                loaded = trimesh.load(file, file_type=kind, resolver=beside, process=False, maintain_order=True)
+                found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
     except (MemoryError, SceneError):
         raise
     except Exception as error:  # trimesh's parsers let any exception through
@@ -100,18 +103,192 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     if beside.refused:
         raise beside.refused[0]
     if kind == "ply":
-        beside.look_for(_pictures_of_ply(path))
-    missing = beside.missing
-    for name, how in missing.items():
+        for name in _pictures_of_ply(path):
+            with suppress(OSError):
+                beside.get(name)
+        for part in found:
+            _cut_polygons_of_ply(part, notes)
+    for name, how in beside.missing.items():
         what = "material file" if name.lower().endswith(".mtl") else "texture"
         notes.add(f"a file that it names {how}, drawn grey", f"{what} '{name}'")
     for line in warned:
-        if not missing or "image" not in line:
+        if not beside.missing or "image" not in line:
             notes.add("trimesh, which reads it, says", " ".join(line.split())[:160])
-    clouds = [part for part in found if not isinstance(part, trimesh.Trimesh)]
-    if clouds:
+    meshes = [part for part in found if isinstance(part, trimesh.Trimesh)]
+    if len(meshes) < len(found):
         notes.add("points and lines are left out")
-    return [part for part in found if isinstance(part, trimesh.Trimesh)]
+    return meshes
+
+
+_ROWS = {"v": 3, "vt": 2, "vn": 3}  # of an OBJ file, each with its numbers
+Faces = dict[str, dict[tuple[int, int], list[str]]]  # lines by material, number of corners and their form
+
+
+def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[str, list[str]], Faces, Any]:
+    """Return rows of numbers, faces, and facts of materials. Errors: SceneError naming the line."""
+    from trimesh.exchange.obj import parse_mtl
+
+    rows: dict[str, list[str]] = {key: [] for key in _ROWS}
+    faces: Faces = {}
+    materials: dict[str, Any] = {}
+    name, lines = "", text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines()
+    for number, line in enumerate(lines, 1):
+        key, *words = line.partition("#")[0].split() or [""]
+        try:
+            if key in rows:
+                rows[key].append(" ".join(words[:6]))
+            elif key == "f":
+                if "-" in line:  # counted back from the last of those before it
+                    counts = [len(own) + 1 for own in rows.values()]
+                    pairs = [list(zip(word.split("/"), counts, strict=False)) for word in words]
+                    words = ["/".join(str(n + int(at)) if at[:1] == "-" else at for at, n in one) for one in pairs]
+                form = words[0].count("/") + ("//" in words[0])
+                faces.setdefault(name, {}).setdefault((len(words), form), []).append(" ".join(words))
+            elif key == "usemtl":
+                name = " ".join(words)
+            elif key == "mtllib":
+                for file in [" ".join(words)] if line.lower().count(".mtl") < 2 else words:
+                    with suppress(OSError):
+                        materials |= parse_mtl(beside.get(file), resolver=beside)
+            elif key in ("l", "p", "curv", "surf"):
+                notes.add("points, lines and curved surfaces are left out")
+        except (ValueError, IndexError):
+            raise SceneError(
+                f"{path}, line {number}: '{line.strip()[:60]}'; expected numbers; export it again"
+            ) from None
+    return rows, faces, materials
+
+
+def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]:
+    """Return a part for each material. Errors: SceneError."""
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import SimpleMaterial
+
+    rows, faces, materials = _read_obj(path, text, beside, notes)
+    known = [_numbers(path, key, rows[key]) for key in _ROWS]
+    coloured = all(row.count(" ") == 5 for row in rows["v"])
+    parts = []
+    for name, groups in faces.items():
+        corners = [_corners(path, *form, lines, known) for form, lines in groups.items() if form[0] > 2]
+        if not corners:
+            continue
+        triangles, material = np.concatenate(corners), materials.get(name)
+        if name and material is None and not beside.missing:
+            notes.add("a material that its files lack, drawn grey", f"'{name}'")
+        if "image" in (material or {}) and not all(form in (1, 2) for _, form in groups):
+            notes.add("faces without texture coordinates do not have the picture of their material", f"'{name}'")
+        _, key = np.unique(triangles[..., 1] * (len(known[2]) + 1) + triangles[..., 2], return_inverse=True)
+        key = triangles[..., 0].ravel() * triangles.size + key.ravel()
+        _, first, at = np.unique(key, return_index=True, return_inverse=True)
+        used = triangles.reshape(-1, 3)[first]
+        part = _trimesh().Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
+        if material is not None or (used[:, 1] >= 0).any():
+            uv = np.vstack([known[1], np.zeros(6)])[used[:, 1], :2] if (used[:, 1] >= 0).any() else None
+            part.visual = TextureVisuals(uv=uv, material=SimpleMaterial(**material) if material else None)
+        if coloured and "image" not in (material or {}):
+            part.visual = _trimesh().visual.ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
+        parts.append(part)
+    return parts
+
+
+def _numbers(path: Path, key: str, rows: list[str]) -> Array:
+    """Return (n, 6) numbers, 0 where a row has fewer. Errors: SceneError."""
+    counts = np.array([row.count(" ") + 1 for row in rows], int)
+    found = np.fromstring(" ".join(rows), sep=" ")
+    if len(found) != counts.sum() or (counts < _ROWS[key] - (key == "vt")).any():
+        raise SceneError(f"{path}: a line of {key} is not {_ROWS[key]} numbers; export the file again")
+    at = np.cumsum(counts)[:, None] - counts[:, None] + np.arange(6)
+    return np.where(np.arange(6) < counts[:, None], np.append(found, np.zeros(6))[at], 0)
+
+
+def _corners(path: Path, count: int, form: int, lines: list[str], known: list[Array]) -> NDArray[np.int64]:
+    """Return (t, 3, 3) positions, texture coordinates and normals, from 0, -1 for none."""
+    columns = ((0,), (0, 1), (0, 1, 2), (0, 2))[min(form, 3)]
+    numbers = np.fromstring(" ".join(lines).replace("/", " "), np.int64, sep=" ")
+    if len(numbers) != len(lines) * count * len(columns):
+        raise SceneError(f"{path}: corners of one face differ, as in 'f {lines[0][:60]}'; export the file again")
+    found = np.full((len(lines), count, 3), -1)
+    found[..., columns] = numbers.reshape(len(lines), count, -1) - 1
+    for column, kind in zip(columns, _ROWS, strict=False):
+        own = found[..., column]
+        if own.min() < 0 or own.max() >= len(known[column]):
+            wrong = own.min() + 1 if own.min() < 0 else own.max() + 1
+            raise SceneError(f"{path}: a face names {kind} {wrong} of {len(known[column])}; the file is damaged")
+    return _triangulated(found, known[0][found[..., 0], :3])
+
+
+_MOST_CORNERS = 2000  # of a polygon that is not convex: cutting it takes their square
+
+
+def _triangulated(corners: NDArray[Any], polygons: Array) -> NDArray[Any]:
+    """Return triangles (t, 3, ..) of the corners (m, n, ..) of polygons at (m, n, 3).
+
+    Convex ones are cut as fans, others by their ears. Errors: SceneError for one too large.
+    """
+    count = corners.shape[1]
+    if count == 3:
+        return corners
+    ways = polygons - np.roll(polygons, 1, axis=1)
+    turns = np.cross(ways, np.roll(ways, -1, axis=1))
+    apart = polygons - polygons[:, :1]
+    normal = np.cross(apart, np.roll(apart, -1, axis=1)).sum(axis=1)
+    hollow = (np.einsum("mni,mi->mn", turns, normal) < -1e-9 * (normal**2).sum(axis=1)[:, None]).any(axis=1)
+    plain = corners[~hollow]
+    cut = [plain[:, [0, at, at + 1]] for at in range(1, count - 1)]
+    for at in np.flatnonzero(hollow):
+        if count > _MOST_CORNERS:
+            raise SceneError(f"a polygon of {count} corners is not convex; expected {_MOST_CORNERS} or fewer")
+        axis = int(np.abs(normal[at]).argmax())  # seen along it, it turns to the left
+        flat = polygons[at][:, [(axis + 1) % 3, (axis + 2) % 3]] * (1, np.sign(normal[at, axis]))
+        cut.append(corners[at][_ears(flat)])
+    return np.concatenate(cut)
+
+
+def _ears(points: Array) -> NDArray[np.int64]:
+    """Return (n - 2, 3) triangles of a polygon that turns to the left. Source: Meisters 1975."""
+
+    def doubled(a: Array, b: Array, c: Array) -> Any:
+        return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
+
+    left, found = list(range(len(points))), []
+    while len(left) > 3:
+        rest, area = points[left], np.empty(len(left))
+        for at in range(len(left)):
+            a, b, c = rest[at - 1], rest[at], rest[(at + 1) % len(left)]
+            area[at] = doubled(a, b, c)
+            inside = np.minimum(np.minimum(doubled(a, b, rest), doubled(b, c, rest)), doubled(c, a, rest)) >= 0
+            inside &= ~((rest == a) | (rest == b) | (rest == c)).all(axis=1)
+            if area[at] > 0 and not inside.any():
+                break
+        else:  # it crosses itself, or has no area
+            at = int(np.abs(area).argmin())
+        found.append((left[at - 1], left[at], left[(at + 1) % len(left)]))
+        del left[at]
+    return np.array([*found, left])
+
+
+def _cut_polygons_of_ply(part: Any, notes: Notes) -> None:
+    """Cut polygons that are not convex by their ears: trimesh has cut them as fans."""
+    raw = getattr(part, "metadata", {}).get("_ply_raw", {})
+    data: Any = raw.get("face", {}).get("data")
+    names: Any = (
+        getattr(data, "keys", list)() if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names
+    )
+    name = next((one for one in names or () if one.startswith("vertex_ind")), None)
+    if name is None or not len(part.faces):
+        return
+    polygons = data[name] if isinstance(data, dict) else data[name]["f1"]
+    sizes = np.array([len(one) for one in polygons])
+    if (sizes == 3).all():
+        return
+    vertices, cut = np.column_stack([raw["vertex"]["data"][axis] for axis in "xyz"]).astype(float), []
+    for size in np.unique(sizes[sizes > 2]):
+        same = np.stack([polygons[at] for at in np.flatnonzero(sizes == size)]).astype(np.int64)
+        cut.append(_triangulated(same, vertices[same]))
+    if len(part.vertices) == len(vertices) and part.visual.kind != "face":
+        part.faces = np.concatenate(cut)
+    else:
+        notes.add("polygons with pictures or colours of their own are cut as fans: notches may be filled")
 
 
 def unreadable(path: Path, error: Exception) -> SceneError:
@@ -121,54 +298,31 @@ def unreadable(path: Path, error: Exception) -> SceneError:
     return SceneError(f"{path}: not a readable {kind} file ({reason}); export it again")
 
 
-def _beside(folder: Path) -> Any:
-    """Return what gives trimesh the files that one in `folder` names, and notes what it lacks."""
-    from trimesh.resolvers import Resolver
+class _Beside:
+    """Gives trimesh the files that one in `folder` names, and notes what it lacks."""
 
-    class Beside(Resolver):
-        def __init__(self) -> None:
-            self.file_name = "mesh"  # of what has no name of its own
-            self.missing = dict[str, str]()  # names with what is wrong
-            self.refused = list[InputError]()  # trimesh goes on after any error
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.missing = dict[str, str]()  # names with what is wrong
+        self.refused = list[InputError]()  # trimesh goes on after any error
 
-        def get(self, key: str) -> bytes:
+    def get(self, key: str) -> bytes:
+        from PIL import Image
+
+        try:
+            data = read_beside(self.folder, key)
             try:
-                data = read_beside(folder, key)
-                if not key.lower().endswith(".mtl") and not _is_picture(data):
-                    self.missing[key] = "cannot be read"
-                return data
-            except InputError as error:
-                self.refused.append(error)
-                raise
-            except OSError:
-                self.missing[key] = "is missing"
-                raise
-
-        def look_for(self, names: list[str]) -> None:
-            for name in names:
-                with suppress(OSError):
-                    self.get(name)
-
-        def keys(self) -> list[str]:
-            return []
-
-        def namespaced(self, namespace: str) -> Any:
-            return self
-
-        def write(self, name: str, data: Any) -> None:
-            raise OSError("it is only read")
-
-    return Beside()
-
-
-def _is_picture(data: bytes) -> bool:
-    from PIL import Image
-
-    try:
-        with Image.open(io.BytesIO(data)):
-            return True
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        return False
+                if not key.lower().endswith(".mtl"):
+                    Image.open(io.BytesIO(data)).close()
+            except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+                self.missing[key] = "cannot be read"
+            return data
+        except InputError as error:
+            self.refused.append(error)
+            raise
+        except OSError:
+            self.missing[key] = "is missing"
+            raise
 
 
 def _pictures_of_ply(path: Path) -> list[str]:
@@ -184,45 +338,19 @@ def _pictures_of_ply(path: Path) -> list[str]:
     return names
 
 
-def _check_shape(path: Path, part: Any) -> None:
-    # trimesh passes on what a damaged file says, vertices of two numbers for instance.
-    for name, array in (("vertices", part.vertices), ("faces", part.faces)):
-        if np.ndim(array) != 2 or np.shape(array)[1] != 3:
-            raise SceneError(
-                f"{path}: {name} of shape {np.shape(array)}; expected three numbers each; export the file again"
-            )
-
-
-def _check_finite(path: Path, part: Any) -> None:
-    bad = ~np.isfinite(part.vertices).all(axis=1)
-    if bad.any():
-        raise SceneError(
-            f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it"
-        )
-    if int(part.faces.max()) >= len(part.vertices) or int(part.faces.min()) < 0:
-        raise SceneError(
-            f"{path}: a triangle uses vertex {int(part.faces.max())} of {len(part.vertices)}; the file is damaged"
-        )
-
-
 def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: Notes) -> Draft:
     vertices = np.asarray(part.vertices, np.float64) @ units[:3, :3].T + units[:3, 3]
     faces = np.asarray(part.faces).astype(np.uint32)
     colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
     material = getattr(part.visual, "material", None)
+    try:  # an OBJ's `d` (dissolve), if it has one
+        share = float(next(iter((getattr(material, "kwargs", None) or {}).get("d", ()))))
+    except (ValueError, StopIteration):
+        share = 1.0
+    see_through = Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
     double_sided = bool(getattr(material, "doubleSided", False)) or not is_closed(vertices, faces)
-    look = Look(np.ones(3), texture, _dissolve(material), double_sided)
+    look = Look(np.ones(3), texture, see_through, double_sided)
     return Draft(name, vertices, look, faces, normals_of(vertices, faces), uv, colour)
-
-
-def _dissolve(material: Any) -> Material:
-    """Return a see-through material where an OBJ's `d` (dissolve) is below 1, else a plain one."""
-    value = (getattr(material, "kwargs", None) or {}).get("d")
-    try:
-        share = float(value[0] if isinstance(value, list) and value else value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        return Material()
-    return Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
 
 
 def _surface(part: Any, count: int, textures: list[Texture], notes: Notes, name: str) -> tuple[Array, Array, int]:
@@ -232,38 +360,26 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: Notes, name:
     """
     visual, uv = part.visual, np.zeros((count, 2))
     material = getattr(visual, "material", None)
-    picture = _picture_of(material)
+    picture, diffuse = getattr(material, "image", None), getattr(material, "diffuse", None)
+    try:
+        picture = None if picture is None else rgba_of(picture)[..., :3]
+    except (OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
+        picture = None
     found_uv = getattr(visual, "uv", None)
     if found_uv is not None and np.shape(found_uv) == (count, 2):
         uv = np.asarray(found_uv, np.float64)
         if not np.isfinite(uv).all():
             notes.add("texture coordinates that are not finite numbers were set to 0", name)
             uv = np.where(np.isfinite(uv), uv, 0)
-    base = _base_colour(material)
+    # An OBJ's Kd is sRGB.
+    base = None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
     if picture is not None and found_uv is not None:
         textures.append(Texture(name, picture))
-        chosen = base if tuple(getattr(material, "diffuse", ())[:3]) != _TRIMESH_DEFAULT else None
-        return np.tile(np.ones(3) if chosen is None else chosen, (count, 1)), uv, len(textures) - 1
+        chosen = np.ones(3) if base is None or tuple(diffuse[:3]) == _TRIMESH_DEFAULT else base
+        return np.tile(chosen, (count, 1)), uv, len(textures) - 1
     colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
     if colours is None:
         colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")
     if colours is not None and np.shape(colours)[0] == count:
         return np.asarray(linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), np.float64), uv, -1
     return np.tile(np.full(3, GREY) if base is None else base, (count, 1)), uv, -1
-
-
-def _picture_of(material: Any) -> NDArray[np.uint8] | None:
-    """Return the picture of a material as (h, w, 3) bytes."""
-    picture = getattr(material, "image", None)
-    try:
-        return None if picture is None else rgba_of(picture)[..., :3]
-    except (OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
-        return None
-
-
-def _base_colour(material: Any) -> Array | None:
-    """Return the linear base colour; an OBJ's Kd is sRGB."""
-    diffuse = getattr(material, "diffuse", None)
-    if diffuse is None:
-        return None
-    return np.asarray(linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0), np.float64)

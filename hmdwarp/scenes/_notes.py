@@ -29,14 +29,11 @@ class Notes:
 
     def lines(self) -> list[str]:
         """Return one line for each fact, in the order in which they were first met."""
-        return [f"{self._path.name}: {_line(what, examples)}" for what, examples in self._examples.items()]
-
-
-def _line(what: str, examples: list[str]) -> str:
-    first, count = examples[0], len(examples)
-    if not first:
-        return what
-    return f"{what}: {first}" if count == 1 else f"{what}: {count} of them, such as {first}"
+        lines = []
+        for what, (first, *more) in self._examples.items():
+            several = f"{len(more) + 1} of them, such as " if more else ""
+            lines.append(f"{self._path.name}: {what}" + (f": {several}{first}" if first else ""))
+        return lines
 
 
 Array = NDArray[np.float64]
@@ -102,7 +99,10 @@ def _stands_on_z(triangles: Triangles, low: Array, high: Array) -> bool:
         return False
     if grounds[0] < _GROUND_SHARE:
         return True
-    mass_y, mass_z = (_mass_height(triangles, low, size, axis) for axis in (1, 2))
+    # The mean height of all surfaces, by area, as a share of the scene's.
+    area = np.linalg.norm(triangles.crosses, axis=1)[:, None]
+    above = (area * ((triangles.a + triangles.b + triangles.c) / 3 - low)).sum(axis=0)
+    _, mass_y, mass_z = above / np.maximum(area.sum() * size, 1e-30)
     return bool(size[2] < 0.75 * min(size[0], size[1]) and mass_z < 0.45 and mass_y >= 0.45)
 
 
@@ -115,13 +115,6 @@ def _ground_share(triangles: Triangles, low: Array, high: Array, axis: int) -> f
     heights = np.max([triangles.a[:, axis], triangles.b[:, axis], triangles.c[:, axis]], axis=0)
     flat = (np.abs(cross[:, axis]) > 0.95 * length) & (heights <= low[axis] + _THIN * size[axis])
     return float(0.5 * np.abs(cross[flat, axis]).sum() / max(float(across.prod()), 1e-30))
-
-
-def _mass_height(triangles: Triangles, low: Array, size: Array, axis: int) -> float:
-    """Return the mean height of all surfaces, by area, as a share of the scene's."""
-    area = np.linalg.norm(triangles.crosses, axis=1)
-    middle = (triangles.a[:, axis] + triangles.b[:, axis] + triangles.c[:, axis]) / 3
-    return float((area * (middle - low[axis])).sum() / max(float(area.sum() * size[axis]), 1e-30))
 
 
 _NETWORK = ("http:", "https:", "ftp:")

@@ -210,17 +210,16 @@ def _packed_meshes(meshes: Sequence[tuple[int, Mesh]], under_lamps: Sequence[boo
     """Return meshes with their indices, and what lamps take of those under them."""
     sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32).reshape(-1, 3)
     rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
-    lit = [_under_lamps(mesh) for (_, mesh), is_lit in zip(meshes, under_lamps, strict=True) if is_lit]
+    lamps = [mesh for (_, mesh), is_lit in zip(meshes, under_lamps, strict=True) if is_lit]
+    albedo = (np.full_like(one.light, UNKNOWN_ALBEDO) if one.albedo is None else one.albedo for one in lamps)
+    lit = [np.hstack([one.normals, one.light_uv, own]) for one, own in zip(lamps, albedo, strict=True)]  # type: ignore
     vertices, further = (np.concatenate([np.zeros((0, 8), np.float32), *each]) for each in (rows, lit))
     corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
-    planes = b"".join(_byte_planes(array) for array in (vertices, corners, further))
-    return _COUNT.pack(len(sizes)) + zlib.compress(sizes.tobytes() + planes, _LEVEL)
-
-
-def _under_lamps(mesh: Mesh) -> NDArray[np.float32]:
-    assert mesh.light_uv is not None
-    albedo = mesh.albedo if mesh.albedo is not None else np.full_like(mesh.light, UNKNOWN_ALBEDO)
-    return np.hstack([mesh.normals, mesh.light_uv, albedo])
+    planes = sizes.tobytes()
+    for array in (vertices, corners, further):  # differences from row to row, equal bytes of all rows together
+        values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
+        planes += np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
+    return _COUNT.pack(len(sizes)) + zlib.compress(planes, _LEVEL)
 
 
 def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple[int, *_Arrays]]:
@@ -238,12 +237,6 @@ def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple
         yield k, own, its, further[first_lit : first_lit + rows_of] if under_lamps[k] else None
         first_row, first_corner = first_row + rows_of, first_corner + corners_of
         first_lit += rows_of if under_lamps[k] else 0
-
-
-def _byte_planes(array: NDArray[Any]) -> bytes:
-    """Return the differences from row to row, equal bytes of all rows together."""
-    values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
-    return np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
 
 
 def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import attrs
@@ -63,13 +63,11 @@ def reduced(
         for mesh, kept in zip(surfaces, triangles, strict=True)
     }
     meshes = [one for mesh in scene.meshes if (one := fewer.get(id(mesh), None if matt else mesh)) is not None]
-    textures = scene.textures if texture == 1 else [_smaller(each, texture) for each in scene.textures]
+    textures = [
+        one if texture == 1 else Texture(one.name, partial(scaled, one, texture), one.srgb, one.repeat, one.emission)
+        for one in scene.textures
+    ]
     return attrs.evolve(scene, meshes=meshes, textures=textures)
-
-
-def _smaller(texture: Texture, scale: float) -> Texture:
-    """Return the texture at that scale."""
-    return Texture(texture.name, lambda: scaled(texture, scale), texture.srgb, texture.repeat, texture.emission)
 
 
 def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
@@ -125,14 +123,9 @@ def only_emission(scene: Scene) -> Scene | None:
 
 
 def _albedo(mesh: Mesh) -> NDArray[Any]:
-    return np.asarray(np.maximum(_known_albedo(mesh), LEAST_ALBEDO))
-
-
-def _known_albedo(mesh: Mesh) -> NDArray[Any]:
-    if mesh.albedo is not None:
-        return mesh.albedo
     luminance = (mesh.light @ _LUMINANCE)[:, None]
-    return np.where(luminance > 0, UNKNOWN_ALBEDO * mesh.light / np.where(luminance > 0, luminance, 1), UNKNOWN_ALBEDO)
+    guess = np.where(luminance > 0, UNKNOWN_ALBEDO * mesh.light / np.where(luminance > 0, luminance, 1), UNKNOWN_ALBEDO)
+    return np.asarray(np.maximum(guess if mesh.albedo is None else mesh.albedo, LEAST_ALBEDO))
 
 
 def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
@@ -155,7 +148,8 @@ def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
     corners = np.concatenate([m.triangles + s for m, s in zip(meshes, starts, strict=False)])
     # Vertices count as one surface where their positions are equal, so what moves by itself is put
     # a little aside.
-    _, part = np.unique([_moves_with(meshes, k) for k in range(len(meshes))], return_inverse=True)
+    moves_with = [mesh.body if mesh.deformation is None else -1 - k for k, mesh in enumerate(meshes)]
+    _, part = np.unique(moves_with, return_inverse=True)
     aside = ASIDE * np.ptp(position, axis=0).max() * part[owner]
     scale = np.array([_metres_per_uv(mesh) for mesh in meshes])[owner]
     looks = [WEIGHT_OF_LIGHT * light, WEIGHT_OF_TEXTURE * scale[:, None] * uv, WEIGHT_OF_NORMAL * normal]
@@ -186,12 +180,6 @@ def _simplifier() -> Any:
     module.lib.meshopt_simplifyWithAttributes.argtypes = [*arrays, number, ctypes.c_float, ctypes.c_uint, array]
     module.lib.meshopt_simplifyWithAttributes.restype = number
     return module
-
-
-def _moves_with(meshes: Sequence[Mesh], index: int) -> int:
-    """Return a number that meshes have in common only if they always move together."""
-    mesh = meshes[index]
-    return mesh.body if mesh.deformation is None else -1 - index
 
 
 def _metres_per_uv(mesh: Mesh) -> float:

@@ -150,7 +150,8 @@ class InputLog:
 
         A hand that holds something grabs that again, and releases it.
         """
-        held = next((name for name in self.things if self._is_held(name, event.time_ns)), "")
+        before = ((name, *self.of(name, event.time_ns)) for name in self.things)
+        held = next((name for name, events, count in before if count and events[count - 1].action == GRAB), "")
         if event.action == RELEASE or (event.action == GRAB and held):  # wherever the hand points by then
             return held
         ray, found = np.array(event.direction), [(_AIM_RAD, "")]
@@ -160,10 +161,6 @@ class InputLog:
                 off = math.atan2(float(np.linalg.norm(np.cross(ray, way))), float(ray @ way))
                 found.append((off, name))
         return min(found)[1]
-
-    def _is_held(self, name: str, time_ns: int) -> bool:
-        events, count = self.of(name, time_ns)
-        return count > 0 and events[count - 1].action == GRAB
 
 
 def _time(event: InputEvent) -> int:

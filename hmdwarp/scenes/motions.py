@@ -7,7 +7,7 @@ Source: Magnenat-Thalmann et al. 1988, Joint-Dependent Local Deformations (linea
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -187,14 +187,10 @@ class Track:
             )
         if self.turns is not None and len(self.turns) != len(times):
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: expected as many")
-        if self.loops and self.smooth and not self._closes():
-            raise SceneError("track: the last key of a loop must be the pose of the first, within 1 um and 1 urad")
-
-    def _closes(self) -> bool:
         apart = np.abs(self.positions_m[-1] - self.positions_m[0]).max()
-        return bool(apart <= 1e-6) and (
-            self.turns is None or (self.turns[0].inv() * self.turns[-1]).magnitude() <= 1e-6
-        )
+        apart = max(apart, 0 if self.turns is None else (self.turns[0].inv() * self.turns[-1]).magnitude())
+        if self.loops and self.smooth and not apart <= 1e-6:
+            raise SceneError("track: the last key of a loop must be the pose of the first, within 1 um and 1 urad")
 
     @cached_property
     def _path(self) -> Any:
@@ -226,14 +222,12 @@ class Track:
         pose = Pose(self._path(at), turn.as_quat())
         if not self.loops and not first < seconds < last:
             return RigidState(pose)
-        return RigidState(pose, self._path(at, 1), self._spin(at), self._path(at, 2))
-
-    def _spin(self, at: float) -> Array:
-        if self.turns is None:
-            return np.zeros(3)
-        key = int(np.clip(np.searchsorted(self.times_s, at, side="right") - 1, 0, len(self.times_s) - 2))
-        between = self.turns[key + 1] * self.turns[key].inv()
-        return np.asarray(between.as_rotvec() / (self.times_s[key + 1] - self.times_s[key]))
+        spin = np.zeros(3)
+        if self.turns is not None:
+            key = int(np.clip(np.searchsorted(self.times_s, at, side="right") - 1, 0, len(self.times_s) - 2))
+            turned = (self.turns[key + 1] * self.turns[key].inv()).as_rotvec()
+            spin = turned / (self.times_s[key + 1] - self.times_s[key])
+        return RigidState(pose, self._path(at, 1), spin, self._path(at, 2))
 
 
 def _points(value: ArrayLike) -> Array:
@@ -331,10 +325,6 @@ class Joint:
         return moved, moving
 
 
-def _joints(value: Iterable[Joint]) -> tuple[Joint, ...]:
-    return tuple(value)
-
-
 def _indices(value: ArrayLike) -> NDArray[np.int64]:
     return np.array(value, np.int64)
 
@@ -348,7 +338,7 @@ class Skinned:
     """
 
     rest: Array = attrs.field(converter=_points)  # (n, 3) metres
-    joints: Sequence[Joint] = attrs.field(converter=_joints)  # parents before children
+    joints: Sequence[Joint] = attrs.field(converter=tuple)  # parents before children
     which: NDArray[np.int64] = attrs.field(converter=_indices)  # (n, k) indices into joints
     weights: Array = attrs.field(converter=_array)  # (n, k), 0 or more, of sum 1
 

@@ -254,3 +254,17 @@ def test_a_product_beyond_the_largest_float_is_refused():
     far = Pose((1.7e308, 0, 0))
     with pytest.raises(InputError, match="3 finite numbers"), np.errstate(over="ignore"):
         far @ far
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_matrix_is_the_pose_that_takes_points_as_it_does(seed):
+    rng = np.random.default_rng(seed)
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = Rotation.random(random_state=rng).as_matrix(), rng.normal(size=3)
+    points = rng.normal(size=(5, 3))
+    expected = (np.c_[points, np.ones(5)] @ matrix.T)[:, :3]
+    for form in (matrix, matrix[:3], matrix.T, matrix.T.ravel()):
+        np.testing.assert_allclose(Pose.from_matrix(form).transform(points), expected, atol=1e-12)
+    for wrong in (matrix * 2, np.diag([1, 1, -1, 1]) @ matrix, matrix[:3, :3], matrix * np.nan):
+        with pytest.raises(InputError, match="matrix is"):
+            Pose.from_matrix(wrong)

@@ -276,3 +276,24 @@ def test_invalid_cameras_are_refused(camera):
 def test_a_camera_wider_than_a_picture_is_refused():
     with pytest.raises(InputError, match="no field of view"):
         Fov.from_intrinsics(1, 1, 320, 240, 640, 480)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_projection_matrix_gives_the_edges_that_it_puts_at_one(seed):
+    """Of random frusta as OpenGL, WebXR, Unity, Direct3D, Vulkan and reversed depth have them."""
+    rng = np.random.default_rng(seed)
+    left, right, down, up = tangents = rng.uniform(0.2, 1.5, 4) * (-1, 1, -1, 1)
+    near, far = 0.1, 50.0
+    matrix = np.zeros((4, 4))
+    # glFrustum's, as its manual page has it.
+    matrix[0, [0, 2]] = 2 / (right - left), (right + left) / (right - left)
+    matrix[1, [1, 2]] = 2 / (up - down), (up + down) / (up - down)
+    matrix[2, 2:], matrix[3, 2] = (-(far + near) / (far - near), -2 * far * near / (far - near)), -1
+    reverse = matrix.copy()
+    reverse[2] = 0, 0, 0, near
+    for one in (matrix, matrix @ np.diag([1, 1, -1, 1]), np.diag([1, -1, 1, 1]) @ matrix, reverse):
+        for form in (one, one.T, one.ravel(), one.T.ravel().tolist()):
+            assert Fov.from_projection(form).tangents == pytest.approx(tangents, rel=1e-12)
+    for wrong in (np.eye(4), np.zeros(5), matrix * np.nan, np.diag([1, 1, 0, 1]) @ matrix @ np.diag([0, 1, 1, 1])):
+        with pytest.raises(InputError, match="perspective along z"):
+            Fov.from_projection(wrong)

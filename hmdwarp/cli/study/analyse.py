@@ -35,10 +35,9 @@ class AnalyseOptions(Declared):
     paper: PaperOptions = group(PaperOptions)
     store: Path | None = store_field()
     scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
-    low_is_good: bool | None = option(
-        None, "Direction of a table's ratings, if it does not give it.", off="--high-is-good"
-    )
+    low_is_good: bool | None = option(None, "Direction of ratings where a table has none.", off="--high-is-good")
     columns: str = option("", "Columns of a table by their roles, where they have other names.", metavar="ROLE=NAME,..")
+    missing: str = option("", "Ratings of a table that stand for a missing one, such as 99.", metavar="CODE,..")
     family: _Texts = option(
         None,
         "Compare these pairs instead of the planned ones, as one family; may be repeated.",
@@ -72,7 +71,8 @@ def analyse(said: Said) -> None:
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
-    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin)
+    missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
+    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin, missing)
     with analysis_folder(options.out, force=options.force) as out:
         ratings = ratings_from_all(options.sources, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)

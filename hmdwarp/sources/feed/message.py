@@ -396,7 +396,9 @@ def pieces_of(message: Message) -> list[Piece]:
         start = _FRAME.pack(*numbers, *form)
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
-        pictures = [piece for pair in pairs for picture in pair for piece in _pieces_of(picture)]
+        pictures: list[Piece] = []
+        for picture in (each for pair in pairs for each in pair):
+            pictures += [_STEP.pack(picture.step), picture.codes] if isinstance(picture, DepthCodes) else [picture]
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
     if isinstance(message, Unchanged):
         return _framed(UNCHANGED, [_ID.pack(message.number)])
@@ -456,10 +458,6 @@ def _inputs(data: Data, at: int) -> tuple[tuple[InputEvent, ...], int]:
 
 def _hides(views: Sequence[View]) -> bool:
     return any(view.hidden is not None for view in views)
-
-
-def _pieces_of(picture: Picture) -> list[Piece]:
-    return [_STEP.pack(picture.step), picture.codes] if isinstance(picture, DepthCodes) else [picture]
 
 
 def _format_of(picture: Picture, coded: int) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import moderngl
@@ -194,7 +194,7 @@ class ScenePasses:
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        lit = {} if self.lighting is None else dict.fromkeys(self.lighting.defines, 1)
+        lit = self._lit_defines()
         self._is_lit = bool(lit)
         self._emits = self._coloured and emits(scene)
         shining = {"EMISSION": 1} if self._emits else {}
@@ -205,8 +205,14 @@ class ScenePasses:
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
-        more = [] if self.lighting is None else [self.lighting.more(buffers.meshes, albedo=self._coloured)]
-        return buffers.vertex_array(gpu.gl, self._surface.program, *more, colour=self._coloured)
+        return buffers.vertex_array(gpu.gl, self._surface.program, *self._more(buffers), colour=self._coloured)
+
+    def _lit_defines(self) -> Mapping[str, object]:
+        return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
+
+    def _more(self, buffers: SceneBuffers) -> list[tuple[Any, ...]]:
+        """Return further inputs of the vertex stage, as moderngl takes them."""
+        return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         """Return passes of the same light that peel, with these moving parts alone."""
@@ -265,10 +271,13 @@ class ScenePasses:
                     lit = one.scene_from_here(self.scene.lit_ns(time_ns))
                     self._surface.uniforms.set(scene_from_here=lit)
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
-            gl.disable(moderngl.CULL_FACE)
-            self._empty.render(moderngl.TRIANGLES, vertices=3)
+            self._draw_background()
             gl.depth_func = "<"
         framebuffer.viewport = (0, 0, *framebuffer.size)
+
+    def _draw_background(self) -> None:
+        self._gl.disable(moderngl.CULL_FACE)
+        self._empty.render(moderngl.TRIANGLES, vertices=3)
 
     def _draw_surfaces(
         self,

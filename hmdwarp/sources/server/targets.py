@@ -425,12 +425,12 @@ class Multisampled:
 
     def trim(self) -> None:
         """Free framebuffers as Renderer.trim() frees targets."""
-        for _, framebuffer in self._made.trimmed(self._bytes_of):
-            _free(framebuffer)
 
-    def _bytes_of(self, key: tuple[Any, ...], framebuffer: moderngl.Framebuffer) -> int:
-        bytes_ = sum(map(texture_bytes, _textures_of(framebuffer)))
-        return self.count * (bytes_ + _DEPTH_BYTES * framebuffer.width * framebuffer.height)
+        def bytes_of(_: object, one: moderngl.Framebuffer) -> int:
+            return self.count * (sum(map(texture_bytes, _textures_of(one))) + _DEPTH_BYTES * one.width * one.height)
+
+        for _, framebuffer in self._made.trimmed(bytes_of):
+            _free(framebuffer)
 
     def close(self) -> None:
         """Free everything."""

@@ -21,7 +21,7 @@ from ...errors import InputError
 from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
-from ..design import ONLY_PART, SHIPPED, Design, Family, Show, every_scale, load_design
+from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
 from ..export.export_rows import SessionData, answer_row, declined, of_origin, sessions_of, unconsented
 from ..export.table_columns import CANNOT_SAY, NOT_ASKED
 from ..export.write import no_sessions
@@ -187,7 +187,9 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
                     row | _pair(data, ask.about) | {"answer": row["value"], "allows_ties": ask.scale.allows_ties}
                 )
             elif ask.scale.kind == RATING and ask.phase == "trial":
-                rows["rows"].append(row | _planned(data.shows[ask.about]))
+                planned = data.shows[ask.about].condition.settings.items()
+                settings = {"latency_ms" if name == "latency" else name: value for name, value in planned}
+                rows["rows"].append(row | {"settings": settings})
             else:  # a rating before or after the trials is of no condition
                 if row["value"] is not None and ask.scale.name not in scored:
                     rows["survey"].append(row)
@@ -209,11 +211,6 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         notes=tuple(_notes(contents, kept, design, origin)),
     )
     return _without_part(found) if [*found.planned] == [ONLY_PART] else found
-
-
-def _planned(show: Show) -> dict[str, Any]:
-    settings = show.condition.settings
-    return {"settings": {"latency_ms" if name == "latency" else name: value for name, value in settings.items()}}
 
 
 def _pair(data: SessionData, about: str) -> dict[str, Any]:
@@ -277,6 +274,7 @@ class SourceOptions:
     scale: str = ""  # a shipped one's name or a file
     low_is_good: bool | None = None  # None where not known
     origin: str = ""  # whose ratings, where there are several; "" for people first
+    missing: tuple[str, ...] = ()  # ratings that stand for none, such as 99
 
 
 def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  # noqa: B008  (frozen)
@@ -289,7 +287,11 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
     """
     data, part_column = _lines(path, options.columns)
     data, origin, notes = _of_one_origin(data, path, options.origin)
-    data["value"], comma = _values(data, path)
+    data["value"], comma = _values(data, path, options)
+    one = data["participant"].groupby(data["participant"].str.casefold()).transform("first")
+    if (other := one[one != data["participant"]]).any():
+        notes.append(f"Names that differ by case alone are one participant: {listed(sorted({*other}))}.")
+    data["participant"] = one
     if comma:
         notes.append("Ratings have a decimal comma: 3,25 was read as 3.25.")
     infos, unnamed = {}, ""
@@ -400,15 +402,19 @@ def _number(text: str) -> float:
         return math.nan
 
 
-def _values(data: pd.DataFrame, path: Path) -> tuple[pd.Series, bool]:
+def _values(data: pd.DataFrame, path: Path, options: SourceOptions) -> tuple[pd.Series, bool]:
     """Return each rating, NaN where missing, and whether they have decimal commas."""
-    texts, missing = data["rating"], _lacks(data["rating"])
+    anchors = load_scale(options.scale).anchors if options.scale else {}
+    answers = {words.casefold(): f"{value:g}" for value, words in anchors.items()}
+    texts = data["rating"].map(lambda text: answers.get(text.casefold(), text))
+    missing = _lacks(texts) | texts.isin(options.missing)
     comma = (
         texts.str.fullmatch(r"[+-]?[0-9]+,[0-9]+").any() and not texts[~missing].str.contains(".", regex=False).any()
     )
     texts = texts.str.replace(",", ".") if comma else texts
     values = texts.map(_number).astype(float)
-    wanted = "expected a number with a decimal point, or an empty field where it is missing"
+    named = f", or a word of '{options.scale}': {listed(list(anchors.values()))}" if anchors else ""
+    wanted = f"expected a number with a decimal point{named}, or an empty field or --missing CODE where it is missing"
     _check(path, texts, missing | values.map(math.isfinite), f"rating '{{}}': {wanted}")
     return values.mask(missing), comma
 

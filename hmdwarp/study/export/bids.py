@@ -154,13 +154,10 @@ def channels_text() -> str:
     """Return the _channels.tsv: one row for each column of _motion.tsv, in that order."""
     rows = ["name\tcomponent\ttype\ttracked_point\tunits\treference_frame"]
     rows += [
-        f"{name}\t{component}\t{type_}\thead\t{units}\t{_frame(type_)}" for name, component, type_, units in CHANNELS
+        f"{name}\t{component}\t{type_}\thead\t{units}\t{'n/a' if type_ == 'LATENCY' else FRAME}"
+        for name, component, type_, units in CHANNELS
     ]
     return "\n".join(rows) + "\n"
-
-
-def _frame(type_: str) -> str:
-    return "n/a" if type_ == "LATENCY" else FRAME
 
 
 def channels_json() -> dict[str, Any]:
@@ -347,7 +344,9 @@ class _Tree:
         return {
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
-            "Instructions": " ".join(["After each trial:", *(_asked(scale) for scale in self.design.scales)]),
+            "Instructions": " ".join(
+                ["After each trial:", *(one.prompt or one.items[0].text for one in self.design.scales)]
+            ),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
 
@@ -386,10 +385,6 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
             score.name: score.title or score.name for scale in scales.values() for score in scale.scores
         }
     return out
-
-
-def _asked(scale: Scale) -> str:
-    return scale.prompt or scale.items[0].text
 
 
 def _about(scale: Scale) -> str:

@@ -261,7 +261,10 @@ def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | Non
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
         "answered_by": None if answer is None else answer.by,
-        **({} if showing is None else _actual_row(showing.actual)),
+        **{
+            f"actual_{name}": _measured(f"actual_{name}", value)
+            for name, value in ({} if showing is None else showing.actual).items()
+        },
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
     }
 
@@ -271,11 +274,6 @@ def _chosen(data: SessionData, second: Show, value: float | None) -> Row:
     first = data.shows[second.after].condition.name
     names = {FIRST: first, SECOND: second.condition.name, NEITHER: "neither", None: None}
     return {"first": first, "preferred": names[value]}
-
-
-def _actual_row(actual: Mapping[str, Any]) -> Row:
-    names = {name: f"actual_{name}" for name in actual}
-    return {names[name]: _measured(names[name], value) for name, value in actual.items()}
 
 
 def _measured(column: str, value: Any) -> Any:

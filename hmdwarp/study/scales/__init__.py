@@ -17,6 +17,8 @@ KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "
 FIRST, SECOND, NEITHER = 1.0, 2.0, 3.0
 OF = (SUMS, SCORES) = ("sums", "scores")
 OWN_ANSWERS = (CHOICE, NUMBER, WORDS) = ("choice", "number", "text")
+# Of a questionnaire whose questions all have answers of their own.
+_NO_ANSWERS: dict[str, Any] = {"least": 0.0, "most": 0.0, "step": 1.0, "low_is_good": False}
 
 
 @attrs.frozen
@@ -212,7 +214,7 @@ def _scale(data: Table, name: str) -> Scale:
         title=data.line("title"),
         kind=kind,
         items=items,
-        **(_no_answers() if "answer" not in data and all(item.answer for item in items) else _answers(data)),
+        **(_NO_ANSWERS if "answer" not in data and all(item.answer for item in items) else _answers(data)),
         units=data.line("units", ""),
         source=data.line("source"),
         prompt=data.line("prompt", ""),
@@ -241,11 +243,6 @@ def _answers(data: Table) -> dict[str, Any]:
         "low_is_good": answer.flag("low_is_good"),
         "anchors": _anchors(answer, least, most),
     }
-
-
-def _no_answers() -> dict[str, Any]:
-    """Return what a questionnaire has whose questions all have answers of their own."""
-    return {"least": 0.0, "most": 0.0, "step": 1.0, "low_is_good": False}
 
 
 def _items(data: Table, own: bool) -> tuple[Item, ...]:

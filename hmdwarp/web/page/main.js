@@ -378,6 +378,7 @@ async function enterVr(session, gl) {
   xr.updateRenderState({ baseLayer: layer });
   const floor = await xr.requestReferenceSpace("local-floor").catch(() => null);
   const space = floor ?? (await xr.requestReferenceSpace("local")), place = placeOf(session.about.viewpoint, floor !== null);
+  space.addEventListener("reset", () => session.predictor.forget());
   xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
   xr.addEventListener("end", () => {
     session.xr = null;

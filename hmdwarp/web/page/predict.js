@@ -5,6 +5,7 @@ import { between, conjugate, multiply, turnedBy } from "./head.js";
 const WINDOW = 30, TESTED = 50, ENDED = [0, 20, 40]; // ms, as poses/predictors/cautious.py has them
 const FADES = 200, HORIZON = 150, MOVES = 105, MISSED = 0.25, TOO_FAR = 4;
 const KNOWN = 40 + TESTED + WINDOW, GAP = 100;
+const JUMP = [20, 2000, 0.25, 15]; // degrees and degrees/s, m and m/s, as poses/reading/plausibility.py has them
 
 const minus = (a, b) => a.map((value, k) => value - b[k]);
 const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
@@ -31,6 +32,12 @@ function trusted(way, at) {
   return scaled(moved, squared / (squared + doubt / ENDED.length));
 }
 
+/** Whether a head cannot have moved so: the space in which it is tracked has. */
+function jumps(from, to, ms) {
+  const angle = (Math.hypot(...turn(from.orientation, to.orientation)) * 180) / Math.PI, length = Math.hypot(...minus(to.position, from.position));
+  return (angle > Math.max(JUMP[0], (JUMP[1] * ms) / 1000)) || (length > Math.max(JUMP[2], (JUMP[3] * ms) / 1000));
+}
+
 export class Predictor {
   constructor() {
     this.heads = []; // {ms, pose}, those that differ from the one before
@@ -39,9 +46,14 @@ export class Predictor {
   saw(ms, pose) {
     const last = this.heads.at(-1);
     if (last && `${last.pose.position} ${last.pose.orientation}` === `${pose.position} ${pose.orientation}`) return;
-    if (last && ms - last.ms > GAP) this.heads.length = 0;
+    if (last && (ms - last.ms > GAP || jumps(last.pose, pose, ms - last.ms))) this.forget();
     this.heads.push({ ms, pose });
     while (this.heads[1]?.ms <= ms - KNOWN) this.heads.shift();
+  }
+
+  /** Begin again, as after a recentre: what was before says nothing of what comes. */
+  forget() {
+    this.heads.length = 0;
   }
 
   /** The head so many ms after `now`, when it was seen last. */

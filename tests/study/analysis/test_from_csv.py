@@ -60,6 +60,23 @@ def test_missing_has_many_names(tmp_path, missing):
     assert found.rows["value"].fillna(-1).tolist() == [4.5, -1, 6.0]
 
 
+def test_names_by_case_words_of_the_scale_and_codes_are_read_as_they_are_meant(tmp_path):
+    words = ["Excellent", "poor", "99", "4"]
+    rows = [
+        {"participant": who, "condition": what, "rating": words[k]}
+        for k, (who, what) in enumerate((("P01", "a"), ("p01", "b"), ("P02", "a"), ("P02", "b")))
+    ]
+    path = written(tmp_path / "table.csv", rows)
+    found = from_csv(path, SourceOptions(scale="acr", missing=("99",)))
+    assert found.rows["value"].fillna(-1).tolist() == [5, 2, -1, 4]
+    assert found.rows["participant"].tolist() == ["P01", "P01", "P02", "P02"]
+    assert "Names that differ by case alone are one participant: P01." in found.notes
+    with pytest.raises(InputError, match="goes from 1 to 5"):
+        from_csv(path, SourceOptions(scale="acr"))
+    with pytest.raises(InputError, match="rating 'Excellent'.*--missing CODE"):
+        from_csv(path, SourceOptions(low_is_good=False))
+
+
 def test_repeats_are_averaged_and_noted(tmp_path):
     found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "rating": "5.5", "trial": "2"}]))
     assert found.table("", "grade").to_numpy().tolist() == [[5.0]]

@@ -1,0 +1,90 @@
+"""Faults that no convention is: an answer is told only where none of them explains as much."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+
+from .conventions import PIXEL, differences
+from .overlap import BEND, DEPTH_SHIFT, DEPTH_WIDE, TURN, Fitted, Noise
+from .search import SURE, Candidate, Search, margin
+from .stated_frames import Reading
+
+_CLOSE = 0.05  # of the depth
+EXPLAINED = 0.98  # of the depths that nothing hides
+_CUT, _AT_MOST = 0.02, 1e-3  # share of the pixels at the largest depth; how near to it they are
+# What is fitted for each, and the least with a name: rad, per squared tangent, tangents, pixels.
+_FITTED = {
+    "a turn between pose and camera": dict.fromkeys(TURN, 0.015),
+    "a lens that distorts": {BEND: 0.03},
+    "depth of other optics than the colour": {DEPTH_WIDE: 0.02, **dict.fromkeys(DEPTH_SHIFT, 0.75)},
+}
+_EACH = {"scales": 0.01}
+FAULTS = ("depth that is cut off", *_FITTED, "depth of another scale in each frame")
+
+
+def explained(search: Search, reading: Reading) -> float:
+    """Return the share of the depths on surfaces that agree, of those that nothing nearer hides."""
+    infinity = reading.end - reading.offset / reading.factor
+    found = search.middle.residuals(attrs.evolve(reading, end=infinity, offset=0.0) if not reading.along else reading)
+    known = found.depth[found.seen & ~np.isnan(found.depth) & ~found.sky] * math.copysign(1, reading.factor)
+    agree, behind = int((np.abs(known) < _CLOSE).sum()), int((known > _CLOSE).sum())
+    return agree / max(agree + behind, 1)
+
+
+def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str, ...]:
+    """Return those of FAULTS that explain the frames as well as a reading, or what it leaves."""
+    own = best.fitted.names if best.fitted else ()
+    tries = []
+    for least in _FITTED.values():
+        starts = itertools.product(*(_starts(search, name) for name in least))
+        start = search.best([attrs.evolve(Reading(), **dict(zip(least, one, strict=True))) for one in starts])
+        tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
+    tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
+    limit = best.changes or explained(search, best.reading) < EXPLAINED
+    found = [FAULTS[0]] if limit and _is_cut_off(search) else []
+    for words, (instead, besides, least) in zip(FAULTS[1:], tries, strict=True):
+        explains = best.changes and margin(search.candidate(instead.reading, noise, 1), best) < SURE
+        leaves = margin(best, search.candidate(besides.reading, noise, 1)) > SURE
+        # A turn of a degree is half a pixel, which is the more common.
+        named = {name: most * (1 + (PIXEL in differences(best.reading))) for name, most in least.items()}
+        if explains and _has_a_name(instead, named) or leaves and _has_a_name(besides, named):
+            found.append(words)
+    return tuple(found)
+
+
+def _starts(search: Search, name: str) -> Sequence[float]:
+    if name in DEPTH_SHIFT:
+        return [at * search.stated.frames[0].depth.shape[1] for at in (-0.1, -0.05, 0.0, 0.05, 0.1)]
+    return (-0.12, 0.0, 0.12) if name in TURN else (-0.2, 0.0, 0.2) if name == BEND else (0.85, 1.0, 1.18)
+
+
+def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
+    error = dict(zip(found.names, found.error, strict=True))
+    off = {name: np.abs(np.subtract(getattr(found.reading, name), name == DEPTH_WIDE)).max() for name in least}
+    return any(off[name] > max(most, SURE * error.get(name, 0.0)) for name, most in least.items())
+
+
+def _is_cut_off(search: Search) -> bool:
+    depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
+    most = max(float(depth.max()) for depth in depths)
+    shares = [float((depth > (1 - _AT_MOST) * most).mean()) for depth in depths]
+    return not search.stated.may_be_buffer and float(np.median(shares)) > _CUT
+
+
+def _of_each(search: Search, reading: Reading) -> Fitted:
+    """Return the reading with a scale of the depth of each frame, 1 on average."""
+    pairs, count = search.middle.pairs, len(search.stated.frames)
+    rows = np.eye(count)[pairs[:, 0]] - np.eye(count)[pairs[:, 1]]
+    scales = np.zeros(count)
+    for _ in range(3):
+        found = search.middle.residuals(attrs.evolve(reading, scales=tuple(scales)))
+        with np.errstate(invalid="ignore"):
+            off = np.array([np.median(one[np.abs(one) < 1]) if (np.abs(one) < 1).any() else 0.0 for one in found.depth])
+        scales -= np.linalg.lstsq(rows, off, rcond=None)[0]
+    scaled = attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist()))
+    return Fitted(scaled, (), np.empty(0), np.empty(0))
