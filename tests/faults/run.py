@@ -66,8 +66,8 @@ def main() -> None:
                 fault["verdict"] = known[key] = plant(fault, tree / path, tree, known)
                 chosen.results.write_text(json.dumps(known, indent=1), encoding="utf-8")
             verdict, _, by = fault["verdict"].partition(":")
-            print(f"{number:3} {fault['room']:9} {verdict:9} {fault['file']}: {fault['wrong']}", flush=True)
-            print(f"{'':14}{by}" if by else "", end="\n" if by else "", flush=True)
+            named = f"{number:3} {fault['room']:9} {verdict:9} {fault['file']}: {fault['wrong']}"
+            print(named, f"\n{'':14}{by}" if by else "", flush=True)
     print_table(faults)
 
 
