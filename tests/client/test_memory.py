@@ -313,6 +313,8 @@ def test_the_most_useful_pictures_look_where_the_rendered_view_does_not():
     chosen = most_useful(kept, turned(30), turned(0), 4)
     assert 2 not in [picture.slot for picture in chosen], "it looks the other way"
     assert [picture.drawn_ns for picture in chosen] == sorted((picture.drawn_ns for picture in chosen), reverse=True)
+    beside = [keyframe(0, 60, x=0.4, s=1), keyframe(1, 60, x=0, s=2)]
+    assert most_useful(beside, turned(30, 0.4), turned(0), 1)[0].slot == 0, "it is where the eye is"
 
 
 # --- the twins ----------------------------------------------------------------------------------

@@ -210,8 +210,8 @@ class Asked(ShaderLibrary):
         super().__init__(gpu.gl)
         self._session = gpu.shaders._session if isinstance(gpu.shaders, Asked) else gpu.shaders
 
-    def _get(self, paths, defines, make):
-        return super()._get(paths, defines, lambda: self._session._get(paths, defines, make))
+    def _get(self, paths, defines, make, grid=None):
+        return super()._get(paths, defines, lambda: self._session._get(paths, defines, make, grid), grid)
 
 
 class Costs:

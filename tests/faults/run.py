@@ -33,7 +33,7 @@ FOLDERS = {
     "shaders": ("shaders",),
 }
 VERDICTS = ("caught", "survived", "line has changed", "tests fail without it", "not run")
-HANG_S = 600  # of one test, after which pytest ends with an error
+HANG_S = 1800  # of one test, after which pytest ends with an error: low priority beside other work takes long
 
 
 def main() -> None:
@@ -66,8 +66,8 @@ def main() -> None:
                 fault["verdict"] = known[key] = plant(fault, tree / path, tree, known)
                 chosen.results.write_text(json.dumps(known, indent=1), encoding="utf-8")
             verdict, _, by = fault["verdict"].partition(":")
-            print(f"{number:3} {fault['room']:9} {verdict:9} {fault['file']}: {fault['wrong']}", flush=True)
-            print(f"{'':14}{by}" if by else "", end="\n" if by else "", flush=True)
+            named = f"{number:3} {fault['room']:9} {verdict:9} {fault['file']}: {fault['wrong']}"
+            print(named, f"\n{'':14}{by}" if by else "", flush=True)
     print_table(faults)
 
 

@@ -55,12 +55,6 @@ def test_a_known_turn():
     assert np.abs(left.transform((0, 0, -2)) - (-1, 2, 3)).max() <= 4 * UNIT
 
 
-@given(poses(), vectors())
-def test_distances_and_handedness_stay(pose, point):
-    assert abs(np.linalg.norm(pose.transform(point) - pose.position_m) - np.linalg.norm(point)) <= ATOL
-    assert abs(np.linalg.det(pose.matrix()) - 1) <= ATOL
-
-
 @given(vectors(), QUATERNIONS, poses(), vectors())
 def test_q_and_minus_q_are_the_same_pose(position, q, other, point):
     plus, minus = Pose(position, q), Pose(position, -np.asarray(q))

@@ -32,6 +32,7 @@ def turned(side: int, cant_deg: float) -> tuple[float, float, float, float]:
 def eyes(draw, side: int) -> HeadsetEye:
     left, right, down, up = (draw(TANGENT) for _ in range(4))
     pose = Pose((side * draw(st.floats(0.026, 0.039)), 0, 0), turned(side, draw(st.floats(0, 15))))
+    pose @= Pose((0, 0, 0), (0, 0, draw(st.floats(-0.05, 0.05)), 1))  # about its own axis
     corner = ((right, up), (right, up / 2), (right / 2, up))
     return HeadsetEye(pose, Fov.from_tangents((-left, right, -down, up)), hidden=(corner,))
 

@@ -59,10 +59,6 @@ def test_border_against_rays(shown, seed):
     assert border_share(coverage, 1 / depth_m, shown, rendered, (64, 50)) == pytest.approx(expected, abs=1e-12)
 
 
-def test_same_view_leaves_nothing_outside():
-    assert border_share(EMPTY, EMPTY, turned(0.3), turned(0.3), SIZE) == 0
-
-
 def test_behind_the_late_eye_is_outside():
     about = turned(math.pi)
     assert border_share(EMPTY, EMPTY, about, turned(0), SIZE) == 1

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose
-from hmdwarp.scenes import Body, Joint, Mesh, Scene, Skinned, Spinning, Thrown, Track, Waving, load_scene
+from hmdwarp.scenes import Body, Joint, Mesh, Pendulum, Scene, Skinned, Spinning, Thrown, Track, Waving, load_scene
 
 S = 1_000_000_000
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 0, 0)], np.float64)
@@ -17,6 +17,7 @@ TURNS = Rotation.from_euler("y", np.array([[0.0], [1.5], [3.0], [4.5], [2 * np.p
 MOTIONS = {
     "spinning": Spinning(Pose((1, 2, 3), (0.1, 0.2, 0.3, 0.9)), (1, 2, -2), 4.0),
     "thrown": Thrown(Pose((0, 1, 0)), (1.0, 4.0, -0.5), 1.3, spin_rad_s=(1, -2, 3)),
+    "pendulum": Pendulum((0, 2, 0), 1.5, 0.6, 2.0, heading_rad=0.4),
     "track": Track([0, 1, 2.5, 3, 4], SQUARE, TURNS),
     "track, once": Track([0.5, 1, 2.5, 3, 4], SQUARE + np.arange(5)[:, None], TURNS, loops=False),
 }
@@ -39,6 +40,8 @@ def test_a_motion_is_as_fast_as_it_says(name, time_ns):
     off = 2e-4 if time_ns == 0 else 1e-5  # one-sided: half a step times the acceleration
     assert np.abs(speed - now.velocity_m_s).max() < off
     assert np.abs(spin - now.angular_velocity_rad_s).max() < 1e-5
+    pull = (after.velocity_m_s - before.velocity_m_s) / seconds
+    assert np.abs(pull - now.acceleration_m_s2).max() < off
 
 
 @pytest.mark.parametrize("name", ["spinning", "thrown"])
@@ -54,11 +57,12 @@ def test_a_throw_repeats():
     assert motion.state(1_299_999_999).pose.position_m[0] == pytest.approx(1.3)
 
 
-def test_a_track_goes_through_its_keys_and_repeats():
-    motion = MOTIONS["track"]
+@pytest.mark.parametrize("begin", [0, 0.5])
+def test_a_track_goes_through_its_keys_and_repeats(begin):
+    motion = attrs.evolve(MOTIONS["track"], times_s=MOTIONS["track"].times_s + begin)
     for second, place, turn in zip((0, 1, 2.5, 3), SQUARE, TURNS, strict=False):
         for lap in (0, 4, -4):
-            state = motion.state(round((second + lap) * S))
+            state = motion.state(round((begin + second + lap) * S))
             assert state.pose.isclose(Pose(place, turn.as_quat()), 1e-8)
 
 

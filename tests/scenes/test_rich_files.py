@@ -311,13 +311,13 @@ def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
     steps = Glb().animate("translation", (0, 1, 2), jumps, "STEP").load(tmp_path).bodies[0].motion
     assert [steps.state(round(t * S)).pose.position_m[0] for t in (0, 0.99, 1.01)] == [0, 0, 5]
     assert (steps.state(S // 2).velocity_m_s == 0).all()
-    # Tangent in, value, tangent out: the parabola t^2 from 0 to 2 s, whose slopes are 0 and 4.
-    keys = ((0, 0, 0), (0, 0, 0), (0, 0, 0), (4, 0, 0), (4, 0, 0), (0, 0, 0))
+    # Tangent in, value, tangent out: the parabola t^2 + t from 0 to 2 s, whose slopes are 1 and 5.
+    keys = ((0, 0, 0), (0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 0, 0), (0, 0, 0))
     spline = Glb().animate("translation", (0, 2), keys, "CUBICSPLINE").load(tmp_path).bodies[0].motion
     for t in (0.25, 1.0, 1.5):
         state = spline.state(round(t * S))
-        assert state.pose.position_m[0] == pytest.approx(t * t, abs=1e-6)
-        assert state.velocity_m_s[0] == pytest.approx(2 * t, abs=1e-6)
+        assert state.pose.position_m[0] == pytest.approx(t * t + t, abs=1e-6)
+        assert state.velocity_m_s[0] == pytest.approx(2 * t + 1, abs=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])

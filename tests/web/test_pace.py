@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 
 import needs
 import pytest
@@ -89,6 +90,8 @@ def test_there_are_fewer_pixels_before_there_are_fewer_frames(over):
     assert min(wish["scale"] for wish in wishes) == 0.5
     one = [wish for at, *_, wish in over("() => 1", 60) if at > 10_000]
     assert {wish["rate"] for wish in one} == {30} and min(wish["scale"] for wish in one) < 1
+    # More is tried, more and more seldom.
+    assert 0 < sum(after["mbit"] > before["mbit"] for before, after in pairwise(one)) < 6
 
 
 def test_the_best_comes_back_with_the_link(over):

@@ -104,6 +104,16 @@ def test_a_flat_picture_comes_back_from_a_video(distance):
     assert np.abs(got - inverse)[:, 8:32].max() <= 1.75 * code
 
 
+def test_what_came_near_once_costs_nothing_after_the_next_key_frame():
+    far = np.full((48, 64), 0.3, np.float32) + np.linspace(0, 0.1, 64, dtype=np.float32)
+    encoder, decoder = DepthVideoEncoder((64, 48), 60, STEP), DepthVideoDecoder((64, 48))
+    for picture in (np.full_like(far, 20.0), far):
+        encoder.request_key()
+        found = decoder.decode(encoder.encode(picture))
+    alone = DepthVideoDecoder((64, 48)).decode(DepthVideoEncoder((64, 48), 60, STEP).encode(far))
+    assert np.array_equal(found, alone)
+
+
 def test_a_video_of_moving_planes_is_near_and_light():
     pictures = planes(160, 120, 8)
     encoder, decoder = DepthVideoEncoder((160, 120), 60, STEP), DepthVideoDecoder((160, 120))

@@ -33,7 +33,15 @@ from hmdwarp import WarpMap
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import Origin
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import RecordedFrame, Sequence, SequenceOptions, depth_notes, parse_intrinsics, readers
+from hmdwarp.sources.sequences import (
+    RecordedFrame,
+    Sequence,
+    SequenceOptions,
+    depth_notes,
+    parse_intrinsics,
+    readers,
+)
+from hmdwarp.sources.sequences.camera import camera_of
 
 # Half a step of 16 bits in millimetres, the coarsest unit.
 DEPTH_WITHIN_M = 0.5e-3 + 1e-6
@@ -133,6 +141,12 @@ def test_real_frames_agree_with_each_other(name):
     assert len(sequence.frames) == 5
     first, second = sequence.frames[3:]
     assert agreeing(first, second) > share
+
+
+def test_without_a_principal_point_it_is_the_middle_of_the_picture():
+    stated = {"w": 64, "h": 48, "fl_x": 50}
+    found = [camera_of("it", stated, centre) for centre in (0.0, 0.5)]
+    assert [(one.cx, one.cy) for one in found] == [(31.5, 23.5), (32, 24)]
 
 
 def opened(folder: Path, write, options: SequenceOptions | None = None, count: int = 2) -> Sequence:
