@@ -393,34 +393,34 @@ def _front(
     size, box = (_WIDTH_IN, _HEIGHT_IN + foot), (0.62, foot + 0.5, _WIDTH_IN - 0.1, foot + _HEIGHT_IN - 0.15)
     with canvas((label, client, content), size, x=across, y="FLIP, lower is better", box=box) as axes:
         if rows:
-            _draw(axes, rows, best, cost, numbers)
-            here = {row["strategy"]: row["warp"] for row in rows}
-            handles = [
-                mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
-                for name in sorted(here, key=numbers.__getitem__)
-            ]
-            legend(  # names of the numbers, below the chart
-                axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
-                borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
-            )  # fmt: skip
+            _draw(axes, rows, best, cost, numbers, ncols)
         else:
             not_measured(axes)
         drawn[content] = svg_text(axes.get_figure())
     return Chart.of(heading, drawn[content], words, "")
 
 
-def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str, numbers: Mapping[str, int]) -> None:
+def _draw(
+    axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str, numbers: Mapping[str, int], ncols: int
+) -> None:
     is_best = np.array([any(row is best_row for best_row in best) for row in rows])
     spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
-    error = np.array([row["quality"][PRIMARY]["mean"] for row in rows])
-    error = scale_axis(axes.yaxis, error, logarithmic=True)
+    error = scale_axis(axes.yaxis, np.array([row["quality"][PRIMARY]["mean"] for row in rows]), logarithmic=True)
     draw_front(axes, spent[is_best], error[is_best], PAGE, higher=False)
     for x, y, row, filled in zip(spent, error, rows, is_best, strict=True):
-        colour = PAGE.warp(row["warp"])
-        shown = colour if filled else "none"
-        axes.plot(x, y, marker="o", markersize=MARKER_PT, color=colour, markerfacecolor=shown, clip_on=False, zorder=3)
+        colours = {"color": PAGE.warp(row["warp"]), "markerfacecolor": PAGE.warp(row["warp"]) if filled else "none"}
+        axes.plot(x, y, marker="o", markersize=MARKER_PT, **colours, clip_on=False, zorder=3)
     beside = {index: numbers[row["strategy"]] for index, row in enumerate(rows)}
     draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best, PAGE)
+    here = {row["strategy"]: row["warp"] for row in rows}
+    handles = [
+        mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
+        for name in sorted(here, key=numbers.__getitem__)
+    ]
+    legend(  # names of the numbers, below the chart
+        axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
+        borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
+    )  # fmt: skip
 
 
 def assigned_table(data: Mapping[str, Any]) -> Table:

@@ -84,7 +84,8 @@ def flown(setup, instants) -> tuple[dict, dict]:
         setup.loop.draw(instant_ns)
         refresh = setup.loop.show(instant_ns)
         if refresh is not None and number >= 0:
-            found[instant_ns] = refresh.frame.drawn_ns, [download(eye.shown.texture) for eye in refresh.eyes]
+            drawn = refresh.frame.drawn_ns, *(eye.view.gaze for eye in refresh.frame.eyes)
+            found[instant_ns] = drawn, [download(eye.shown.texture) for eye in refresh.eyes]
     return found, setup.channel.summary(RATE_HZ)
 
 
@@ -109,8 +110,8 @@ def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monk
         setup.channel.link.delay_by(iter(delays))
         here, alone = flown(setup, instants)
     assert len(there) >= 3 and there.keys() == here.keys()
-    for instant_ns, (drawn_ns, eyes) in there.items():
-        assert drawn_ns == here[instant_ns][0]
+    for instant_ns, (drawn, eyes) in there.items():
+        assert drawn == here[instant_ns][0]
         for ours, theirs in zip(eyes, here[instant_ns][1], strict=True):
             if equal < 1:
                 assert np.mean(ours == theirs) >= equal
@@ -136,6 +137,10 @@ def looking_around(tmp_path) -> str:
     with (tmp_path / "looking.csv").open("w", encoding="utf-8") as file:
         write_synthetic(with_eyes(synthesise("look-around", seconds=2)), file)
     return str(tmp_path / "looking.csv")
+
+
+def test_whole_frames_keep_the_gaze_that_they_were_asked_for(gpu, serving_of, monkeypatch, looking_around):
+    compared(gpu, serving_of("planes"), "imposter", "planes", monkeypatch=monkeypatch, trace=looking_around)
 
 
 @pytest.mark.parametrize("fill", ["none", "pyramid"])  # read on its grid, and expanded first
@@ -233,7 +238,7 @@ def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu,
         drawn = [ns for ns in sorted(delays) if ns >= first_ns]
         setup.channel.link.delay_by(iter([delays[ns] for ns in drawn]))
         here, _ = flown(setup, [(0, ns) for ns in drawn])
-    again = {ns: eyes for ns, (drawn_ns, eyes) in there.items() if drawn_ns >= first_ns}
+    again = {ns: eyes for ns, ((drawn_ns, *_), eyes) in there.items() if drawn_ns >= first_ns}
     assert len(again) > 3 and again.keys() <= here.keys()
     for instant_ns, eyes in again.items():
         for ours, theirs in zip(eyes, here[instant_ns][1], strict=True):
