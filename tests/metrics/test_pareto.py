@@ -38,29 +38,6 @@ def test_no_row_beats_one_of_the_front(pairs):
     assert front == [row for row in rows if not any(beats(other[:2], row[:2]) for other in rows)]
 
 
-@given(ROWS)
-def test_each_other_row_is_beaten_by_one_of_the_front(pairs):
-    rows = numbered(pairs)
-    front = pareto(rows, costs)
-    assert all(any(beats(winner[:2], row[:2]) for winner in front) for row in rows if row not in front)
-    assert bool(front) == bool(rows)
-
-
-@given(ROWS)
-def test_the_front_of_the_front_is_the_front(pairs):
-    front = pareto(numbered(pairs), costs)
-    assert pareto(front, costs) == front
-
-
-@given(ROWS, st.randoms(use_true_random=False))
-def test_the_order_of_the_rows_decides_nothing_but_the_order(pairs, random):
-    rows = numbered(pairs)
-    shuffled = random.sample(rows, len(rows))
-    front = pareto(shuffled, costs)
-    assert set(front) == set(pareto(rows, costs))
-    assert [shuffled.index(row) for row in front] == sorted(shuffled.index(row) for row in front)
-
-
 @given(ROWS, st.lists(st.tuples(st.one_of(st.none(), COST), st.none()), max_size=5))
 def test_unmeasured_rows_take_no_part(pairs, blanks):
     rows = numbered(pairs)
