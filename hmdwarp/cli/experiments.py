@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+from typing import Any
+
 import typer
 
 from ..experiments import sweep
@@ -41,16 +44,12 @@ def merge(said: Said) -> None:
 
 def _tell_bench(result: sweep.ExperimentResult) -> None:
     from ..experiments.bench.bench_rows import answer
-    from ..experiments.sweep import MOST_SHOWN
     from ..report import axes_of_traces
-    from ..report.bench.rows import bench_table, first_cases
+    from ..report.bench.rows import OF_BENCH, bench_table
     from ._show import console, paragraph
 
     screen, rows = console(), result.data["rows"]
-    shown, count = first_cases(rows, MOST_SHOWN)
-    screen.print(bench_table(shown, width=screen.width))
-    if count > MOST_SHOWN:
-        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all.")
+    _tell_cases(rows, "bench", OF_BENCH, lambda shown: bench_table(shown, width=screen.width))
     paragraph(f"Timed by {result.data['clocks']['note']}.")
     for trace, axes in axes_of_traces(rows).items():
         paragraph(f"Axes of {trace}: {axes}.")
@@ -59,6 +58,18 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
         paragraph(f"note: {note}")
     for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
         paragraph(sentence)
+
+
+def _tell_cases(rows: Iterable[Any], name: str, conditions: Any, table: Callable[[list[Any]], Any]) -> None:
+    """Print the table of the first cases, and where all of them are."""
+    from ..experiments.sweep import MOST_SHOWN
+    from ..report.bench.rows import first_cases
+    from ._show import console, paragraph
+
+    shown, count = first_cases(rows, MOST_SHOWN, conditions)
+    console().print(table([*shown.values()]))
+    if count > MOST_SHOWN:
+        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; {name}.csv and {name}.json have all.")
 
 
 @takes(CompareOptions, Requirements, QUIET)
@@ -75,15 +86,10 @@ def compare(said: Said) -> None:
 
 
 def _tell_compare(result: sweep.ExperimentResult) -> None:
-    from ..experiments.sweep import MOST_SHOWN
-    from ..report.compare_page import compare_table, first_cases
-    from ._show import console, paragraph
+    from ..report.compare_page import OF_COMPARE, compare_table
+    from ._show import paragraph
 
-    rows = result.data["rows"]
-    numbers, count = first_cases(rows, MOST_SHOWN)
-    console().print(compare_table([rows[number] for number in numbers]))
-    if count > MOST_SHOWN:
-        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; compare.csv and compare.json have all.")
+    _tell_cases(result.data["rows"], "compare", OF_COMPARE, compare_table)
     for entry in result.data["left_out"]:
         paragraph(f"note: {entry['strategy']} is left out: {entry['why']}")
 

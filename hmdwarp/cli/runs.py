@@ -21,33 +21,23 @@ from ._show import sayer
 @takes(RunOptions, Requirements, Baseline, QUIET)
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
-    options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
-    required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
-    stored = baseline.stored(options.out)
-    if AUTO in (options.warp, options.guard):
-        options = _told(run.choose(options, sayer(said["quiet"])), quiet=said["quiet"])
-    result = _replay(options, said["quiet"])
-    differences = baseline.differences(stored, result.folder, options.command)
-    hold(required.missed([result.summary], result.against, differences))
-
-
-def _replay(options: RunOptions, quiet: bool) -> run.ReplayResult:
     from ..report import axes_of_traces, summary_table, transit_lines
     from ._show import console, steps
 
+    options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
+    required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
+    stored, quiet = baseline.stored(options.out), said["quiet"]
+    if AUTO in (options.warp, options.guard):
+        options = _told(run.choose(options, sayer(quiet)), quiet=quiet)
     with steps("refreshes", quiet=quiet) as (progress, screen):
         result = run.replay(options, progress, *([] if quiet else [partial(screen.print, soft_wrap=True)]))
-    if quiet:
-        return result
-    console().print(summary_table(result.summary, *result.against))
-    for trace, axes in axes_of_traces([result.summary]).items():
-        typer.echo(f"axes of {trace}: {axes}")
-    for line in transit_lines(result.summary):
-        typer.echo(line)
-    for note in result.summary["notes"]:
-        typer.echo(f"note: {note}")
-    typer.echo(f"report: {result.report}")
-    return result
+    if not quiet:
+        console().print(summary_table(result.summary, *result.against))
+        lines = [f"axes of {trace}: {axes}" for trace, axes in axes_of_traces([result.summary]).items()]
+        lines += [*transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
+        typer.echo("\n".join([*lines, f"report: {result.report}"]))
+    differences = baseline.differences(stored, result.folder, options.command)
+    hold(required.missed([result.summary], result.against, differences))
 
 
 @takes(RunOptions, JSON, QUIET)

@@ -128,6 +128,13 @@ def empty_figure(width_in: float, height_in: float, layout: Literal["constrained
     return figure
 
 
+def png_of(figure: Any, dpi: int) -> bytes:
+    """Return a figure as a PNG file; the same content gives the same bytes."""
+    data = io.BytesIO()
+    figure.savefig(data, format="png", dpi=dpi, metadata={"Software": None})
+    return data.getvalue()
+
+
 def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     """Add axes at a fixed place (left, bottom, right, top in inches)."""
     width, height = figure.get_size_inches()

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
+from ..metrics import PRIMARY, Figure, pareto
 from ..scenes.options import KNOWS
 from .bench.page import suite_section
-from .bench.rows import Column
+from .bench.rows import (
+    RATED,
+    Case,
+    Column,
+    Conditions,
+    by_name,
+    cases,
+    metric_columns,
+    table_of,
+)
 from .charts import (
     MARKER_PT,
     Drawn,
@@ -56,40 +65,46 @@ Row = Mapping[str, Any]
 # Loads what was shown, and the truth.
 Pictures = Callable[[], tuple[NDArray[Any], NDArray[Any]]]
 
-# What tells one case from another.
-_OF_CASE = ("trace", "latency_ms", "over", "scene", "machine")
+# What runs that can be compared share.
+OF_COMPARE: Conditions = (
+    ("trace", str),
+    ("latency_ms", lambda v: f"{v:g} ms"),
+    ("over", str),
+    ("scene", str),
+    ("machine", lambda v: f"on {v.get('host')}"),  # times of two are not comparable
+)
 _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
 _CHARS = 66  # in a line of the legend
 
 
-def _quality(name: str) -> Column:
-    return Column(metrics.get(name).short_figure, lambda row: row["quality"][name]["mean"])
+def _named(row: Row) -> str:
+    """Return the strategy, and why it showed nothing over a link that let nothing through."""
+    return f"{row['strategy']}: {row['nothing']}" if "nothing" in row else str(row["strategy"])
 
 
-def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> Column:
-    return Column(Figure(name, label, unit, digits, scale), lambda row: row[name])
+def _unfit(row: Row) -> str:
+    return "; ".join(f"{client}: {why}" for client, why in row["unfit"].items() if why)
 
 
-COLUMNS = {
-    column.figure.name: column
-    for column in (
-        _quality("flip"),
-        _quality("psnr_db"),
-        _quality("flicker"),
-        _quality("hole_share"),
-        _taken("client_ms", "client", "ms an eye", 1),
-        _taken("server_ms", "server", "ms", 0),
-        _taken("mbit_s", "link", "Mbit/s", 1),
-        _taken("up_mbit_s", "poses back", "Mbit/s", 2),
-        _taken("start_bytes", "before the first frame", "MB", 1, 1e-6),
-        _taken("client_bytes", "held", "MB", 0, 1e-6),
-    )
-}
-# Where ColorVideoVDP rated the clips.
-RATED = (
-    Column(JOD, lambda row: ratings_of(row).get(JOD.name)),
-    Column(TRUTH_PREFERRED, lambda row: ratings_of(row).get(TRUTH_PREFERRED.name)),
+def _columns() -> Iterator[Column]:
+    text, number, mb = Column.of_text, Column.of_number, 1e-6
+    yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
+    yield from (text("warp"), text("fill"), *metric_columns(intervals=False), *RATED)
+    yield number("client_ms", "client", "ms an eye", 1)
+    yield number("server_ms", "server", "ms")
+    yield number("mbit_s", "link", "Mbit/s", 1)
+    yield number("up_mbit_s", "poses back", "Mbit/s", 2)
+    yield number("decoded_mpx_s")
+    yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
+    yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
+    yield text("unfit", value=_unfit)
+
+
+COLUMNS = by_name(_columns())
+_SHOWN = (
+    *("flip", "psnr_db", "flicker", "hole_share", "client_ms", "server_ms", "mbit_s", "up_mbit_s"),
+    *("start_bytes", "client_bytes"),
 )
 # What a front is drawn over: the error against each of these.
 COSTS = ("client_ms", "mbit_s")
@@ -101,14 +116,15 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     data: also `cases`, how many there are where `rows` are the first. pictures: of each row.
     """
     rows: list[Row] = list(data["rows"])
-    count, cases = len(data["strategies"]), _cases(rows, pictures)
+    count, groups = len(data["strategies"]), cases(rows, OF_COMPARE)
+    picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}
     folds = [
-        Fold(label, [_table(label, group), Group("panels", _strip(group, shown))], is_open=number == 0)
-        for number, (label, group, shown) in enumerate(cases)
+        Fold(group.label, [_table(group), Group("panels", _strip(group, picture_of))], is_open=number == 0)
+        for number, group in enumerate(groups)
     ]
     drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
-    clients = [_client(client, rows, numbers, drawn) for client in data["clients"]]
+    clients = [_client(client, groups, numbers, drawn) for client in data["clients"]]
     strategies = [
         (
             one["name"],
@@ -124,7 +140,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
-        heading=("Strategies of remote rendering", f"{count} of them, {counted(len(cases), 'case')}"),
+        heading=("Strategies of remote rendering", f"{count} of them, {counted(len(groups), 'case')}"),
         facts=_facts(rows),
         command=data.get("command") or "",
         sections=(
@@ -153,40 +169,32 @@ def compare_table(rows: Iterable[Row]) -> TerminalTable:
     heads = {"start_bytes": "MB first", "mbit_s": "Mbit/s", "client_ms": "ms"}
     names = (heads.get(column.figure.name, column.figure.label) for column in shown)
     table = terminal_table(("strategy", *names))
-    for label, group, _ in _cases(list(rows), []):
+    for group in cases(rows, OF_COMPARE):
         table.add_section()
-        table.add_row(Words(label, style="bold"))
-        for row in _ordered(group):
+        table.add_row(Words(group.label, style="bold"))
+        for row in _ordered(group.rows):
             table.add_row(_named(row), *(column.text(row) for column in shown))
     return table
 
 
-def _columns(rows: Iterable[Row]) -> list[Column]:
+def _columns_of(rows: Iterable[Row]) -> list[Column]:
     """Return the columns of a table: those of a rating only where every row that showed has one."""
     shown = [row for row in rows if "nothing" not in row]
-    return [*COLUMNS.values(), *(RATED if shown and all("jod" in row for row in shown) else ())]
-
-
-def _named(row: Row) -> str:
-    """Return the strategy, and why it showed nothing over a link that let nothing through."""
-    return f"{row['strategy']}: {row['nothing']}" if "nothing" in row else str(row["strategy"])
+    rated = shown and all("jod" in row for row in shown)
+    return [COLUMNS[name] for name in ("strategy", *_SHOWN, *(("jod", "truth_preferred") if rated else ()))]
 
 
 def compare_markdown(rows: Iterable[Row]) -> str:
     """Return the rows as a Markdown table, case by case, the least error first."""
     rows = list(rows)
-    columns = _columns(rows)
-    heads = [("case", ""), ("strategy", ""), *(column.head for column in columns)]
-    lines = [
-        [
-            label,
-            _named(row).replace(row["strategy"], f"`{row['strategy']}`", 1),
-            *(column.text(row) for column in columns),
-        ]
-        for label, group, _ in _cases(rows, [])
-        for row in _ordered(group)
-    ]
-    return Table.of("", heads, lines, words=2).markdown()
+    groups, (_, *columns) = cases(rows, OF_COMPARE), _columns_of(rows)
+    label_of = {id(row): group.label for group in groups for row in group.rows}
+    case = Column.of_text("case", value=lambda row: label_of[id(row)])
+    quoted = Column.of_text(
+        "strategy", value=lambda row: _named(row).replace(row["strategy"], f"`{row['strategy']}`", 1)
+    )
+    ordered = (row for group in groups for row in _ordered(group.rows))
+    return table_of("", [case, quoted, *columns], ordered).markdown()
 
 
 def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
@@ -237,39 +245,6 @@ def _rate(row: Row) -> float:
     return float(row["mbit_s"])
 
 
-def _labels(rows: Sequence[Row]) -> list[str]:
-    """Return the case of each row; scene and machine where there are several."""
-    scenes, hosts = {row["scene"] for row in rows}, {row["machine"].get("host") for row in rows}
-    return [
-        ", ".join(
-            [
-                row["trace"], f"{row['latency_ms']:g} ms", *filter(None, [row.get("over")]),
-                *([row["scene"]] if len(scenes) > 1 else []),
-                *([f"on {row['machine'].get('host')}"] if len(hosts) > 1 else []),  # times of two are not comparable
-            ]
-        )
-        for row in rows
-    ]  # fmt: skip
-
-
-def _cases(rows: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str, list[Row], list[Pictures]]]:
-    """Return (label, rows, their pictures) of each recording and latency, and of each machine."""
-    found: dict[str, tuple[str, list[Row], list[Pictures]]] = {}
-    for label, row, shown in itertools.zip_longest(_labels(rows), rows, pictures):
-        _, group, of_group = found.setdefault(label, (label, [], []))
-        group.append(row)
-        of_group.append(shown)
-    return list(found.values())
-
-
-def first_cases(rows: Iterable[Row], most: int) -> tuple[list[int], int]:
-    """Return which rows are of the first cases, at most so many, and how many cases there are."""
-    known: dict[str, bool] = {}
-    labels = _labels([{key: row.get(key) for key in _OF_CASE} for row in rows])  # the rest stays on the disk
-    numbers = [number for number, case in enumerate(labels) if known.setdefault(case, len(known) < most)]
-    return numbers, len(known)
-
-
 def _error(row: Row) -> float:
     error = row["quality"][PRIMARY]["mean"]
     return float("inf") if error is None else float(error)
@@ -311,7 +286,7 @@ def ran_text(rows: Sequence[Row]) -> str:
 
 def _notes(data: Mapping[str, Any]) -> list[str]:
     notes = [f"{entry['strategy']} is left out: {entry['why']}." for entry in data["left_out"]]
-    shown = len(_cases(data["rows"], []))
+    shown = len(cases(data["rows"], OF_COMPARE))
     if data.get("cases", shown) > shown:
         notes.append(f"This page shows the first {shown} of {data['cases']} cases; compare.csv and .json have all.")
     if data["clock"] != "gpu":
@@ -326,17 +301,15 @@ def _notes(data: Mapping[str, Any]) -> list[str]:
     return [*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]
 
 
-def _table(label: str, group: Sequence[Row]) -> Table:
-    columns = _columns(group)
-    lines = [[_named(row), *(column.text(row) for column in columns)] for row in _ordered(group)]
-    return Table.of(f"{label}, least FLIP first", [("strategy", ""), *(column.head for column in columns)], lines)
+def _table(group: Case) -> Table:
+    return table_of(f"{group.label}, least FLIP first", _columns_of(group.rows), _ordered(group.rows))
 
 
-def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[Picture]:
+def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[Picture]:
     """Return the truth and what each strategy shows."""
     from PIL import Image
 
-    both = [(row, load) for row, load in zip(group, pictures, strict=True) if "nothing" not in row]
+    both = [(row, picture_of[id(row)]) for row in group.rows if "nothing" not in row]
     if not both:
         return []
     by_row = sorted(both, key=lambda pair: _error(pair[0]))
@@ -351,7 +324,7 @@ def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[Picture]:
 
 
 def _client(
-    client: Mapping[str, str], rows: Sequence[Row], numbers: Mapping[str, int], drawn: dict[object, Drawn]
+    client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int], drawn: dict[object, Drawn]
 ) -> Article:
     """Return the fronts of one client: what it can run, case by case.
 
@@ -359,10 +332,10 @@ def _client(
     that are the same are drawn once.
     """
     folds: list[Fold] = []
-    for label, group, _ in _cases(rows, []):
-        can = [row for row in group if not row["unfit"][client["name"]]]
-        charts = Group("charts", [_front(label, client["name"], can, cost, numbers, drawn) for cost in COSTS])
-        folds.append(Fold(label, [charts], _best(can), is_open=not folds))
+    for group in groups:
+        can = [row for row in group.rows if not row["unfit"][client["name"]]]
+        charts = Group("charts", [_front(group.label, client["name"], can, cost, numbers, drawn) for cost in COSTS])
+        folds.append(Fold(group.label, [charts], _best(can), is_open=not folds))
     return Article([Heading(client["name"]), Text(client["summary"], ""), *folds], id=client["name"])
 
 
@@ -370,7 +343,8 @@ def _best(can: Sequence[Row]) -> str:
     if not can:
         return "It can run none of the strategies."
     best = _ordered(can)[0]
-    parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in COLUMNS.values()]
+    shown = [COLUMNS[name] for name in _SHOWN]
+    parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in shown]
     return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
 
 

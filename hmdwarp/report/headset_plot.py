@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..headsets import COLOURS, Headset, HeadsetEye
-from .charts import drawing, empty_figure
+from .charts import drawing, empty_figure, png_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,9 +33,7 @@ def headset_plot_png(headset: Headset) -> bytes:
         _draw_views(figure.add_subplot(grid[0, :]), headset)
         for number in range(len(headset.eyes) if headset.lens is not None else 0):
             _draw_lens(figure.add_subplot(grid[1, number]), headset, number)
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": None})
-    return buffer.getvalue()
+        return png_of(figure, _DPI)
 
 
 def _draw_views(axes: Axes, headset: Headset) -> None:

@@ -277,22 +277,8 @@ TIMED_COLUMNS = ("pose_age_ms", *(f"{stage}_ms" for stage in STAGES))
 TIMED_KEYS = ("time_ms", "response_ms", "machine", "made_with", "hmdwarp", "notes", "digests")
 
 SUMMARY_KEYS = (
-    "schema",
-    "hmdwarp",
-    "trace",
-    "scene",
-    "effects",
-    "latency_ms",
-    "warp",
-    "fill",
-    "lens",
-    "headset",
-    "size",
-    "frames",
-    "machine",
-    "clock",
-    "time_ms",
-    "quality",
+    *("schema", "hmdwarp", "trace", "scene", "effects", "latency_ms", "warp", "fill", "lens", "headset", "size"),
+    *("frames", "machine", "clock", "time_ms", "quality"),
 )
 MACHINE_KEYS = ("gl_renderer", "gl_version", "cpu_count")
 CLOCKS = ("gpu", "wall")

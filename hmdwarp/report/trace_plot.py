@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..poses import PoseTrack, quaternions
-from .charts import drawing, empty_figure
+from .charts import drawing, empty_figure, png_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +29,8 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
     place, q = track.position_m[at], track.orientation_xyzw[at]
     gaze, crown, right = (quaternions.rotate(q, np.array([v], float)) for v in ((0, 0, -1), (0, 1, 0), (1, 0, 0)))
     with drawing((track.name, axes_said, len(track))):
-        figure = _figure(f"{track.name}\nfile's axes: {axes_said}")
+        figure = empty_figure(*_SIZE_IN, layout="constrained")
+        figure.suptitle(f"{track.name}\nfile's axes: {axes_said}", fontsize=10, x=0.01, ha="left")
         grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.25))
         _draw_path(figure.add_subplot(grid[:2, 0]), place, gaze)
         _draw_sphere(figure.add_subplot(grid[2, 0], projection="mollweide"), gaze, crown)
@@ -46,15 +46,7 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
                 axes.axvspan(start, start + steps[i] * 1e-9, color="#c3ccd6", lw=0)
             axes.set_xlim(0, max(float(seconds[-1]), 1e-9))
         over_time[2].set_xlabel("time [s], gaps shaded")
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": None})
-    return buffer.getvalue()
-
-
-def _figure(title: str) -> Any:
-    figure = empty_figure(*_SIZE_IN, layout="constrained")
-    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
-    return figure
+        return png_of(figure, _DPI)
 
 
 def _draw_path(axes: Axes, place: NDArray[Any], gaze: NDArray[Any]) -> None:

@@ -21,14 +21,8 @@ from ..resources import pyav
 from .files import Partial, write_error
 
 ENCODERS = (
-    "libopenh264",
-    "libx264",
-    "h264_nvenc",
-    "h264_qsv",
-    "h264_amf",
-    "h264_videotoolbox",
-    "h264_vaapi",
-    "h264_v4l2m2m",
+    *("libopenh264", "libx264", "h264_nvenc", "h264_qsv", "h264_amf"),
+    *("h264_videotoolbox", "h264_vaapi", "h264_v4l2m2m"),
 )
 _OPTIONS = {
     "libx264": {"crf": "18", "preset": "veryfast"},  # 18: no difference to be seen at normal distance

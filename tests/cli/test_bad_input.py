@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -45,7 +46,6 @@ def kept(tmp_path):
 
 
 # --- traces
-# --------------------------------------------------------------------------------------------------
 
 
 def traces() -> dict[str, bytes | None]:
@@ -77,14 +77,10 @@ def test_traces_that_cannot_be_used(name, command, quick, kept, tmp_path):
         done.refused("line 21", "nan" if name == "nan.csv" else "inf")
 
 
-def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
-    (tmp_path / "traces").mkdir()
-    command("replay", tmp_path / "traces", *quick).refused(str(tmp_path / "traces"), "directory")
-
-
 @pytest.mark.parametrize(
     "arguments",
     [
+        ("replay", "FOLDER"),
         ("plan", "--scene", "FOLDER"),
         ("plan", "--scene", "FOLDER.glb"),
         ("plan", "--headset", "FOLDER"),
@@ -104,7 +100,6 @@ def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
 
 
 # --- names
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -118,10 +113,15 @@ def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
         ("--format", "tumm", "tum"),
         ("--predict", "constant-velocity", "constant_velocity"),
         ("--against", "rotations", "rotation"),
+        ("--trace", "lookaround", "look-around"),
+        ("--warp", "qqqq", ""),  # near nothing
     ],
 )
 def test_unknown_names_get_the_nearest_known_one(option, wrong, nearest, command, quick, kept):
-    command("replay", "still", *quick, option, wrong).refused(f"'{wrong}'", f"did you mean '{nearest}'?", "known are")
+    trace = () if option == "--trace" else ("still",)
+    done, guess = command("replay", *trace, *quick, option, wrong), f"did you mean '{nearest}'?"
+    done.refused(f"'{wrong}'", "known are", guess if nearest else "")
+    assert ("did you mean" in done.err) == bool(nearest)
 
 
 @pytest.mark.parametrize("source", ["synthetic", "openxr", "desktop"])
@@ -135,16 +135,6 @@ def test_a_trace_is_not_written_under_a_pictures_name(command, tmp_path):
     done = command("trace", "synth", "still", "--out", tmp_path / "a.png", "--seconds", 1)
     done.refused("a.png: found '.png'", "expected a name in .csv")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_unknown_recording(command, quick, kept):
-    command("replay", "lookaround", *quick).refused("unknown recording 'lookaround'", "did you mean 'look-around'?")
-
-
-def test_names_near_nothing_get_no_guess(command, quick, kept):
-    done = command("replay", "still", *quick, "--warp", "qqqq")
-    done.refused("unknown warp 'qqqq'", "known are")
-    assert "did you mean" not in done.err
 
 
 @pytest.mark.parametrize(
@@ -163,7 +153,6 @@ def test_unknown_commands_and_options(arguments, command):
 
 
 # --- numbers
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -197,7 +186,6 @@ def test_unknown_commands_and_options(arguments, command):
         ("--rate", "nan", "rate nan"),
         ("--rate", "-60", "rate -60 Hz"),
         ("--rate", "1e6", "rate 1e+06 Hz"),
-        ("--metrics-every", "0", "metrics-every 0"),
         ("--metrics-every", "-3", "metrics-every -3"),
         ("--metrics-every", "2.5", "--metrics-every"),
         ("--start", "20", "start 20 s"),
@@ -216,14 +204,18 @@ def test_unknown_commands_and_options(arguments, command):
         ("--trace-rate", "-5", "rate -5"),
         ("--segment", "0", "segment 0"),
         ("--segment", "7", "segment 7"),
+        ("--size", "8000x8000 --guard 8", "guard 8 .*this GPU's limit"),
+        ("--headset", "flat-90 --lens radial", "flat-90.* no lens.*--lens none"),
+        ("--size", "7x7 --video", "14x7.*16x16"),
     ],
 )
-def test_impossible_numbers_are_refused(option, value, told, command, quick, kept):
-    command("replay", "still", *quick, option, value).refused(told)
+def test_impossible_values_are_refused(option, value, told, command, quick, kept):
+    done = command("replay", "still", *quick, option, *value.split())
+    done.refused()
+    assert told in done.err or re.search(told, done.err), done
 
 
 # --- texts of every kind
-# --------------------------------------------------------------------------------------------------
 
 commands = options_of_commands()
 
@@ -276,16 +268,6 @@ def test_frames_that_never_come_end_a_run_that_nobody_watches(command):
     command(*run, "--loss", 1).refused("no frame has arrived within", "--loss")
 
 
-def test_a_bench_refuses_a_predictor_before_it_writes(command, tmp_path):
-    done = command("bench", "still", "--predict", "cautios", "--out", tmp_path / "out")
-    done.refused("unknown predictor 'cautios'", "did you mean 'cautious'?")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_guard_beyond_the_gl_limit(command, quick, kept):
-    command("replay", "still", *quick, "--size", "8000x8000", "--guard", "8").refused("guard 8", "this GPU's limit")
-
-
 def test_more_frames_than_memory_holds(command, quick, kept):
     """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 14 frames at a time."""
     from hmdwarp.platforms import memory_bytes
@@ -297,18 +279,7 @@ def test_more_frames_than_memory_holds(command, quick, kept):
     )
 
 
-def test_a_lens_the_headset_has_not(command, quick, kept):
-    command("replay", "still", *quick, "--headset", "flat-90", "--lens", "radial").refused(
-        "flat-90", "no lens", "--lens none"
-    )
-
-
-def test_a_video_too_small_for_the_codec(command, quick, kept):
-    command("replay", "still", *quick, "--size", "7x7", "--video").refused("14x7", "16x16")
-
-
 # --- files
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -353,27 +324,25 @@ def give_up_roots_rights() -> None:
     """
     import ctypes
 
-    drop, override, read_search = (
-        24,
-        1,
-        2,
-    )  # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH: linux/prctl.h, capability.h
+    # PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH: linux/prctl.h, capability.h
+    drop, override, read_search = 24, 1, 2
     libc = ctypes.CDLL(None)
     libc.prctl(drop, override, 0, 0, 0)
     libc.prctl(drop, read_search, 0, 0, 0)
 
 
+def without_rights_to(program: str, place: Path) -> dict:
+    """Arguments of a process in which that program fails there."""
+    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
+    if subprocess.run([program, str(place)], check=False, capture_output=True, **rights).returncode == 0:
+        pytest.skip("root's rights cannot be given up here, so everything can be read and written")
+    return rights
+
+
 def test_out_is_read_only(program, quick, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out").chmod(0o555)
-    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
-    if (
-        subprocess.run(
-            ["touch", str(tmp_path / "out" / "probe")], check=False, capture_output=True, **rights
-        ).returncode
-        == 0
-    ):
-        pytest.skip("root's rights cannot be given up here, so nothing is read-only")
+    rights = without_rights_to("touch", tmp_path / "out" / "probe")
     for out in (tmp_path / "out", tmp_path / "out" / "below"):
         program("replay", "still", *quick, "--out", out, **rights).refused(
             str(out), "Permission denied", "choose a folder"
@@ -383,9 +352,7 @@ def test_out_is_read_only(program, quick, tmp_path):
 
 def test_a_folder_that_may_not_be_read_is_the_user_s_input(program, tmp_path):
     (tmp_path / "closed").mkdir(mode=0)
-    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
-    if subprocess.run(["ls", str(tmp_path / "closed")], check=False, capture_output=True, **rights).returncode == 0:
-        pytest.skip("root's rights cannot be given up here, so every folder can be read")
+    rights = without_rights_to("ls", tmp_path / "closed")
     program("plan", "--frames", tmp_path / "closed", **rights).refused(str(tmp_path / "closed"), "Permission denied")
 
 
@@ -428,7 +395,6 @@ def test_a_disk_that_fills_up(options, command, quick, tiny_disk):
 
 
 # --- the machine
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("arguments", [["replay", "still"], ["warp"]])
@@ -457,7 +423,6 @@ def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
 
 
 # --- what a file names
-# --------------------------------------------------------------------------------------------------
 
 
 def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monkeypatch):

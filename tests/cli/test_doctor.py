@@ -92,52 +92,28 @@ def test_silence_is_a_lack(probe):
 
 OPENXR = ("OpenXR loader", "OpenXR runtime")
 AT = {"binding": "1.1", "loader": "1.1.0"}
-NAMED = {
-    **AT,
-    "runtime": "Runtime",
-    "runtime_version": "25.0.0",
-    "extensions": ["XR_KHR_opengl_enable", "XR_KHR_convert_timespec_time"],
-}
+NAMED = {**AT, "runtime": "Runtime", "runtime_version": "25.0.0"}
+NAMED |= {"extensions": ["XR_KHR_opengl_enable", "XR_KHR_convert_timespec_time"]}
 
 
 @pytest.mark.parametrize(
-    ("known", "words"),
+    ("known", "stage", "error", "message", "words"),
     [
-        ({**AT, "stage": "runtime", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
-        ({**AT, "stage": "instance", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
-        ({**AT, "stage": "instance", "error": "RuntimeFailureError", "message": ""}, "service does not answer"),
-        (
-            {**AT, "stage": "instance", "error": "died", "message": "gave no answer"},
-            "gave no answer when an instance was made",
-        ),
-        (
-            {**NAMED, "stage": "headset", "error": "FormFactorUnavailableError", "message": ""},
-            "Runtime 25.0.0 sees no headset",
-        ),
-        (
-            {**NAMED, "stage": "headset", "error": "FormFactorUnsupportedError", "message": ""},
-            "Runtime 25.0.0 sees no headset",
-        ),
-        (
-            {**NAMED, "stage": "headset", "error": "died", "message": "ended with status -11"},
-            "status -11 when asked for a headset",
-        ),
-        (
-            {**NAMED, "stage": "headset", "error": "OutOfMemoryError", "message": "no\nmemory"},
-            "OutOfMemoryError: no memory",
-        ),
-        (
-            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_KHR_convert_timespec_time"]},
-            "lacks XR_KHR_opengl_enable or",
-        ),
-        (
-            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_MNDX_egl_enable"]},
-            "lacks XR_KHR_convert_timespec_time",
-        ),
+        (AT, "runtime", "RuntimeUnavailableError", "", "no OpenXR runtime: "),
+        (AT, "instance", "RuntimeUnavailableError", "", "no OpenXR runtime: "),
+        (AT, "instance", "RuntimeFailureError", "", "service does not answer"),
+        (AT, "instance", "died", "gave no answer", "gave no answer when an instance was made"),
+        (NAMED, "headset", "FormFactorUnavailableError", "", "Runtime 25.0.0 sees no headset"),
+        (NAMED, "headset", "FormFactorUnsupportedError", "", "Runtime 25.0.0 sees no headset"),
+        (NAMED, "headset", "died", "ended with status -11", "status -11 when asked for a headset"),
+        (NAMED, "headset", "OutOfMemoryError", "no\nmemory", "OutOfMemoryError: no memory"),
+        ({"extensions": ["XR_KHR_convert_timespec_time"]}, "done", "", "", "lacks XR_KHR_opengl_enable or"),
+        ({"extensions": ["XR_MNDX_egl_enable"]}, "done", "", "", "lacks XR_KHR_convert_timespec_time"),
     ],
 )
-def test_each_openxr_lack_is_told_apart(known, words):
-    loader, runtime = looked(*OPENXR, **known)
+def test_each_openxr_lack_is_told_apart(known, stage, error, message, words):
+    failed = {"error": error, "message": message} if error else {**NAMED, "headset": "H"}
+    loader, runtime = looked(*OPENXR, **{**failed, **known, "stage": stage})
     assert loader.state == OK
     assert runtime.state == OPTIONAL  # never what keeps replay from running
     assert words in runtime.detail
@@ -208,18 +184,12 @@ def run(*options: str):
     return CliRunner().invoke(app, list(options))
 
 
-def test_no_display(monkeypatch):
-    monkeypatch.delenv("DISPLAY", raising=False)
+@pytest.mark.parametrize("display", ["", ":987"])
+def test_no_display_or_one_that_is_not_there(display, monkeypatch):
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setenv("DISPLAY", display)
     (finding,) = looked("desktop window")
     assert finding.state == OPTIONAL and "xvfb" in finding.remedy
-
-
-def test_a_display_that_is_not_there(monkeypatch):
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    monkeypatch.setenv("DISPLAY", ":987")
-    (finding,) = looked("desktop window")
-    assert finding.state == OPTIONAL
 
 
 def test_missing_package_is_named(monkeypatch):

@@ -26,14 +26,11 @@ from hmdwarp.run.combinations import OUTSIDE, missing
 
 from .conftest import ROOT
 
-COMMANDS = [
-    [], ["replay"], ["warp"], ["list"], ["plan"], ["doctor"], ["trace"], ["trace", "info"],
-    ["trace", "convert"], ["trace", "synth"], ["headset"], ["headset", "show"],
-]  # fmt: skip
+COMMANDS = ["", "replay", "warp", "list", "plan", "doctor", "trace", "trace info", "trace convert", "headset show"]
 HEAVY = {
-    "scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator", "xr", "glfw", "PIL",
-    "jinja2", "numpy", "rich",
-}  # fmt: skip
+    *("scipy", "moderngl", "trimesh", "matplotlib", "skimage", "av", "flip_evaluator"),
+    *("xr", "glfw", "PIL", "jinja2", "numpy", "rich"),
+}
 
 commands = options_of_commands()
 
@@ -56,7 +53,8 @@ def test_arguments_are_written_in_capitals_in_every_help(name, command):
 
 @pytest.mark.parametrize("name", commands)
 def test_help_names_every_option_and_help_all_explains_it(name, command):
-    brief, whole = (command(*name.split(), how).done().out for how in ("--help", "--help-all"))
+    brief, short, whole = (command(*name.split(), how).done().out for how in ("--help", "-h", "--help-all"))
+    assert short == brief and max(map(len, whole.splitlines())) <= 80
     for option in commands[name]:
         assert re.search(rf"(?<![\w-]){re.escape(option.flag)}\b(?!-)", brief), option.flag
         assert " ".join(option.help.split()[:2]) in " ".join(whole.split()), option.flag
@@ -82,6 +80,7 @@ def test_json_is_an_array_of_named_things(kind, command):
 
 
 def test_lists_hold_what_the_registries_hold(command):
+    assert ", ".join(warps.names()) in " ".join(command("replay", "--help").done().out.split())
     own = [row["name"] for row in json.loads(command("list", "warps", "--json").out) if row["does_as"] == "none"]
     assert own == warps.names()
     assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
@@ -185,10 +184,8 @@ def test_plan_tells_each_pass_with_its_reason_and_what_is_left_out(command):
 def test_plan_for_programs_has_what_is_printed(command):
     asked = ("plan", "--scene", "planes", "--size", "640x400", "--rate", "90")
     data, told = json.loads(command(*asked, "--json").done().out), " ".join(command(*asked).done().out.split())
-    assert list(data) == [
-        "source", "scene", "indirect", "warp", "fill", "lens", "headset", "eyes", "passes", "left_out", "frame",
-        "slow", "notes",
-    ]  # fmt: skip
+    keys = "source scene indirect warp fill lens headset eyes passes left_out frame slow notes"
+    assert list(data) == keys.split()
     assert all(list(pass_) == ["stage", "name", "reason", "reads", "writes"] for pass_ in data["passes"])
     assert data["passes"] and all(pass_["name"] in told and pass_["reason"] in told for pass_ in data["passes"])
     assert data["left_out"] and all(entry["name"] in told and entry["reason"] in told for entry in data["left_out"])
@@ -242,14 +239,10 @@ def test_plan_counts_bytes_and_frames(command):
 @pytest.mark.parametrize(
     ("option", "value", "told"),
     [
-        ("--warp", "fward", "'forward'"),
-        ("--scene", "roon", "'room'"),
         ("--guard", "400", "guard 400"),
-        ("--latency", "nan", "--latency nan"),
         ("--codec", "q", "unknown codec 'q'"),
         ("--predict", "q", "unknown predictor 'q'"),
         ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
-        ("--samples", "0", "--samples 0"),
         ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )
@@ -265,29 +258,6 @@ def test_plan_starts_no_gl():
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("arguments", COMMANDS, ids=lambda a: " ".join(a) or "hmdwarp")
-def test_every_command_has_help(arguments, command):
-    for flag in ("--help", "-h"):
-        out = command(*arguments, flag).done().out
-        assert "Usage: hmdwarp" in out and max(map(len, out.splitlines())) <= 80
-    if arguments == ["replay"]:
-        for option in (
-            "--scene",
-            "--latency",
-            "--warp",
-            "--fill",
-            "--lens",
-            "--headset",
-            "--size",
-            "--rate",
-            "--start",
-            "--seconds",
-            "--out",
-        ):
-            assert option in out
-        assert ", ".join(warps.names()) in " ".join(out.split())
-
-
 def test_version(command):
     # A clone has a commit, a copy of the files has none.
     pattern = rf"hmdwarp {re.escape(__version__)}( [0-9a-f]{{12}}\+?)?\n"
@@ -301,7 +271,7 @@ def test_without_a_command_there_is_help(command):
 
 def test_help_loads_nothing_heavy():
     code = f"import sys\nfrom hmdwarp.cli import main\nfor arguments in {COMMANDS!r}:\n"
-    code += "    sys.argv = ['hmdwarp', *arguments, '--help']\n"
+    code += "    sys.argv = ['hmdwarp', *arguments.split(), '--help']\n"
     code += "    try: main()\n    except SystemExit: pass\n"
     code += "print('LOADED', *{name.partition('.')[0] for name in sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=ROOT)

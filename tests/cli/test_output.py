@@ -11,6 +11,7 @@ from hmdwarp.poses import load_trace
 from hmdwarp.resources import folder
 
 WALK = folder("recordings") / "walk.csv"
+ONCE = ("--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1")
 TINY = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
 RATINGS = "participant,condition,rating\n" + "".join(
     f"{who},{what},{who % 3 + 1}\n" for who in range(6) for what in "ab"
@@ -19,10 +20,7 @@ RATINGS = "participant,condition,rating\n" + "".join(
 # Arguments before --out, and a file of the folder that each writes.
 FOLDERS = {
     "replay": (["replay", "still", "--against", "", *TINY], "report.html"),
-    "bench": (
-        ["bench", "still", "--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1", *TINY],
-        "bench.html",
-    ),
+    "bench": (["bench", "still", *ONCE, *TINY], "bench.html"),
     "live": (
         ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *TINY[:4]],
         "frames.csv",

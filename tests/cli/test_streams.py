@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -17,14 +18,16 @@ LISTS = [["list", "warps"], ["--help"], ["trace", "info", "still"]]  # a table, 
 REPLAY = ["replay", "still", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--out"]
 
 
+def ended(*command: str, stdout: object = subprocess.PIPE) -> subprocess.CompletedProcess:
+    return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False)
+
+
 @pytest.mark.parametrize("arguments", LISTS, ids=" ".join)
 def test_a_reader_that_has_gone_is_no_fault(arguments):
     """As `| head -0` does: the pipe is closed before anything is printed."""
     reading, writing = os.pipe()
     os.close(reading)
-    done = subprocess.run(
-        [*PROGRAM, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
-    )
+    done = ended(*PROGRAM, *arguments, stdout=writing)
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -34,28 +37,16 @@ def test_a_full_disk_behind_standard_output_is_told(arguments):
     if not os.path.exists("/dev/full"):  # noqa: PTH110 (a device, not a file of ours)
         pytest.skip("no /dev/full here")
     with open("/dev/full", "w") as full:  # noqa: PTH123
-        done = subprocess.run(
-            [*PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, check=False
-        )
+        done = ended(*PROGRAM, *arguments, stdout=full)
     assert done.returncode == 3
-    assert (
-        done.stderr.startswith("hmdwarp: cannot print")
-        and done.stderr.count("\n") == 1
-        and "No space left" in done.stderr
-    )
+    assert re.fullmatch("hmdwarp: cannot print.*No space left.*\n", done.stderr)
 
 
 @pytest.mark.parametrize("arguments", [*LISTS, REPLAY], ids=" ".join)
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&- <&-"])
 def test_closed_streams(arguments, closed, tmp_path):
     arguments = [*arguments, str(tmp_path / "out")] if arguments == REPLAY else arguments
-    done = subprocess.run(
-        ["sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments],
-        capture_output=True,
-        text=True,
-        env=ENVIRONMENT,
-        check=False,
-    )
+    done = ended("sh", "-c", f'"$@" {closed}', "sh", *PROGRAM, *arguments)
     assert done.returncode == 0, done
     assert "Traceback" not in done.stderr and "Error" not in done.stderr
     if arguments[0] == "replay":
@@ -65,14 +56,7 @@ def test_closed_streams(arguments, closed, tmp_path):
 def test_a_replay_whose_reader_has_gone_still_writes_its_results(tmp_path):
     reading, writing = os.pipe()
     os.close(reading)
-    done = subprocess.run(
-        [*PROGRAM, *REPLAY, str(tmp_path / "out")],
-        stdout=writing,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=ENVIRONMENT,
-        check=False,
-    )
+    done = ended(*PROGRAM, *REPLAY, str(tmp_path / "out"), stdout=writing)
     os.close(writing)
     assert done.returncode == 0 and not complaints(done.stderr)
     assert (tmp_path / "out" / "summary.json").exists()

@@ -193,7 +193,7 @@ def test_files_of_other_kinds(command, tmp_path):
         "pickle.npz": b"\x80\x04N.",
         "zip.npz": zip_bytes({"readme.txt": b"hello"}),
         "odd.npz": zip_bytes({"colour": b"no array"}),
-        "lying.npz": zip_bytes(dict.fromkeys(arrays_names(), b"no array")),
+        "lying.npz": zip_bytes({f"{name}.npy": b"no array" for name in arrays()}),
     }
     for name, data in others.items():
         path = tmp_path / name
@@ -209,7 +209,6 @@ def test_files_of_other_kinds(command, tmp_path):
         "half.json": b'{"fov": [1',
         "list.json": b"[]",
         "bytes.json": b"\xff\xfe{}",
-        # Fmt: skip.
         "number.json": b"1" * 6000,
         "deep.json": b"[" * 100_000,
     }.items():
@@ -218,10 +217,6 @@ def test_files_of_other_kinds(command, tmp_path):
             path.write_bytes(data)
         command("warp", frame, "--to", path, "--out", tmp_path / "o.npz").refused(str(path))
     assert not (tmp_path / "o.npz").exists()
-
-
-def arrays_names() -> list[str]:
-    return [f"{name}.npy" for name in arrays()]
 
 
 def npy_bytes(array: np.ndarray) -> bytes:
@@ -263,13 +258,18 @@ def test_depth_in_millimetres_is_noted_once(warp, tmp_path):
     assert "note:" not in done.done().out
 
 
-def test_what_nothing_states_of_a_picture_is_noted(command, tmp_path):
+@pytest.fixture
+def warp_picture(command, tmp_path):
+    """Warps a picture with its depth, a PNG and an NPY file, and what a.json says of it."""
     Image.fromarray(arrays()["colour"]).save(tmp_path / "a.png")
     np.save(tmp_path / "a.depth.npy", np.full((8, 10), 2.0))
+    where = ("--to", write_pose(tmp_path / "to.json"), "--out", tmp_path / "o.png")
+    return lambda: command("warp", tmp_path / "a.png", *where)
+
+
+def test_what_nothing_states_of_a_picture_is_noted(warp_picture, tmp_path):
     write_pose(tmp_path / "a.json", depth_offset=0.5)
-    done = command(
-        "warp", tmp_path / "a.png", "--to", write_pose(tmp_path / "to.json"), "--out", tmp_path / "o.png"
-    ).done()
+    done = warp_picture().done()
     assert "note: Assumed, as nobody says it: depth scale 1 m per unit (--depth-scale states it)" in done.out
     assert "depth_offset is not read" in done.out
 
@@ -282,11 +282,9 @@ def test_float_colour_of_no_stated_encoding_is_noted(warp, tmp_path):
     assert np.load(tmp_path / "out.npz")["encoding"] == "linear"  # a frame for the next warp, without a note
 
 
-def test_what_a_file_has_is_listed_beside_what_it_lacks(command, tmp_path):
-    Image.fromarray(arrays()["colour"]).save(tmp_path / "a.png")
-    np.save(tmp_path / "a.depth.npy", np.full((8, 10), 2.0))
+def test_what_a_file_has_is_listed_beside_what_it_lacks(warp_picture, tmp_path):
     (tmp_path / "a.json").write_text('{"intrinsics": [9, 9, 4, 4], "position_m": [0, 0, 0], "orientation_wxyz": []}')
-    command("warp", tmp_path / "a.png", "--to", write_pose(tmp_path / "to.json"), "--out", tmp_path / "o.png").refused(
+    warp_picture().refused(
         "no orientation_xyzw in it; found intrinsics, position_m, orientation_wxyz; expected fov or intrinsics"
     )
 

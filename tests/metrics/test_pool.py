@@ -15,6 +15,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from cli.test_signals import children_of
 
 import hmdwarp
 from hmdwarp.errors import HmdwarpError, InputError
@@ -25,15 +26,7 @@ from .pictures import job, noise, turned
 
 def children() -> set[int]:
     """Processes whose parent is this one, zombies included."""
-    found = set()
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = stat.read_text().rsplit(")", 1)[1].split()
-        except OSError:
-            continue
-        if int(fields[1]) == os.getpid():
-            found.add(int(stat.parent.name))
-    return found
+    return set(children_of(os.getpid()))
 
 
 @pytest.fixture(autouse=True)
@@ -138,13 +131,8 @@ def test_a_kept_job_keeps_its_late_picture():
 def test_figures_without_their_inputs_are_none():
     now = Compared(noise(1), noise(2), turned(0))
     values = measure(QualityJob(now)).values
-    assert {name for name, value in values.items() if value is None} == {
-        "flip",
-        "ssim",
-        "hole_share",
-        "border_share",
-        "flicker",
-    }
+    missing = {name for name, value in values.items() if value is None}
+    assert missing == {"flip", "ssim", "hole_share", "border_share", "flicker"}
     covered = np.zeros((30, 40))
     assert measure(QualityJob(now, covered=covered)).values["border_share"] is None
     assert measure(QualityJob(now, covered=covered)).values["hole_share"] == 1
@@ -275,15 +263,23 @@ except KeyboardInterrupt:
 """
 
 
+def a_script(folder: Path) -> Path:
+    package, path = Path(hmdwarp.__file__).parents[1], folder / "script.py"
+    path.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))
+    return path
+
+
+def workers_of(process: subprocess.Popen) -> list[Path]:
+    """Measuring processes in the session of a program."""
+    return [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]
+
+
 def test_ctrl_c_in_a_terminal(tmp_path):
     """The terminal signals the whole foreground process group.
 
     The loop alone hears it, and nothing is printed but its own words.
     """
-    script = tmp_path / "script.py"
-    package = Path(hmdwarp.__file__).parents[1]
-    script.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))
-    command = [sys.executable, "-X", "dev", "-W", "error", script]
+    command = [sys.executable, "-X", "dev", "-W", "error", a_script(tmp_path)]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
@@ -292,20 +288,17 @@ def test_ctrl_c_in_a_terminal(tmp_path):
         os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=60)
     assert (out, err, process.returncode) == ("interrupted True\n", "", 130)
-    # No worker is left in its session. Python's own tracker ends once it hears of the end.
-    assert not [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]
+    # Python's own tracker ends once it hears of the end.
+    assert not workers_of(process)
 
 
 def test_workers_end_with_a_program_that_is_killed(tmp_path):
-    script = tmp_path / "script.py"
-    package = Path(hmdwarp.__file__).parents[1]
-    script.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))
     said = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
-    with subprocess.Popen([sys.executable, script], **said, start_new_session=True) as process:
+    with subprocess.Popen([sys.executable, a_script(tmp_path)], **said, start_new_session=True) as process:
         assert process.stdout.readline() == "ready\n"
         process.kill()
         process.wait()
-        while [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]:
+        while workers_of(process):
             time.sleep(0.01)  # until the last has ended: it hears of it as soon as it may run
 
 

@@ -5,6 +5,8 @@ import numpy as np
 from hmdwarp.metrics import QUALITY, aggregate, difference
 from hmdwarp.report import WorstFrame, comparison_panels
 
+from .bench_samples import MACHINE
+
 FATES = ("drawn", "sent", "dropped", "lost", "undecodable", "late", "superseded", "shown", "under_way")
 RESPONSE = {"render": 20.0, "encode": 7.2, "queue": 0.0, "transfer": 8.9, "round_trip": 200.0, "decode": 4.7}
 RESPONSE |= {"warp": 31.5, "total": 272.3, "median": 268.4, "p95": 301.2}
@@ -64,11 +66,7 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
         "headset": "rift-dk1",
         "size": [640, 400],
         "frames": len(rows) // 2,
-        "machine": {
-            "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
-            "gl_version": "4.5 (Core Profile) Mesa 22.3.6",
-            "cpu_count": 2,
-        },
+        "machine": MACHINE,
         "clock": "wall",
         **aggregate(rows),
         "regions": {

@@ -13,11 +13,18 @@ import pytest
 from PIL import Image
 
 from hmdwarp.metrics import REGIONS, aggregate
-from hmdwarp.report import PAGE, PAPER, canvas, css_variables, draw_numbers, markers_of, warp_of
-from hmdwarp.report.bench.charts import pareto_chart, pareto_plot_png, pareto_text, region_parts, regions_chart
+from hmdwarp.report import PAGE, PAPER, Series, canvas, css_variables, draw_numbers, markers_of, time_series, warp_of
+from hmdwarp.report.bench.charts import (
+    pareto_chart,
+    pareto_plot_png,
+    pareto_text,
+    region_parts,
+    regions_chart,
+)
 from hmdwarp.report.bench.rows import bench_table, cases
 
 from .bench_samples import WARPS, a_bench, a_row, some_rows
+from .samples import some_rows as some_frames
 
 NASTY = "<b>&'\"$x_1$</b>--> ]]> 漢字"
 
@@ -44,6 +51,9 @@ def all_charts():
     yield "flip", pareto_chart(cases(rows)[0])
     yield "psnr", pareto_chart(cases(rows)[0], "psnr_db")
     yield "regions", regions_chart(cases(rows)[0])
+    for seed in (0, 1):
+        lines = [Series.of(label, some_frames(seed), "flip") for label in ("forward", NASTY)]
+        yield f"time {seed}", time_series(lines, "unit")
 
 
 def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
@@ -100,7 +110,7 @@ def test_the_front_is_filled_bold_and_in_words():
 
 def test_the_same_data_give_the_same_chart():
     case = one_case(warps=("none", "forward", "backward"))
-    for make in (lambda: pareto_chart(case), lambda: regions_chart(case)):
+    for make in (lambda: pareto_chart(case), lambda: regions_chart(case), lambda: [*all_charts()][-1]):
         assert make() == make()
 
 
@@ -134,8 +144,9 @@ def test_odd_values_can_be_drawn():
 
 
 def test_names_are_text_whatever_they_hold():
-    rows = [a_row(NASTY, fill=NASTY), a_row()]
-    for text in (pareto_chart(cases(rows)[0]), regions_chart(cases(rows)[0])):
+    rows, (_, lines) = [a_row(NASTY, fill=NASTY), a_row()], [*all_charts()][-1]
+    assert {"forward", "unit", "time in s"} <= set(words(lines))
+    for text in (pareto_chart(cases(rows)[0]), regions_chart(cases(rows)[0]), lines):
         assert "<b>" not in text and any(NASTY in word for word in words(text))
 
 

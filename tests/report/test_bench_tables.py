@@ -31,11 +31,8 @@ def body(text: str) -> list[str]:
 @pytest.mark.parametrize("width", [60, 80, 100, 140])
 def test_fits_and_no_number_is_cut(width, warps):
     rows = some_rows(warps, latencies=(200.0, 800.0))
-    rows[0] = a_row(
-        "none",
-        "none",
-        time_ms={stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")},
-    )
+    long = {stage: {"median": 12345.678, "p95": 23456.789} for stage in ("warp", "fill", "lens", "total")}
+    rows[0] = a_row("none", "none", time_ms=long)
     text = printed(rows, width)
     assert max(map(len, text.splitlines())) <= width
     assert "…" not in text and len(body(text)) == len(rows)

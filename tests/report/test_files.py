@@ -240,15 +240,15 @@ os.kill(os.getpid(), 9)
 """
 
 
-def killed(folder: Path, when: str) -> subprocess.Popen:
+def begun(program: str, *arguments: object) -> subprocess.Popen:
     environment = {**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])}
     streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    return subprocess.Popen([sys.executable, "-c", KILLED, str(folder), when], env=environment, **streams)
+    return subprocess.Popen([sys.executable, "-c", program, *map(str, arguments)], env=environment, **streams)
 
 
 @pytest.mark.parametrize("when", ["before the end", "between the names"])
 def test_the_next_run_deletes_the_remains_of_a_killed_one(when, tmp_path):
-    with killed(tmp_path, when) as process:
+    with begun(KILLED, tmp_path, when) as process:
         assert process.wait() == -signal.SIGKILL
     assert list(tmp_path.glob(".partial-*")) and not (tmp_path / "summary.json").exists()
     with OutputFolder(tmp_path, owned=("report.html",)) as out:
@@ -259,7 +259,7 @@ def test_the_next_run_deletes_the_remains_of_a_killed_one(when, tmp_path):
 
 
 def test_files_of_a_living_run_stay(tmp_path):
-    with killed(tmp_path, "alive") as other:
+    with begun(KILLED, tmp_path, "alive") as other:
         assert other.stdout.readline() == b"there\n"
         (theirs,) = tmp_path.glob(".partial-*")
         with OutputFolder(tmp_path) as out, OutputFolder(tmp_path) as one_more:
@@ -285,7 +285,7 @@ with atomic(sys.argv[1]) as temporary:
 
 def test_partial_files_of_killed_runs_go_with_the_next_write_of_that_name(tmp_path):
     """Those of a living run stay, as do those of other names and what only looks alike."""
-    path, environment = tmp_path / "table.csv", {**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])}
+    path = tmp_path / "table.csv"
     others = {".other.csv.0123abcd.part", ".table.csv.mine.part", "table.csv.0123abcd.part"}
     for name in others:
         (tmp_path / name).write_bytes(b"")
@@ -293,8 +293,7 @@ def test_partial_files_of_killed_runs_go_with_the_next_write_of_that_name(tmp_pa
     def partial() -> set[str]:
         return {p.name for p in tmp_path.glob(".table.csv.*.part")} - others
 
-    run = [sys.executable, "-c", WRITING, str(path)]
-    with subprocess.Popen(run, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    with begun(WRITING, path) as process:
         assert process.stdout.readline() == b"there\n"
         (theirs,) = partial()
         write_bytes(path, b"whole")

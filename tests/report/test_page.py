@@ -26,15 +26,8 @@ NOTES = ["3 poses were <predicted>."]
 
 def render(**changes) -> str:
     rows, baseline_rows = some_rows(0, seconds=4), some_rows(1, seconds=4, worse=2)
-    given = {
-        "summary": a_summary(rows),
-        "baselines": [a_baseline(rows, baseline_rows)],
-        "rows": rows,
-        "baselines_rows": [baseline_rows],
-        "worst": some_worst(),
-        "command": COMMAND,
-        "notes": NOTES,
-    }
+    given = {"summary": a_summary(rows), "baselines": [a_baseline(rows, baseline_rows)], "rows": rows}
+    given |= {"baselines_rows": [baseline_rows], "worst": some_worst(), "command": COMMAND, "notes": NOTES}
     return render_report(**{**given, **changes})
 
 
@@ -80,11 +73,9 @@ def test_everything_is_on_the_page(text):
     page = Page(text)
     summary = a_summary(some_rows(0, seconds=4))
     wanted = [COMMAND, NOTES[0]]
-    wanted += [
-        "llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "wall clock", "look-around", "rift-dk1", "640×400",
-        "200 ms", "360 frames", "PSNR", "SSIM", "FLIP", "Holes", "Flicker", "How to read this",
-        "4.20 s, right eye", "72 of 720 pictures measured",
-    ]  # fmt: skip
+    words = "llvmpipe (LLVM 15.0.6, 256 bits)|Mesa 22.3.6|wall clock|look-around|rift-dk1|640×400|200 ms|360 frames"
+    words += "|PSNR|SSIM|FLIP|Holes|Flicker|How to read this|4.20 s, right eye|72 of 720 pictures measured"
+    wanted += words.split("|")
     wanted += [f"{summary['quality']['psnr_db']['mean']:.2f}", f"{summary['time_ms']['total']['p95']:.2f}", "★"]
     assert [word for word in wanted if word not in page.text] == []
     assert page.tags.count("img") == 12 and page.tags.count("svg") == 7
@@ -101,16 +92,17 @@ def test_the_error_is_told_by_region():
         )
 
 
+def addresses(page: Page) -> list[str]:
+    """What attributes name; there is no tag that loads."""
+    assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags)
+    names = {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}
+    return [value for _, name, value in page.attributes if name in names]
+
+
 def test_the_page_fetches_no_file(text):
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
-    page = Page(text)
-    addresses = [
-        v
-        for _, name, v in page.attributes
-        if name in {"src", "href", "xlink:href", "srcset", "poster", "action", "data"}
-    ]
-    assert addresses and all(a.startswith(("data:image/", "#")) for a in addresses)
-    assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags)
+    found = addresses(Page(text))
+    assert found and all(a.startswith(("data:image/", "#")) for a in found)
     assert set(re.findall(r"url\(([^)]{0,3})", text)) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
 
 
@@ -177,27 +169,36 @@ FLAGS = [
 # Chromium's own remarks on the machine (no D-Bus, no GPU) are no messages of the page.
 PAGE_MESSAGE = re.compile(r":CONSOLE[:(]\d+")
 
-PROBE = """<script>
+
+def probe_of(found: str, before: str = "") -> str:
+    """A script that puts what it found into the page, as JSON. before: what it does first."""
+    return f"""<script>
 const faults = [];
 addEventListener("error", e => faults.push("error: " + (e.message || e.target.outerHTML.slice(0, 80))), true);
 addEventListener("unhandledrejection", e => faults.push("rejected: " + e.reason));
 addEventListener("securitypolicyviolation", e => faults.push("blocked: " + e.blockedURI));
-addEventListener("load", () => {
-  const box = e => { const b = e.getBoundingClientRect(); return [b.width, b.height]; };
+addEventListener("load", () => {{
+  const box = e => {{ const b = e.getBoundingClientRect(); return [b.width, b.height]; }};
   const out = document.createElement("pre");
+  {before}
   out.id = "probe";
-  out.textContent = JSON.stringify({
+  out.textContent = JSON.stringify({{
     faults,
-    images: [...document.images].map(i => [i.complete, i.naturalWidth, i.naturalHeight, ...box(i)]),
-    charts: [...document.querySelectorAll("svg")].map(box),
     requests: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
     wider: document.documentElement.scrollWidth - innerWidth,
     paper: getComputedStyle(document.body).backgroundColor,
-    line: getComputedStyle(document.querySelector(".chart path[style*='--series-1']")).stroke,
-  });
+    {found}
+  }});
   document.body.append(out);
-});
+}});
 </script>"""
+
+
+PROBE = probe_of("""
+    images: [...document.images].map(i => [i.complete, i.naturalWidth, i.naturalHeight, ...box(i)]),
+    charts: [...document.querySelectorAll("svg")].map(box),
+    line: getComputedStyle(document.querySelector(".chart path[style*='--series-1']")).stroke,
+""")
 
 
 def in_chromium(

@@ -26,9 +26,8 @@ def best(summary, baseline) -> dict:
 
 def test_fits_into_a_terminal_of_80_columns():
     text = printed(a_summary(some_rows(0)), a_baseline(some_rows(0), some_rows(1, worse=3)))
-    words = ["forward", "none", "PSNR [dB]", "SSIM", "FLIP", "Holes [%]", "Flicker",
-             "Time, warp [ms]", "wall clock", "200 ms"]  # fmt: skip
-    assert [word for word in words if word not in text] == []
+    words = "forward|none|PSNR [dB]|SSIM|FLIP|Holes [%]|Flicker|Time, warp [ms]|wall clock|200 ms"
+    assert [word for word in words.split("|") if word not in text] == []
     assert "…" not in text  # nothing was cut off
 
 

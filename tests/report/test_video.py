@@ -12,14 +12,8 @@ from hmdwarp.report import VideoWriter, available_encoders, video
 av = pytest.importorskip("av")
 
 COLOURS = [
-    (255, 0, 0),
-    (0, 255, 0),
-    (0, 0, 255),
-    (255, 255, 255),
-    (0, 0, 0),
-    (128, 128, 128),
-    (200, 100, 50),
-    (12, 200, 220),
+    *((255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255)),
+    *((0, 0, 0), (128, 128, 128), (200, 100, 50), (12, 200, 220)),
 ]
 
 needs_encoder = pytest.mark.skipif(not available_encoders(), reason="this PyAV was built without an H.264 encoder")
@@ -116,13 +110,8 @@ def test_an_interrupt_leaves_nothing(pictures, tmp_path):
             writer.add(np.zeros((32, 32, 3), np.uint8))
         raise KeyboardInterrupt
     writer.abort()
-    assert list(tmp_path.iterdir()) == []
-
-
-@needs_encoder
-def test_without_pictures_there_is_no_file(tmp_path):
     with VideoWriter(tmp_path / "a.mp4", (32, 32), 30):
-        pass
+        pass  # nor does one without pictures
     assert list(tmp_path.iterdir()) == []
 
 

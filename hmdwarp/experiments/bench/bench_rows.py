@@ -13,13 +13,9 @@ from typing import Any
 from ...client.capability import lacking
 from ...client.classes import Client
 from ...metrics import (
-    JOD,
     PRIMARY,
     QUALITY,
-    REGIONS,
-    STAGES,
     TRUTH_JOD,
-    TRUTH_PREFERRED,
     Mismatch,
     QualityPool,
     at_instants,
@@ -27,9 +23,8 @@ from ...metrics import (
     db_of,
     metrics,
     pooled,
-    ratings_of,
 )
-from ...report.bench.rows import cases, choice_terms
+from ...report.bench.rows import COLUMNS, Columns, cases, choice_terms
 from ...resources import __version__, import_extra
 from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplayRun
@@ -39,32 +34,10 @@ from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 ORACLE_LACKS = "it knows the depth of the truth, which no client has"
-_REGION_FIGURES = ("share", "psnr_db", "flip")
-_SAME = ("mismatch", "client", "lacks", "baseline")
-_PLAIN = (
-    *("trace", "scene", "latency_ms", "strategy", "warp", "fill", "lens", "headset", "frames"),
-    *("rate_hz", "server_rate_hz", "guard", "predict", "clock"),
-)
-_MADE_WITH = ("commit", "options", "numpy", "moderngl")
-
-COLUMNS = (
-    *(*_PLAIN, "width", "height"),
-    *(f"{stage}_ms{tail}" for stage in STAGES for tail in ("", "_p95")),
-    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
-    *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
-    *("mismatch", JOD.name, TRUTH_PREFERRED.name, "client", "lacks", "baseline"),
-    *("gl_renderer", "gl_version", "cpu_count", "host", "hmdwarp", *_MADE_WITH),
-)
-# Columns that are no numbers, and those that are whole ones.
-TEXTS = (
-    *("trace", "scene", "strategy", "warp", "fill", "lens", "headset", "guard", "predict"),
-    *("clock", "client", "lacks", "baseline", "gl_renderer", "gl_version", "host"),
-    *("hmdwarp", *_MADE_WITH),
-)
 # Keys of a row that grow with its pictures.
 LONG = ("at_instants", "blocks", "jod", "jod_failure")
-WHOLE = ("frames", "width", "height", "cpu_count")
-TYPES: dict[str, type] = {name: str if name in TEXTS else int if name in WHOLE else float for name in COLUMNS}
+# The columns of bench.csv.
+NAMES = [column.name for column in COLUMNS.values() if column.is_filed]
 
 
 def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, client: Client) -> dict[str, Any]:
@@ -111,26 +84,16 @@ def _where_seen(pictures: Sequence[tuple[int, int, float]]) -> dict[str, Any]:
     return {"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}}
 
 
-def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Yield the rows under COLUMNS: medians and means without a suffix, the bad tail with _p95.
+def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a file under its columns."""
+    filed = [column for column in columns.values() if column.is_filed]
+    return ({column.name: column.value(row) for column in filed} for row in rows)
 
-    The ends of a mean's interval have _low and _high.
-    """
-    for row in rows:
-        found = {key: row.get(key, "") for key in _PLAIN} | {key: row[key] for key in _SAME}
-        found |= {"width": row["size"][0], "height": row["size"][1]}
-        found |= {key: row["machine"].get(key) for key in ("gl_renderer", "gl_version", "cpu_count", "host")}
-        made_with = row.get("made_with", {})  # 0.1 had none
-        found |= {"hmdwarp": row["hmdwarp"]} | {key: made_with.get(key, "") for key in _MADE_WITH}
-        for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
-            for name in names:
-                entry = row[table][name]
-                found |= {f"{name}{suffix}": entry[main], f"{name}{suffix}_p95": entry["p95"]}
-                if entry.get("interval") is not None:
-                    found |= {f"{name}_low": entry["interval"][0], f"{name}_high": entry["interval"][1]}
-        for region in REGIONS:
-            found |= {f"{region}_{figure}": row["regions"][region][figure] for figure in _REGION_FIGURES}
-        yield found | ratings_of(row)
+
+def typed(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
+    """Yield them with the types of the columns; None where a number is not known."""
+    for row in flat(rows, columns):
+        yield {name: None if value is None else columns[name].kind(value) for name, value in row.items()}
 
 
 def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -153,28 +116,19 @@ def check_parquet() -> None:
 
 
 def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write rows under COLUMNS: texts, whole numbers and numbers; null for what is not known.
+    """Write rows as a table: texts, whole numbers and numbers; null for what is not known.
 
     Errors: MachineError where pyarrow is missing; OSError.
     """
     pa = import_extra("pyarrow", "pyarrow", "study")
     parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
     kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
-    fields = [(name, kinds[TYPES[name]]) for name in COLUMNS]
+    fields = [(column.name, kinds[column.kind]) for column in COLUMNS.values() if column.is_filed]
     schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
     with parquet.ParquetWriter(path, schema) as writer:
-        rows = iter(rows)
+        rows = typed(rows, COLUMNS)
         while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
-            writer.write_table(pa.Table.from_pylist([typed(row) for row in group], schema=schema))
-
-
-def typed(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a flat row with the types of its columns; None where a number is not known."""
-    known = {name: row.get(name) for name in COLUMNS}
-    return {
-        name: None if value is None or (value == "" and name not in TEXTS) else TYPES[name](value)
-        for name, value in known.items()
-    }
+            writer.write_table(pa.Table.from_pylist(group, schema=schema))
 
 
 class Rows(list[dict[str, Any]]):
@@ -182,9 +136,9 @@ class Rows(list[dict[str, Any]]):
 
     def to_pandas(self) -> Any:
         """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""
-        frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=list(COLUMNS))
+        frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=NAMES)
         kinds = {int: "Int64", float: "float64"}  # Int64 may lack a value, int64 may not
-        return frame.astype({name: kinds[kind] for name, kind in TYPES.items() if kind in kinds})
+        return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
 
 
 Row = Mapping[str, Any]

@@ -29,8 +29,8 @@ from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
-from ...report.bench.page import bench_page, render_bench_page
-from ...report.bench.rows import first_cases
+from ...report.bench.page import bench_page
+from ...report.bench.rows import COLUMNS, first_cases
 from ...run.combinations import Case
 from ...run.options import refuse_one_name
 from ...sources.sequences.readers import readers
@@ -40,7 +40,7 @@ from ..sweep import (
     SweepCase,
     experiment,
 )
-from .bench_rows import COLUMNS, LONG, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
+from .bench_rows import LONG, NAMES, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
 from .bench_work import ROWS, BenchWork, check_room
 from .cases import (
     BenchCase,
@@ -188,7 +188,7 @@ def bench(
                 "notes": [
                     *notes,
                     *about_rating(options.jod_s, rows),
-                    *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
+                    *left_out_notes([*first_cases(rows, MOST_SHOWN)[0].values()], client),
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
@@ -250,13 +250,13 @@ def write_bench(out: OutputFolder, data: dict[str, Any], options: BenchOptions |
 
     Errors: MachineError where Parquet lacks its package.
     """
-    out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
+    out.write_csv("bench.csv", flat(data["rows"], COLUMNS), NAMES)
     if options.parquet:
-        write_parquet(out.path("bench.parquet"), flat(data["rows"]))
+        write_parquet(out.path("bench.parquet"), data["rows"])
     rows, count = first_cases(data["rows"], MOST_SHOWN)
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
     notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
-    out.write_text("bench.html", render_bench_page({**data, "rows": rows, "notes": notes}))
+    out.write_text("bench.html", bench_page({**data, "rows": [*rows.values()], "notes": notes}).html())
     if isinstance(options, BenchOptions) and options.paper.is_wanted:
         write_paper(out, bench_page(data), options.paper)
     out.write_json("bench.json", data)
@@ -319,7 +319,7 @@ def read(folder: str | os.PathLike[str]) -> Rows:
     Their columns are those of bench.csv (docs/scale.md). Errors: InputError for a folder without a
     bench, or with a damaged one.
     """
-    return Rows(typed(row) for row in flat(_read(Path(folder))["rows"]))
+    return Rows(typed(_read(Path(folder))["rows"], COLUMNS))
 
 
 def _read(folder: Path) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import functools
 import itertools
 import math
 import platform
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -22,16 +22,18 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import QUALITY, MeasuringProcesses, at_instants, ratings_of, worker_count
+from ...metrics import MeasuringProcesses, at_instants, worker_count
 from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
 from ...report import OutputFolder, png_bytes, write_paper
-from ...report.compare_page import compare_page, first_cases
+from ...report.bench.rows import first_cases
+from ...report.compare_page import COLUMNS, OF_COMPARE, compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
 from ...run.replay_setup import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Runner, SweepCase, experiment
+from .bench_rows import flat
 from .cases import heads_of
 from .options import SIZE, CompareOptions
 from .suite_means import MEASURES, compared_entry
@@ -42,12 +44,6 @@ _DUPLICATE = (
 )
 Progress = Callable[[int, int], None]
 
-COLUMNS = (
-    *("trace", "scene", "latency_ms", "strategy", "warp", "fill"),
-    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
-    *("jod", "truth_preferred", "client_ms", "server_ms", "mbit_s", "up_mbit_s", "decoded_mpx_s"),
-    *("start_bytes", "client_bytes", "unfit"),
-)
 PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
 FILES = (PAGE, TABLE, *PAPER, DATA)
 
@@ -193,22 +189,13 @@ def _write(
     paper: PaperOptions,
     pictures: Sequence[Callable[[], tuple[Picture, Picture]]],
 ) -> None:
-    numbers, count = first_cases(data["rows"], MOST_SHOWN)
-    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
-    out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
-    page = compare_page(shown, [pictures[number] for number in numbers])
+    rows, count = first_cases(data["rows"], MOST_SHOWN, OF_COMPARE)
+    shown = {**data, "rows": [*rows.values()], "cases": count}
+    out.write_csv(TABLE, flat(data["rows"], COLUMNS), list(COLUMNS))
+    page = compare_page(shown, [pictures[number] for number in rows])
     out.write_text(PAGE, page.html())
     write_paper(out, page, paper)
     out.write_json(DATA, data)
-
-
-def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    for row in rows:
-        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"} | ratings_of(row)
-        ends = list(itertools.product(QUALITY, (("", "mean"), ("_p95", "p95"))))
-        quality = {f"{name}{tail}": row["quality"][name][which] for name, (tail, which) in ends}
-        why = "; ".join(f"{client}: {reason}" for client, reason in row["unfit"].items() if reason)
-        yield {**plain, **quality, "unfit": why}
 
 
 Picture = NDArray[np.uint8]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -24,6 +23,7 @@ from ..charts import (
     mark,
     name_rows,
     not_measured,
+    png_of,
     scale_axis,
     svg_text,
 )
@@ -81,10 +81,7 @@ def pareto_plot_png(
     It is 1600 pixels wide, on white. columns: charts side by side, by default two.
     Errors: as files.write_bytes.
     """
-    write_bytes(path, _pareto_png(cases(rows), measure, columns))
-
-
-def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> bytes:
+    groups = cases(rows)
     columns = columns or min(2, max(len(groups), 1))
     markers = markers_of(row["fill"] for group in groups for row in group.rows)
     lines = max(-(-len(groups) // columns), 1)
@@ -108,9 +105,7 @@ def _pareto_png(groups: Sequence[Case], measure: str, columns: int | None) -> by
             axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink)
             dress(axes, PAPER)
             _draw_case(axes, group, measure, markers, numbers, PAPER)
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=200, metadata={"Software": None})
-    return buffer.getvalue()
+        write_bytes(path, png_of(figure, 200))
 
 
 def pareto_text(case: Case, measure: str = PRIMARY) -> str:
@@ -148,13 +143,8 @@ def _draw_case(
     draw_front(axes, time[is_best], error[is_best], palette, higher=metrics.get(measure).higher_is_better)
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
         colour = palette.warp(row["warp"])
-        style: Style = {
-            "marker": markers[row["fill"]],
-            "markersize": MARKER_PT,
-            "markeredgewidth": 1.5,
-            "color": colour,
-            "linestyle": "none",
-        }
+        style: Style = {"marker": markers[row["fill"]], "markersize": MARKER_PT, "markeredgewidth": 1.5}
+        style |= {"color": colour, "linestyle": "none"}
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
     for name in dict.fromkeys(row["warp"] for row in rows):
         # A thin line ties all fills of a warp to its number: some see its colour as another's.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -27,7 +28,7 @@ from ..page import (
 )
 from ..run_texts import axes_of_traces
 from ..style import markers_of
-from ..words import Cell, Line, Table, counted, listed, plain
+from ..words import Table, counted, listed, plain
 from .charts import (
     pareto_chart,
     pareto_text,
@@ -35,17 +36,24 @@ from .charts import (
     regions_chart,
     row_name,
 )
-from .rows import COLUMNS, Case, Row, cases, choice_terms, common, decision, marked_how, measure_label
+from .rows import (
+    COLUMNS,
+    Case,
+    Column,
+    Row,
+    at,
+    cases,
+    choice_terms,
+    common,
+    decision,
+    marked_how,
+    measure_label,
+    table_of,
+)
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
 _KEYS_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip", "psnr_db", "sizes", "cases", "next"}
-_REFERENCE_HEADS = (
-    ("best no slower than forward + interpolate", ""),
-    ("time", "ms"),
-    ("FLIP", ""),
-    ("that takes", "ms"),
-)
 
 
 def bench_page(data: Mapping[str, Any]) -> Page:
@@ -81,11 +89,6 @@ def bench_page(data: Mapping[str, Any]) -> Page:
     )
 
 
-def render_bench_page(data: Mapping[str, Any]) -> str:
-    """Return the text of bench_page."""
-    return bench_page(data).html()
-
-
 def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
     """Return the means of a suite over all heads and scenes; None for no suite."""
     if not entry:
@@ -119,19 +122,14 @@ def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
 
 def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
     """Return the means in the half that parameters are fitted on, and in the one held out."""
-    figures, names = [metrics.get(name).figure for name in MEASURES], {"fit": "fitted on", "held_out": "held out"}
-    heads = [("", ""), ("", ""), *((f"{f.label}, {name}", f.unit) for f in figures for name in names.values())]
-    lines = [
-        (
-            f"{row['latency_ms']:g} ms",
-            row_name(row),
-            *(f.text(row["halves"][h][f.name]) for f in figures for h in names),
-        )
-        for row in rows
-    ]
+    names = {"fit": "fitted on", "held_out": "held out"}
+    columns = [Column.of_text("", value=lambda row: f"{row['latency_ms']:g} ms"), Column.of_text("", value=row_name)]
+    for figure, (half, name) in itertools.product((metrics.get(name).figure for name in MEASURES), names.items()):
+        of_half = attrs.evolve(figure, label=f"{figure.label}, {name}")
+        columns.append(Column(of_half, at("halves", half, figure.name)))
     counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
     label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
-    return [Text(f"{label}."), Table.of("", heads, lines, label=label, words=2)] if any(counts) else []
+    return [Text(f"{label}."), table_of("", columns, rows, label=label)] if any(counts) else []
 
 
 def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:
@@ -240,13 +238,7 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
 
 def _decision(case: Case) -> Table:
     columns = [COLUMNS[name] for name in decision(case.rows)]
-    best = {id(row) for row in case.held()}
-    lines = [
-        Line(tuple(Cell(c.text(row), "" if c.is_number else "word") for c in columns), id(row) in best)
-        for row in case.ordered()
-    ]
-    heads = [c.head for c in columns]
-    return Table(f"{case.label}, least FLIP first", heads, lines, has_marks=True)
+    return table_of(f"{case.label}, least FLIP first", columns, case.ordered(), marked=case.held(), has_marks=True)
 
 
 def _winners(groups: Sequence[Case]) -> Table:
@@ -263,13 +255,9 @@ def _winners(groups: Sequence[Case]) -> Table:
         ]
         has_limit |= limit is not None
         lines.append([group.label, *_first(measured), *_first(within), plain(limit)])
-    heads = [
-        ("case", ""),
-        ("most accurate", ""),
-        ("time", "ms"),
-        ("FLIP", ""),
-        *(_REFERENCE_HEADS if has_limit else ()),
-    ]
+    figures = (("time", "ms"), ("FLIP", ""))
+    heads = [("case", ""), ("most accurate", ""), *figures]
+    heads += [("best no slower than forward + interpolate", ""), *figures, ("that takes", "ms")] if has_limit else []
     return Table.of("The most accurate of each case", heads, [line[: len(heads)] for line in lines], words=(0, 1, 4))
 
 
@@ -317,6 +305,4 @@ def _regions(groups: Sequence[Case]) -> Section:
 def _regions_table(case: Case) -> Table:
     names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
     columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
-    heads = [c.head for c in columns]
-    lines = [[c.text(row) for c in columns] for row in case.ordered() if region_parts(row)]
-    return Table.of(f"Error by region, {case.label}", heads, lines, words=2)
+    return table_of(f"Error by region, {case.label}", columns, filter(region_parts, case.ordered()))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -14,6 +15,7 @@ from ...metrics import (
     PRIMARY,
     REGIONS,
     STAGES,
+    TRUTH_PREFERRED,
     Figure,
     differ,
     error_and_time,
@@ -22,15 +24,17 @@ from ...metrics import (
     pareto,
     ratings_of,
 )
-from ..words import name_pieces, terminal_table
+from ..words import Cell, Line, name_pieces, terminal_table
+from ..words import Table as PageTable
 
 if TYPE_CHECKING:
     from rich.table import Table
 
 Row = Mapping[str, Any]
 
-# Rows that differ in one of these cannot be compared: (key, its text).
-_CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
+# What rows that can be compared share: (key, its text). The first two stand in every label.
+Conditions = tuple[tuple[str, Callable[[Any], str]], ...]
+OF_BENCH: Conditions = (
     ("trace", str),
     ("latency_ms", lambda v: f"{v:g} ms"),
     ("scene", lambda v: f"scene {v}"),
@@ -43,7 +47,7 @@ _CONDITIONS: tuple[tuple[str, Callable[[Any], str]], ...] = (
     ("server_rate_hz", lambda v: f"server {v:g} Hz"),
     ("machine", lambda v: f"on {v['host']}" if v.get("host") else ""),  # times of two are not comparable
 )
-_IN_EVERY_LABEL = ("trace", "latency_ms")
+_IN_EVERY_LABEL = ("trace", "latency_ms", "over")
 
 
 @attrs.frozen(eq=False)
@@ -87,45 +91,77 @@ class Case:
         return kept
 
 
-def cases(rows: Iterable[Row]) -> list[Case]:
+def cases(rows: Iterable[Row], of: Conditions = OF_BENCH) -> list[Case]:
     """Return the groups of comparable rows, in the order in which they first appear."""
     groups: dict[tuple[str, ...], list[Row]] = {}
-    rows = list(rows)
     for row in rows:
-        groups.setdefault(tuple(_conditions(row).values()), []).append(row)
-    names = [name for name, _ in _CONDITIONS]
-    differing = [i for i, name in enumerate(names) if name in _IN_EVERY_LABEL or len({key[i] for key in groups}) > 1]
+        groups.setdefault(_conditions(row, of), []).append(row)
+    differing = [i for i, (name, _) in enumerate(of) if name in _IN_EVERY_LABEL or len({key[i] for key in groups}) > 1]
     return [Case(", ".join(key[i] for i in differing if key[i]), tuple(group)) for key, group in groups.items()]
 
 
-def first_cases(rows: Iterable[Row], most: int) -> tuple[list[Row], int]:
-    """Return the rows of the first cases, at most so many, and how many cases there are."""
+def first_cases(rows: Iterable[Row], most: int, of: Conditions = OF_BENCH) -> tuple[dict[int, Row], int]:
+    """Return the rows of the first cases by number, at most so many, and the number of cases."""
     known: dict[tuple[str, ...], bool] = {}
-    shown = [row for row in rows if known.setdefault(tuple(_conditions(row).values()), len(known) < most)]
+    keyed = ((number, row, _conditions(row, of)) for number, row in enumerate(rows))
+    shown = {number: row for number, row, key in keyed if known.setdefault(key, len(known) < most)}
     return shown, len(known)
 
 
 def common(rows: Iterable[Row]) -> list[str]:
     """Return the conditions that all rows share, which the labels of the cases leave out."""
-    conditions = [_conditions(row) for row in rows]
-    names = [name for name, _ in _CONDITIONS if name not in (*_IN_EVERY_LABEL, "machine")]
-    values = [{entry[name] for entry in conditions} for name in names]
-    return [text for texts in values if len(texts) == 1 for text in texts if text]
+    columns = zip(*(_conditions(row, OF_BENCH) for row in rows), strict=True)
+    named = zip((name for name, _ in OF_BENCH), map(set, columns), strict=False)
+    return [
+        text
+        for name, texts in named
+        if name not in (*_IN_EVERY_LABEL, "machine") and len(texts) == 1
+        for text in texts
+        if text
+    ]
 
 
-def _conditions(row: Row) -> dict[str, str]:
-    return {name: text(row[name]) if row.get(name) is not None else "" for name, text in _CONDITIONS}
+def _conditions(row: Row, of: Conditions) -> tuple[str, ...]:
+    return tuple(text(row[name]) if row.get(name) is not None else "" for name, text in of)
+
+
+Value = Callable[[Row], Any]
 
 
 @attrs.frozen
 class Column:
-    """One column of a bench's table."""
+    """One column of every table: the page's, the terminal's, those of papers, CSV and Parquet."""
 
-    # Label, and how a number is written.
+    # Label, and how a number is written; its name is that of the column in a file.
     figure: Figure
-    # Takes the value out of a row.
-    value: Callable[[Row], Any]
-    is_number: bool = True
+    # Takes the value out of a row; None where nothing was measured.
+    value: Value
+    # float, int or str.
+    kind: type = float
+    # Whether files have it.
+    is_filed: bool = True
+    # Takes what people see, where that is another text.
+    shown: Value | None = None
+
+    @classmethod
+    def of_text(cls, name: str, label: str = "", value: Value | None = None, **more: Any) -> Column:
+        """Return a column of texts; by default that of the row's key."""
+        return cls(Figure(name, label or name, "", 0), value or (lambda row: row.get(name, "")), str, **more)
+
+    @classmethod
+    def of_number(cls, name: str, label: str = "", unit: str = "", digits: int = 0, **more: Any) -> Column:
+        """Return a column of numbers, those of the row's key."""
+        return cls(Figure(name, label or name, unit, digits), lambda row: row.get(name), **more)
+
+    @property
+    def name(self) -> str:
+        """Its name in files."""
+        return self.figure.name
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it stands at the right."""
+        return self.kind is not str
 
     @property
     def head(self) -> tuple[str, str]:
@@ -134,10 +170,27 @@ class Column:
 
     def text(self, row: Row) -> str:
         """Return the cell of this row; a dash where nothing was measured."""
-        value = self.value(row)
-        if not self.is_number:
-            return "–" if value is None else str(value)
-        return self.figure.text(value)
+        value = (self.shown or self.value)(row)
+        return self.figure.text(value) if self.is_number else "–" if value in (None, "") else str(value)
+
+
+Columns = dict[str, Column]
+
+
+def by_name(columns: Iterable[Column]) -> Columns:
+    """Return columns by their names, in their order."""
+    return {column.name: column for column in columns}
+
+
+def table_of(
+    caption: str, columns: Sequence[Column], rows: Iterable[Row], *, marked: Sequence[Row] = (), **more: Any
+) -> PageTable:
+    """Return the rows as a table of a page. marked: those that are bold."""
+    best = set(map(id, marked))
+    lines = [
+        Line(tuple(Cell(c.text(row), "" if c.is_number else "word") for c in columns), id(row) in best) for row in rows
+    ]
+    return PageTable(caption, [c.head for c in columns], lines, **more)
 
 
 def warp_text(row: Row) -> str:
@@ -146,65 +199,84 @@ def warp_text(row: Row) -> str:
     return f"{row['warp']} ({stands_for})" if stands_for else str(row.get("warp"))
 
 
-def _text_column(name: str, label: str, value: Callable[[Row], Any] | None = None) -> Column:
-    return Column(Figure(name, label, "", 0), value or (lambda row: row.get(name)), is_number=False)
+def at(*keys: str | int, default: Any = None) -> Value:
+    """Return what takes a value from the tables and lists inside a row."""
 
-
-def _time(stage: str, which: str) -> Callable[[Row], float | None]:
-    return lambda row: row["time_ms"][stage][which]
-
-
-def _quality(name: str, which: str) -> Callable[[Row], float | None]:
-    return lambda row: row["quality"][name][which]
-
-
-def _half_width(name: str) -> Callable[[Row], float | None]:
-    """Return what takes half the interval of a metric's mean out of a row."""
-
-    def value(row: Row) -> float | None:
-        entry = row["quality"][name]
-        interval = entry.get("interval")  # cut where the metric ends
-        return None if interval is None else max(interval[1] - entry["mean"], entry["mean"] - interval[0])
+    def value(row: Any) -> Any:
+        for key in keys:
+            if not row:
+                return default
+            row = row[key] if isinstance(key, int) else row.get(key, default)
+        return row
 
     return value
 
 
-def _region(name: str, figure: str) -> Callable[[Row], float | None]:
-    return lambda row: ((row.get("regions") or {}).get(name) or {}).get(figure)
+def _half_width(name: str, row: Row) -> float | None:
+    """Return half the interval of a metric's mean."""
+    entry = row["quality"][name]
+    interval = entry.get("interval")  # cut where the metric ends
+    return None if interval is None else max(interval[1] - entry["mean"], entry["mean"] - interval[0])
 
 
-def _columns() -> dict[str, Column]:
-    columns = [
-        _text_column("trace", "recording"),
-        _text_column("scene", "scene"),
-        Column(Figure("latency_ms", "latency", "ms", 0), lambda row: row.get("latency_ms")),
-        Column(Figure("server_rate_hz", "server", "Hz", 0), lambda row: row.get("server_rate_hz")),
-        _text_column("size", "size", lambda row: "x".join(map(str, row["size"])) if row.get("size") else None),
-        _text_column("lens", "lens"),
-        _text_column("headset", "headset"),
-        _text_column("warp", "warp", warp_text),
-        _text_column("fill", "fill"),
-        Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch")),
-        Column(JOD, lambda row: ratings_of(row).get(JOD.name)),
-    ]
+def metric_columns(*, intervals: bool) -> Iterator[Column]:
+    """Yield mean and bad tail of each metric, and the ends and half the width of its interval."""
+    for figure in (metric.short_figure for metric in metrics_in_order()):
+        takes = functools.partial(at, "quality", figure.name)
+        yield from (Column(figure, takes("mean")), Column(_like(figure, "_p95", " p95"), takes("p95")))
+        if intervals:
+            yield from (
+                Column(_like(figure, end), takes("interval", place)) for place, end in enumerate(("_low", "_high"))
+            )
+            half = functools.partial(_half_width, figure.name)
+            yield Column(_like(figure, "_spread", " ±"), half, is_filed=False)
+
+
+def _like(figure: Figure, name: str, label: str = "") -> Figure:
+    return attrs.evolve(figure, name=figure.name + name, label=figure.label + label)
+
+
+def _rated(figure: Figure) -> Column:
+    return Column(figure, lambda row: ratings_of(row).get(figure.name))
+
+
+# Where ColorVideoVDP rated the clips.
+RATED = (_rated(JOD), _rated(TRUTH_PREFERRED))
+
+
+def _columns() -> Iterator[Column]:
+    text, number = Column.of_text, Column.of_number
+    yield from map(text, ("trace", "scene"), ("recording", "scene"))
+    yield number("latency_ms", "latency", "ms")
+    yield from (text("strategy"), text("warp", shown=warp_text))
+    yield from map(text, ("fill", "lens", "headset"))
+    yield from (number("frames", kind=int), number("rate_hz"), number("server_rate_hz", "server", "Hz"))
+    yield from map(text, ("guard", "predict", "clock"))
+    yield text("size", value=lambda row: "x".join(map(str, row.get("size") or ())), is_filed=False)
+    yield from (
+        Column(Figure(name, name, "", 0), at("size", place), int) for place, name in enumerate(("width", "height"))
+    )
     for stage in STAGES:
         label = "" if stage == "total" else f"{stage} "
-        columns.append(Column(Figure(f"{stage}_ms", f"{label}time".strip(), "ms", 2), _time(stage, "median")))
-        columns.append(Column(Figure(f"{stage}_ms_p95", f"{label}p95".strip(), "ms", 2), _time(stage, "p95")))
-    for figure in (metric.short_figure for metric in metrics_in_order()):
-        tail = attrs.evolve(figure, name=f"{figure.name}_p95", label=f"{figure.label} p95")
-        spread = attrs.evolve(figure, name=f"{figure.name}_spread", label=f"{figure.label} ±")
-        columns += [Column(figure, _quality(figure.name, "mean")), Column(tail, _quality(figure.name, "p95"))]
-        columns.append(Column(spread, _half_width(figure.name)))
+        yield Column(Figure(f"{stage}_ms", f"{label}time", "ms", 2), at("time_ms", stage, "median"))
+        yield Column(Figure(f"{stage}_ms_p95", f"{label}p95", "ms", 2), at("time_ms", stage, "p95"))
+    yield from metric_columns(intervals=True)
     for region in REGIONS:
         name = region.replace("_", " ")
-        columns.append(Column(Figure(f"{region}_share", f"{name} share", "%", 1, 100), _region(region, "share")))
-        columns.append(Column(Figure(f"{region}_flip", f"FLIP {name}", "", 3), _region(region, "flip")))
-        columns.append(Column(Figure(f"{region}_psnr_db", f"PSNR {name}", "dB", 2), _region(region, "psnr_db")))
-    return {column.figure.name: column for column in columns}
+        figures = (("share", f"{name} share", "%", 1, 100), ("psnr_db", f"PSNR {name}", "dB", 2))
+        for key, *how in (*figures, ("flip", f"FLIP {name}", "", 3)):
+            yield Column(Figure(f"{region}_{key}", *how), at("regions", region, key))  # type: ignore[arg-type]
+    yield Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch"))
+    yield from (*RATED, *map(text, ("client", "lacks", "baseline")))
+    for name, kind in (("gl_renderer", str), ("gl_version", str), ("cpu_count", int), ("host", str)):
+        yield Column(Figure(name, name, "", 0), at("machine", name), kind)
+    yield text("hmdwarp")
+    yield from (
+        text(name, value=at("made_with", name, default="")) for name in ("commit", "options", "numpy", "moderngl")
+    )
 
 
-COLUMNS = _columns()
+COLUMNS = by_name(_columns())
 
 
 def measure_label(measure: str) -> str:

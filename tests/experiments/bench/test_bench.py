@@ -12,9 +12,10 @@ import math
 import attrs
 import pytest
 from replays import contents, run
+from report.bench_samples import a_bench
 
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.bench.bench_rows import COLUMNS, answer
+from hmdwarp.experiments.bench.bench_rows import NAMES, answer
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary
@@ -85,7 +86,7 @@ def test_csv_says_the_same(full):
     out, result, _ = full
     with (out / "bench.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert tuple(rows[0]) == COLUMNS
+    assert list(rows[0]) == NAMES
     for written, row in zip(rows, result.data["rows"], strict=True):
         assert written["warp"] == row["warp"] and written["fill"] == row["fill"]
         for name in QUALITY:
@@ -107,19 +108,9 @@ def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
     """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its
     frames.
     """
-    replayed = run(
-        tmp_path,
-        warp=warp,
-        fill=fill,
-        predict=SMALL.predict,
-        headset=SMALL.headset,
-        guard=SMALL.guard,
-        samples=SMALL.samples,
-        latency_ms=200.0,
-        seconds=0.5,
-        metrics_every=1,
-        workers=0,
-    )
+    same = {name: getattr(SMALL, name) for name in ("predict", "headset", "guard", "samples")}
+    more = {"latency_ms": 200.0, "seconds": 0.5, "metrics_every": 1, "workers": 0}
+    replayed = run(tmp_path, warp=warp, fill=fill, **same, **more)
     wanted = [row for row in replayed.rows if (row["frame"], row["eye"]) in ((7, 0), (22, 1))]
     row = next(r for r in full[1].data["rows"] if (r["latency_ms"], r["warp"], r["fill"]) == (200.0, warp, fill))
     for name in QUALITY:
@@ -147,12 +138,8 @@ def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
     )  # fmt: skip
     data = bench(options).data
     still, late = ([row for row in data["rows"] if row["latency_ms"] == latency] for latency in (0.0, 100.0))
-    assert {row["warp"]: row["baseline"] for row in still} == {
-        "forward": "",
-        "rotation:edge=clamp": "most streamers",
-        "mesh:grid=64": "CloudXR.js",
-        "cv2.warpFrame": "OpenCV",
-    }
+    systems = {"rotation:edge=clamp": "most streamers", "mesh:grid=64": "CloudXR.js", "cv2.warpFrame": "OpenCV"}
+    assert {row["warp"]: row["baseline"] for row in still} == {"forward": "", **systems}
     assert all(row["quality"]["psnr_db"]["mean"] > 48 for row in still)
     (outside,) = (row for row in late if row["warp"] == "cv2.warpFrame")
     assert outside["fill"] == "none" and outside["time_ms"]["warp"]["median"] > 0
@@ -214,25 +201,11 @@ def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monke
 
 
 def test_the_answer_names_the_command_and_the_next_step():
-    choice = {
-        "budget_ms": 20.0,
-        "warp": "iterative:steps=3",
-        "fill": "interpolate",
-        "settings": {"steps": "3"},
-        "total_ms": 16.7,
-        "flip": 0.08,
-        "psnr_db": 31.0,
-        "sizes": [(1280, 800)],
-        "cases": 2,
-        "next": {"warp": "multi", "fill": "none", "total_ms": 27.3, "flip": 0.06, "psnr_db": 30.5},
-    }
+    choice = {**a_bench()["choice"], "warp": "iterative:steps=3", "flip": 0.08}
+    choice["next"] |= {"fill": "none", "flip": 0.06, "psnr_db": 30.5}
     first, use, following = answer(choice)
-    assert (
-        "Within 20 ms" in first
-        and "FLIP 0.0800" in first
-        and "31.00 dB" in first
-        and "16.70 ms (at 1280x800, means over 2 cases)" in first
-    )
+    told = ("Within 20 ms", "FLIP 0.0800", "31.00 dB", "16.70 ms (at 1280x800, means over 2 cases)")
+    assert [words for words in told if words not in first] == []
     assert "--warp iterative:steps=3 --fill interpolate" in use
     assert "multi without a fill" in following and "25% less FLIP" in following
     assert "0.50 dB less PSNR" in following and "10.60 ms more" in following
@@ -263,15 +236,8 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
 
 
 def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_replays(tmp_path):
-    options = attrs.evolve(
-        SMALL,
-        warps=("none",),
-        fills=("none",),
-        latencies_ms=(100.0,),
-        server_rates_hz=(10.0, 25.0, 60.0),
-        budget_ms=None,
-        out=tmp_path / "bench",
-    )
+    one = {"warps": ("none",), "fills": ("none",), "latencies_ms": (100.0,), "budget_ms": None}
+    options = attrs.evolve(SMALL, **one, server_rates_hz=(10.0, 25.0, 60.0), out=tmp_path / "bench")
     rows = bench(options).data["rows"]
     assert [row["server_rate_hz"] for row in rows] == [10.0, 25.0, 60.0]
     errors = [row["quality"]["flip"]["mean"] for row in rows]

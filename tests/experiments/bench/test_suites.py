@@ -12,7 +12,7 @@ from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.suite_means import Clusters, clustered_interval, over_all, ranks_of, suite_entry
 from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.poses import KINDS
-from hmdwarp.report.bench.page import render_bench_page
+from hmdwarp.report.bench.page import bench_page
 from hmdwarp.resources import recording_names
 
 T_OF_2 = 4.302653  # Student's t, 97.5 %
@@ -98,18 +98,18 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     assert 0.9 * runs < held < runs
 
 
+def a_case(trace: str, scene: str, warp: str, fill: str = "none", *, flip: float, db: float) -> dict:
+    """The row of a method in a case, but for its instants."""
+    named = {"trace": trace, "scene": scene, "latency_ms": 200.0, "warp": warp, "fill": fill}
+    return {**named, "quality": {"flip": {"mean": flip}, "psnr_db": {"mean": db}}}
+
+
 def test_means_are_over_all_cases_of_a_method_and_on_the_page():
     rows = [
         {
-            "trace": trace,
-            "scene": scene,
-            "latency_ms": 200.0,
-            "warp": warp,
-            "fill": "pyramid",
-            "quality": {
-                "flip": {"mean": flip + 0.1 * (trace == "a")},
-                "psnr_db": {"mean": 30.0 - 10 * flip + (scene == "x")},
-            },
+            **a_case(
+                trace, scene, warp, "pyramid", flip=flip + 0.1 * (trace == "a"), db=30 - 10 * flip + (scene == "x")
+            ),
             "at_instants": {
                 "flip": {"0": flip, "1": flip + 0.2 * (trace == "a")},
                 "psnr_db": {"0": 30.0, "1": 29.0 + (scene == "x")},
@@ -131,25 +131,17 @@ def test_means_are_over_all_cases_of_a_method_and_on_the_page():
     # Which head it is makes no difference to the difference of methods.
     assert best["behind"]["mean"] == 0 and other["behind"]["interval"] == pytest.approx([0.1, 0.1])
     assert suite_entry("", rows) == {}
-    page = render_bench_page({"rows": [], **suite_entry("quick", rows)})
+    page = bench_page({"rows": [], **suite_entry("quick", rows)}).html()
     assert "Suite quick 3: over all heads and scenes" in page and "0.1000 to 0.1000" in page
-    assert "Suite" not in render_bench_page({"rows": []})
+    assert "Suite" not in bench_page({"rows": []}).html()
 
 
 def test_a_rank_is_as_sure_as_heads_and_scenes_agree():
     """One method is better for one head of four by as much as it is worse for another: a coin."""
+    apart = {"a": 0.1, "b": -0.1}
     even = [
-        {
-            "trace": trace,
-            "scene": scene,
-            "latency_ms": 200.0,
-            "warp": warp,
-            "fill": "none",
-            "quality": {
-                name: {"mean": 0.5 + sign * {"a": 0.1, "b": -0.1}.get(trace, 0.0)} for name in ("flip", "psnr_db")
-            },
-            "at_instants": {name: {"0": 0.5} for name in ("flip", "psnr_db")},
-        }
+        a_case(trace, scene, warp, flip=(error := 0.5 + sign * apart.get(trace, 0.0)), db=error)
+        | {"at_instants": {name: {"0": 0.5} for name in ("flip", "psnr_db")}}
         for warp, sign in (("one", 1), ("other", -1))
         for trace, scene in itertools.product("abcd", "xyz")
     ]

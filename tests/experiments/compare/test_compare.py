@@ -10,6 +10,7 @@ import shutil
 from pathlib import Path
 
 import attrs
+import numpy as np
 import pytest
 from commands import hmdwarp
 from recorded_folders import taken, write_npz
@@ -23,7 +24,8 @@ from hmdwarp.experiments.bench import CompareOptions, client_bytes, compare, dec
 from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
 from hmdwarp.experiments.bench.suites import cost_text, suites
 from hmdwarp.frames import EyeSizes
-from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, compare_page, first_cases
+from hmdwarp.report.bench.rows import first_cases
+from hmdwarp.report.compare_page import OF_COMPARE, chosen_markdown, compare_markdown, compare_page
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "48x40", "--samples", "1", "--headset", "flat-90", "--start", "1.1", "--seconds", "0.1")
@@ -142,10 +144,13 @@ def test_the_table_and_the_page_hold_all_of_it(folder, data):
         assert name in page
 
 
-def test_the_page_follows_from_the_data_and_escapes_it(data):
-    import numpy as np
+def in_the_dark() -> tuple[np.ndarray, np.ndarray]:
+    """What was shown, and the truth."""
+    return np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4, 3), np.uint8)
 
-    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
+
+def test_the_page_follows_from_the_data_and_escapes_it(data):
+    pictures = [in_the_dark] * len(data["rows"])
     odd = {**data, "command": "<script>alert(1)</script>"}
     page = compare_page(odd, pictures).html()
     assert page == compare_page(odd, pictures).html()
@@ -153,23 +158,19 @@ def test_the_page_follows_from_the_data_and_escapes_it(data):
 
 
 def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
-    import numpy as np
-
-    numbers, count = first_cases(data["rows"], 1)
-    assert count == 2 and numbers == [
-        number for number, row in enumerate(data["rows"]) if row["latency_ms"] == data["rows"][0]["latency_ms"]
-    ]
-    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
-    page = compare_page(shown, [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(numbers)).html()
+    found, count = first_cases(data["rows"], 1, OF_COMPARE)
+    first_ms = data["rows"][0]["latency_ms"]
+    assert count == 2
+    assert found == {number: row for number, row in enumerate(data["rows"]) if row["latency_ms"] == first_ms}
+    shown = {**data, "rows": [*found.values()], "cases": count}
+    page = compare_page(shown, [in_the_dark] * len(found)).html()
     assert "This page shows the first 1 of 2 cases" in page
 
 
 def test_zero_traffic_and_zero_error_have_ticks_of_their_own(data):
-    import numpy as np
-
     exact = {name: {**figures, "mean": 0.0} for name, figures in data["rows"][0]["quality"].items()}
     rows = [{**data["rows"][0], "mbit_s": 0.0, "quality": exact}, *data["rows"][1:]]
-    pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(rows)
+    pictures = [in_the_dark] * len(rows)
     ticks = [
         re.findall(r">([\d.]+)</text>", compare_page({**data, "rows": shown}, pictures).html())
         for shown in (data["rows"], rows)
