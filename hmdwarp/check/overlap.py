@@ -86,10 +86,10 @@ class Overlap:
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
         row = self._height - 1 - self.row if reading.depth_rows_up else self.row
         x, y = self._tangent(self.column, row, self._from, reading)
-        place = self._in_depth(self.column, self.row, reading)
+        there = self._in_depth(self.column, self.row, reading)
         numbers = base[self._from, self.row, self.column]
         if reading.depth_wide != 1 or reading.depth_x or reading.depth_y:
-            numbers = self._picture_at(base, *place, self._from)
+            numbers = self._picture_at(base, *there, self._from)
         apart = np.exp(reading.scales or np.zeros(len(self.stated.frames)))
         inverse = reading.inverse_depth(numbers, np.sqrt(1 + x * x + y * y)) * apart[self._from]
         ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
@@ -102,10 +102,10 @@ class Overlap:
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        place = self._in_depth(column, self._height - 1 - line if reading.depth_rows_up else line, reading)
-        sampled = self._picture_at(base, *place, self._to)
+        there = self._in_depth(column, self._height - 1 - line if reading.depth_rows_up else line, reading)
+        sampled = self._picture_at(base, *there, self._to)
         if self._between:
-            smooth = self.sheet.smooth[self._to, place[1].astype(int), place[0].astype(int)]
+            smooth = self.sheet.smooth[self._to, there[1].astype(int), there[0].astype(int)]
             sampled = np.where(smooth, sampled, np.nan)
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.

@@ -35,7 +35,7 @@ from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.sockets import Places, is_local, set_options
 from .certificate import certified, hosts_at
-from .visitors import SILENT_S, OneLine, Visitor, Visitors
+from .visitors import OneLine, Visitor, Visitors
 
 PAGE = Path(__file__).parent / "page"
 _IMAGE = re.compile(r"layout\(r32f\) readonly uniform image2D")
@@ -120,7 +120,6 @@ class Door:
                 "which a browser offers no VR; or give --open to send pictures and cookies unencrypted"
             )
         self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
-        self._feed_host = self._feed.partition("://")[2].rpartition(":")[0]
         self._log, self._places = log, places or Places(lambda _, __, text: say(text))
         self._tls: ssl.SSLContext | None = None
         if certificate is not None:
@@ -235,40 +234,16 @@ class Door:
     async def _pass(self, request: Any) -> Any:
         """Pass messages both ways until either end goes, or says nothing at all."""
         visitor: Visitor = request["visitor"]
-        visitor.is_page = True
-        port = self._own_port(visitor.address)
-        try:
-            return await self._passed(request, visitor, port)
-        finally:
-            self._places.guests.pop(port, None)
-            visitor.is_page = False
-
-    def _own_port(self, address: str) -> int:
-        """Return a free port to speak to the feed from, which counts it as the page's address."""
-        host = self._feed_host.strip("[]")
-        with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
-            probe.bind((host, 0))
-            port = int(probe.getsockname()[1])
-        self._places.guests[port] = address
-        return port
-
-    async def _passed(self, request: Any, visitor: Visitor, port: int) -> Any:
         browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
         _hold_few(request.transport.get_extra_info("socket"))
-        server = self._context.socket(zmq.DEALER)
-        set_options(zmq, server, _FEED | {"IPV6": "[" in self._feed})
-        if (pair := self._lock.pair) is not None:
-            server.curve_serverkey = pair.public
-            server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
-        server.connect(self._feed.replace("://", f"://{self._feed_host}:{port};"))
+        server, port = self._context.socket(zmq.DEALER), 0
         log = self._log() if self._log is not None else None
         down = asyncio.ensure_future(self._pass_down(server, browser))
-        silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
+            port = self._connect(server, visitor.address)
             async for message in browser:
-                silent.cancel()
-                visitor.heard_s = self._loop.time()
+                visitor.is_page, visitor.heard_s = True, self._loop.time()
                 if log is not None and isinstance(message.data, str):
                     await asyncio.to_thread(log.take, message.data)  # a slow disk holds up no frames
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
@@ -277,13 +252,28 @@ class Door:
                     with suppress(zmq.Again):  # as many wait already; the page asks again
                         await server.send(self._with_token(message.data), zmq.NOBLOCK)
         finally:
-            silent.cancel()
+            visitor.is_page = False
             down.cancel()
             server.close(0)
+            self._places.guests.pop(port, None)
             if log is not None:
                 log.close()
         await browser.close()
         return browser
+
+    def _connect(self, server: Any, address: str) -> int:
+        """Connect to the feed, from a free port, for which it counts the page's address."""
+        host = self._feed.partition("://")[2].rpartition(":")[0]
+        with socket.socket(socket.AF_INET6 if "[" in host else socket.AF_INET) as probe:
+            probe.bind((host.strip("[]"), 0))
+            port = int(probe.getsockname()[1])
+        self._places.guests[port] = address
+        set_options(zmq, server, _FEED | {"IPV6": "[" in host})
+        if (pair := self._lock.pair) is not None:
+            server.curve_serverkey = pair.public
+            server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
+        server.connect(self._feed.replace("://", f"://{host}:{port};"))
+        return port
 
     def _with_token(self, data: bytes) -> bytes:
         """Return a request with the server's token."""

@@ -31,7 +31,7 @@ class Visitor:
     # When it came, or was last heard with a cookie.
     heard_s: float
     knows: bool = False  # has shown a cookie
-    is_page: bool = False  # has a WebSocket, which may be silent once it has spoken
+    is_page: bool = False  # has a WebSocket that has spoken: a hidden page says nothing more
     transport: Any = None
     task: Any = None
 
@@ -96,7 +96,6 @@ class Visitors:
             self._of[handler] = one
             one.task = self._loop.create_task(self._begin(one, handler))
             self._make_place(one)
-            self._count()
 
     async def _begin(self, one: Visitor, handler: Any) -> None:
         with suppress(OSError):  # no TLS, or gone again
@@ -134,12 +133,9 @@ class Visitors:
             for one in [*self._of.values()]:
                 if not one.is_page and now_s - one.heard_s > SILENT_S:
                     self._cut(one, f"no whole request for {SILENT_S:g} s")
-            self._count()
 
     def _forget(self) -> None:
         self._of = {handler: one for handler, one in self._of.items() if one.wire.fileno() >= 0}
-
-    def _count(self) -> None:
         self._places.visitors = len(self._of) - len(self._places.guests)
 
     def close(self) -> None:

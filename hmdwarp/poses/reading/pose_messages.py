@@ -362,9 +362,9 @@ def _bound_unpacking() -> None:
         import_extra(f"rosbags.{name}", "rosbags", BAGS_EXTRA)
         for name in ("rosbag1.reader", "rosbag2.reader", "rosbag2.storage_mcap")
     )
-    if isinstance(second.zstd, SimpleNamespace):
+    lz4, zstd = import_extra("lz4.frame", "lz4", BAGS_EXTRA), vars(second)["zstd"]
+    if isinstance(zstd, SimpleNamespace):
         return
-    lz4, zstd = import_extra("lz4.frame", "lz4", BAGS_EXTRA), second.zstd
     first.decompressors["bz2"] = lambda data: unpacked(bz2.BZ2Decompressor(), data)
 
     def of_lz4(data: bytes) -> bytes:
@@ -375,7 +375,9 @@ def _bound_unpacking() -> None:
 
     first.decompressors["lz4"] = of_lz4
     mcap.DECOMPRESSORS.update(lz4=lambda data, _: of_lz4(data), zstd=lambda data, _: of_zstd(data))
-    second.zstd = SimpleNamespace(decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode)))
+    vars(second)["zstd"] = SimpleNamespace(
+        decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
+    )
 
 
 def _check_plain(path: Path) -> None:

@@ -30,8 +30,8 @@ def check_code(code: str) -> None:
     """Raise InputError for an invalid code."""
     if not _CODE.fullmatch(code):
         raise InputError(
-            f"--participant {code!r}: expected a code of 1 to 32 letters a-z, digits, - and _, as P07, no - at its "
-            "start; it must not be a name, nor identify the person ('new' draws one)"
+            f"--participant {code!r}: expected a code of 1 to 32 letters a-z, digits, - and _, as P07, not - first; it "
+            "must not be a name, nor identify the person ('new' draws one)"
         )
 
 
