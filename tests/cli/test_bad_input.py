@@ -113,15 +113,17 @@ def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
         ("--format", "tumm", "tum"),
         ("--predict", "constant-velocity", "constant_velocity"),
         ("--against", "rotations", "rotation"),
-        ("--trace", "lookaround", "look-around"),
         ("--warp", "qqqq", ""),  # near nothing
     ],
 )
 def test_unknown_names_get_the_nearest_known_one(option, wrong, nearest, command, quick, kept):
-    trace = () if option == "--trace" else ("still",)
-    done, guess = command("replay", *trace, *quick, option, wrong), f"did you mean '{nearest}'?"
+    done, guess = command("replay", "still", *quick, option, wrong), f"did you mean '{nearest}'?"
     done.refused(f"'{wrong}'", "known are", guess if nearest else "")
     assert ("did you mean" in done.err) == bool(nearest)
+
+
+def test_unknown_recording(command, quick, kept):
+    command("replay", "lookaround", *quick).refused("unknown recording 'lookaround'", "did you mean 'look-around'?")
 
 
 @pytest.mark.parametrize("source", ["synthetic", "openxr", "desktop"])
