@@ -10,8 +10,8 @@ import attrs
 import numpy as np
 
 from .conventions import PIXEL, differences
-from .overlap import BEND, DEPTH_SHIFT, DEPTH_WIDE, TURN, Fitted, Noise
-from .search import SURE, Candidate, Search, margin
+from .overlap import BEND, DEPTH_SHIFT, DEPTH_WIDE, TURN, Fitted, Noise, cost
+from .search import SURE, Candidate, Search, margin, standard_errors
 from .stated_frames import Reading
 
 _CLOSE = 0.05  # of the depth
@@ -48,13 +48,25 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
     limit = best.changes or explained(search, best.reading) < EXPLAINED
     found = [FAULTS[0]] if limit and _is_cut_off(search) else []
     for words, (instead, besides, least) in zip(FAULTS[1:], tries, strict=True):
-        explains = best.changes and margin(search.candidate(instead.reading, noise, 1), best) < SURE
-        leaves = margin(best, search.candidate(besides.reading, noise, 1)) > SURE
+        explains = best.changes and _margin(search, noise, instead.reading, best, least) < SURE
+        leaves = -_margin(search, noise, besides.reading, best, least) > SURE
         # A turn of a degree is half a pixel, which is the more common.
         named = {name: most * (1 + (PIXEL in differences(best.reading))) for name, most in least.items()}
         if explains and _has_a_name(instead, named) or leaves and _has_a_name(besides, named):
             found.append(words)
     return tuple(found)
+
+
+def _margin(search: Search, noise: Noise, one: Reading, best: Candidate, least: dict[str, float]) -> float:
+    """Return by how many standard errors a reading is worse than the best."""
+    if DEPTH_WIDE not in least:
+        return margin(search.candidate(one, noise, 1), best)
+    # Elsewhere in the picture of depth there are other gaps and edges: what both know is compared.
+    found = [search.fine.residuals(reading) for reading in (one, best.reading)]
+    known = ~np.isnan(found[0].depth + found[1].depth)
+    costs = (np.where(known, cost(each, noise), np.nan) for each in found)
+    worse, better = (search.fine.by_block(each)[0] for each in costs)
+    return standard_errors(worse - better)
 
 
 def _starts(search: Search, name: str) -> Sequence[float]:
