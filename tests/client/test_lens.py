@@ -10,6 +10,7 @@ from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov
 from hmdwarp.gpu import Canvas
 from hmdwarp.headsets import Headset, headset_names, load_headset
 
@@ -29,10 +30,10 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
     """(h, w, 4) shown picture, bottom row first, to the panel picture as the GPU makes it."""
     canvas, panel = Canvas(gpu.gl, shown.shape[1::-1]), Canvas(gpu.gl, panel_size)
     canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
-    panel.texture.write(
-        np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1
-    )  # every pixel must be written
-    lenses.get("radial")(gpu, headset, panel_size).run(canvas, headset.fov(eye), eye, panel)
+    lens = lenses.get("radial")(gpu, headset, panel_size)
+    lens.run(canvas, Fov.symmetric(1, 1), eye, panel)  # of which nothing stays
+    panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)
+    lens.run(canvas, headset.fov(eye), eye, panel)
     gpu.gl.memory_barrier()
     out = (
         np.frombuffer(panel.texture.read(alignment=1), np.float16)

@@ -33,7 +33,6 @@ FOLDERS = {
     "shaders": ("shaders",),
 }
 VERDICTS = ("caught", "survived", "line has changed", "tests fail without it", "not run")
-HANG_S = 1800  # of one test, after which pytest ends with an error: low priority beside other work takes long
 
 
 def main() -> None:
@@ -109,7 +108,7 @@ def plant(fault: dict, path: Path, tree: Path, known: dict[str, str]) -> str:
 def failing(tests: list[str], tree: Path) -> str:
     """Return the first test that fails, "" if none does."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--tb=no", "-rfE"]
-    command += ["-o", f"faulthandler_timeout={HANG_S}", *tests]
+    command += ["-o", "faulthandler_timeout=1800", *tests]  # of one test: a low priority beside other work takes long
     log = tree.with_name("log")
     with log.open("wb") as stream:
         env = os.environ | {"PYTHONPATH": str(tree)}

@@ -104,14 +104,6 @@ def test_flip_uses_the_pixels_per_degree(gpu):
     assert abs(default - at_coarse) > 3 * abs(same_angles - at_coarse)
 
 
-def test_fine_error_fades_with_pixels_per_degree(gpu):
-    board = np.indices((64, 64)).sum(axis=0) % 2
-    picture = np.stack([100 + 40 * board] * 3, axis=-1).astype(np.uint8)
-    other = np.stack([100 + 40 * (1 - board)] * 3, axis=-1).astype(np.uint8)
-    seen = [flip_of(gpu, picture, other, ppd)[0] for ppd in (5, 20, 60)]
-    assert seen[0] > seen[1] > seen[2]
-
-
 def test_flip_map_belongs_to_its_picture(gpu):
     truth = smooth()
     shown = truth.copy()

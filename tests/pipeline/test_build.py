@@ -182,6 +182,12 @@ def test_needs_are_those_of_the_plan(gpu):
         assert made.requested.needs == Needs(peeled=made.plans[0].needs["peeled"]) == made.plans[0].needs
 
 
+def test_older_pictures_are_those_of_the_same_eye(gpu):
+    with pipeline(gpu, UnequalEyes(), warp="multi:frames=1,spacing=0,eye=own") as made:
+        for one in shown_at(made, 4).inputs:
+            assert [older.view.fov for older in one.others] == [one.rendered.view.fov]
+
+
 def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
     """Frames carry what all plans need; a fill that reads the shown depth failed on the rest."""
     options = PipelineOptions(scene="planes", warp="layered", fill="none", lens="none", size=SIZE)

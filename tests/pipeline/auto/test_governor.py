@@ -175,6 +175,14 @@ def test_a_level_that_disappoints_is_tried_ever_more_rarely():
     assert governor.level.total_ms == 6.0
 
 
+def test_where_a_level_disappoints_dearer_ones_wait_as_long():
+    levels = tuple(QualityLevel(f"level{ms}", "none", ms, 1 / ms) for ms in (1.0, 2.5, 4.0))
+    governor = Governor(levels, 4.5)
+    changes = run(governor, lambda level, _: 1.2 if level is levels[0] else 6.0, 190)
+    assert [change.after for change in changes][-3:] == [levels[0], levels[1], levels[0]]
+    assert run(governor, lambda *_: 0.9, 2 * PATIENCE) == []
+
+
 def test_pulses_of_load_are_not_followed_for_long():
     """Load for 20 refreshes in every 200.
 
