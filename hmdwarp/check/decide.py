@@ -376,7 +376,7 @@ class NumberSearch:
         for number in _DECIDES[FITTED[name]]:
             now, then = (getattr(which, number) for which in (one.reading, self.base))
             off = math.log(now / then) if number in LOGARITHMS else now - then
-            each.append(abs(off) / float(error[number]))
+            each.append(float(abs(off) / error[number]))
         return min(each) if name == CENTRE and is_half_a_pixel(one.reading) else max(each)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:

@@ -42,7 +42,7 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
     tries = []
     for least in _FITTED.values():
         starts = itertools.product(*(_starts(search, name) for name in least))
-        start = search.best([attrs.evolve(Reading(), **dict(zip(least, one, strict=True))) for one in starts])
+        start = search.best([Reading(**dict(zip(least, one, strict=True))) for one in starts])
         tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
     tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
     limit = best.changes or explained(search, best.reading) < EXPLAINED

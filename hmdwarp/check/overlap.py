@@ -116,9 +116,9 @@ class Overlap:
                 0.5 * (size + _median(size[size > 0], 1.0))
             )
         source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
-        there = self._picture_at(self.sheet.picture, column, target, self._to)
+        pictured = self._picture_at(self.sheet.picture, column, target, self._to)
         here = self.sheet.picture[self._from, source, self.column]
-        colour = there - here
+        colour = pictured - here
         pixel = np.stack([column, line], -1)
         sky = seen & (size == 0) & (depth == 0)
         return Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)

@@ -119,12 +119,12 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_rows_of("notes", "texts", str))  # remarks for readers
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_rows_of("notes", "texts", str))  # type: ignore[misc]  # for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=_rows_of("jumps", "indices of samples", int))
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_rows_of("jumps", "indices of samples", int))  # type: ignore[misc]
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample

@@ -240,5 +240,6 @@ def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tu
             light += max(lamp.colour) * fades * cosine / (far**2 if place[3] else 1)
         total, area = total + float(size @ light), area + float(size[light > 0].sum())
     factor = MEAN_LIGHT * area / total if total > 0 else 1.0
-    scaled = [attrs.evolve(lamp, colour=tuple(factor * one for one in lamp.colour)) for lamp in lamps]
+    colours = [(factor * red, factor * green, factor * blue) for red, green, blue in (lamp.colour for lamp in lamps)]
+    scaled = [attrs.evolve(lamp, colour=colour) for lamp, colour in zip(lamps, colours, strict=True)]
     return scaled, factor

@@ -35,7 +35,8 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
         source = scenes.get(text)
         if source.reacts is None:
             return _built(source)
-        return attrs.evolve(_built(source), inputs=(log := InputLog()), **source.reacts(log))
+        log = InputLog()
+        return attrs.evolve(_built(source), inputs=log, **source.reacts(log))
     check_scene_name(text)
     from ._files import scene_from_file  # reading glTF brings SciPy, and shipped scenes do without
 

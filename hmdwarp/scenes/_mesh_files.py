@@ -149,7 +149,7 @@ def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[st
             elif key == "mtllib":
                 for file in [" ".join(words)] if line.lower().count(".mtl") < 2 else words:
                     with suppress(OSError):
-                        materials |= parse_mtl(beside.get(file), resolver=beside)
+                        materials |= parse_mtl(beside.get(file), resolver=beside)  # type: ignore[no-untyped-call]
             elif key in ("l", "p", "curv", "surf"):
                 notes.add("points, lines and curved surfaces are left out")
         except (ValueError, IndexError):
@@ -184,7 +184,8 @@ def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]
         part = _trimesh().Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
         if material is not None or (used[:, 1] >= 0).any():
             uv = np.vstack([known[1], np.zeros(6)])[used[:, 1], :2] if (used[:, 1] >= 0).any() else None
-            part.visual = TextureVisuals(uv=uv, material=SimpleMaterial(**material) if material else None)
+            kind = SimpleMaterial(**material) if material else None  # type: ignore[no-untyped-call]
+            part.visual = TextureVisuals(uv=uv, material=kind)  # type: ignore[no-untyped-call]
         if coloured and "image" not in (material or {}):
             part.visual = _trimesh().visual.ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
         parts.append(part)
@@ -375,7 +376,7 @@ def _surface(part: Any, count: int, textures: list[Texture], notes: Notes, name:
     base = None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
     if picture is not None and found_uv is not None:
         textures.append(Texture(name, picture))
-        chosen = np.ones(3) if base is None or tuple(diffuse[:3]) == _TRIMESH_DEFAULT else base
+        chosen = np.ones(3) if base is None or tuple(np.asarray(diffuse)[:3]) == _TRIMESH_DEFAULT else base
         return np.tile(chosen, (count, 1)), uv, len(textures) - 1
     colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
     if colours is None:

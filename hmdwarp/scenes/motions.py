@@ -338,7 +338,7 @@ class Skinned:
     """
 
     rest: Array = attrs.field(converter=_points)  # (n, 3) metres
-    joints: Sequence[Joint] = attrs.field(converter=tuple)  # parents before children
+    joints: Sequence[Joint] = attrs.field(converter=tuple[Joint, ...])  # parents before children
     which: NDArray[np.int64] = attrs.field(converter=_indices)  # (n, k) indices into joints
     weights: Array = attrs.field(converter=_array)  # (n, k), 0 or more, of sum 1
 

@@ -254,7 +254,7 @@ class Cleaner:
 
     def midnights(self) -> Found:
         found = midnights(self.stamps)
-        return found and self.count_on(found, f"the clock passes midnight {counted(len(found.rows), 'time')}")
+        return self.count_on(found, f"the clock passes midnight {counted(len(found.rows), 'time')}")
 
     def absurd_stamps(self) -> Found:
         bad = absurd_rows(self.stamps)
@@ -262,7 +262,7 @@ class Cleaner:
 
     def wraps(self) -> Found:
         found = wraps_of(self.stamps, self.rows.orientation)
-        return found and self.count_on(found, f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}")
+        return self.count_on(found, f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}")
 
     def reversed_rows(self) -> Found:
         """Find rows that run backwards in time. Errors: TraceError for shuffled ones."""
