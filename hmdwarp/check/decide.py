@@ -290,9 +290,8 @@ class NumberSearch:
         """Return which numbers differ: none, one convention, or two where one leaves too much."""
         nothing = self._candidate(self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
-        singles = [
-            model for model in self._of(1) if self._is_known(model, needed) and self._gains(nothing, model, needed)
-        ]
+        gain = -_NO_WORSE if not nothing.changes else needed / 4
+        singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
         best, rivals = self._least(nothing, singles)
         besides = self._besides(best)
         if besides and not nothing.changes:
@@ -356,9 +355,6 @@ class NumberSearch:
             for name in self._names
             if name not in taken and matters(self.search, name, every.reading) and self._sureness(every, name) > SURE
         )
-
-    def _gains(self, nothing: Candidate, one: Candidate, needed: float) -> bool:
-        return margin(nothing, one) > (-_NO_WORSE if not nothing.changes else needed / 4)
 
     def _is_known(self, one: Candidate, needed: float) -> bool:
         names = numbered(one.reading)

@@ -95,7 +95,10 @@ class Overlap:
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        sampled = self._depth_at(base, column, self._height - 1 - line if reading.depth_rows_up else line)
+        at = self._height - 1 - line if reading.depth_rows_up else line
+        sampled = self._picture_at(base, column, at)
+        if self._between:
+            sampled = np.where(self.sheet.smooth[self._to, at.astype(int), column.astype(int)], sampled, np.nan)
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
@@ -129,12 +132,6 @@ class Overlap:
         column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
         line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         return column, line
-
-    def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
-        found = self._picture_at(base, column, line)
-        if not self._between:
-            return found
-        return np.where(self.sheet.smooth[self._to, line.astype(int), column.astype(int)], found, np.nan)
 
     def _picture_at(self, pictures: Array, column: Array, line: Array) -> Array:
         """Return the values at those places: of the nearest pixel, or between pixels."""

@@ -221,7 +221,7 @@ def relative(pose: Pose, other: Pose) -> tuple[Vector, Quaternion]:
     return position, _product((-x, -y, -z, w), pose.unit_quaternion)
 
 
-def trusted_pose(position: Vector, turn: Quaternion) -> Pose:
+def trusted_pose(position: Vector, turn: Sequence[float]) -> Pose:
     """Return Pose(position, turn) of a new array and an already normalised quaternion.
 
     For what is computed from poses, in half the time of Pose(): little is left to check.
