@@ -249,7 +249,10 @@ def build_plan(
         draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
-    depth_for = _readers_of_depth([fill.entry for fill in chain], shown, takes_depth)
+    # Which passes, or which display, read the shown depth.
+    readers = [each.entry.name for each in chain if SHOWN_DEPTH in each.entry.reads]
+    readers += [planned.made_by.name for planned in shown if SHOWN_DEPTH in planned.reads]
+    depth_for = " and ".join(dict.fromkeys([*readers, *([takes_depth] if takes_depth else [])]))
     beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
     _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
@@ -472,14 +475,6 @@ def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool,
     else:
         fused = f"{reason}; fused with the lens: {lens.summary}"
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
-
-
-def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[PlannedEffect], takes_depth: str) -> str:
-    """Return which passes, or which display, read the shown depth, "" for none."""
-    readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
-    readers += [planned.made_by.name for planned in shown if SHOWN_DEPTH in planned.reads]
-    readers += [takes_depth] if takes_depth else []
-    return " and ".join(dict.fromkeys(readers))
 
 
 def _refuse_to_fuse(warp: type[Warp], chain: tuple[Choice[Fill], ...], lens: type[LensPass]) -> None:

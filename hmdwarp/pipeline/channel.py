@@ -76,10 +76,13 @@ class Changes:
         seen = (self._content, self.light_at, lambda time_ns: [each.showing(time_ns) for each in self._scene.panels])
         if any(at(then_ns) != at(now_ns) for at in seen):
             return math.inf
-        return max(
-            _by_head(eye, view, nearest) + self._by_movers(eye, view, then_ns, now_ns)
-            for (eye, nearest), view in zip(self._sent.eyes, views, strict=True)
-        )
+        moved = 0.0
+        for (eye, nearest), view in zip(self._sent.eyes, views, strict=True):
+            places = (eye.view.pose.position_m, view.pose.position_m)
+            angles = (mover.moved_rad(places, then_ns, now_ns) for mover in self._movers)
+            by_movers = max(angles, default=0.0) * _pixels_per_rad(eye)
+            moved = max(moved, _by_head(eye, view, nearest) + by_movers)
+        return moved
 
     def light_at(self, time_ns: int) -> object:
         """Return what tells the light of an instant from that of others; None where it is baked."""
@@ -90,11 +93,6 @@ class Changes:
             tuple((*lamp.place(lit_ns), *lamp.fading(lit_ns), *lamp.light(lit_ns)) for lamp in self._scene.lamps),
             tuple(self._scene.bodies[number - 1].lit_as(lit_ns) for number in self._stops_light),
         )
-
-    def _by_movers(self, eye: EyeImage, view: View, then_ns: int, now_ns: int) -> float:
-        places = (eye.view.pose.position_m, view.pose.position_m)
-        angles = (mover.moved_rad(places, then_ns, now_ns) for mover in self._movers)
-        return max(angles, default=0.0) * _pixels_per_rad(eye)
 
 
 class _Mover(ABC):

@@ -199,8 +199,13 @@ class Coder:
         }
         size = frame.eyes[0].size
         streams = self._streams.setdefault(size, {})
-        step = self._depth_step(frame)
-        self._open(streams, contents, step)
+        step = STEP
+        if self._coding.depth != EXACT:
+            step = depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
+        for key, content in contents.items():
+            if key not in streams:
+                of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
+                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1), step)
         # A stream that was left for another size begins anew.
         wants_key, self._last_size = wants_key or size != self._last_size, size
         packets, took_ms = {}, 0.0
@@ -215,7 +220,8 @@ class Coder:
         looked_at = counted if self._encoded % LOOK_EVERY == 0 else ()
         before = {key: picture_from_linear(contents[key].drawn) for key in looked_at if contents[key].video_pixels}
         self._encoded += 1
-        error = _depth_error(self._coding, step)
+        # Half a step, and as video for 98 % of pixels two.
+        error = 2 * step if self._coding.depth in DEPTH_VIDEOS else step / 2
         frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
         return CodedFrame(frame, packets, counted, {key: one.into for key, one in contents.items()}, before)
 
@@ -253,18 +259,6 @@ class Coder:
         told = {name: median(values) if values else None for name, values in figures.items()}
         return {"codec": self._coding.codec, **told}
 
-    def _depth_step(self, frame: Frame) -> float:
-        if self._coding.depth == EXACT:
-            return STEP
-        return depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
-
-    def _open(self, streams: dict[Key, Stream], contents: Mapping[Key, _Content], step: float) -> None:
-        """Open the streams that are not open yet."""
-        for key, content in contents.items():
-            if key not in streams:
-                of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
-                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1), step)
-
     def _stream(self, content: _Content, share: float, step: float) -> Stream:
         size, asked = content.drawn.shape[1::-1], self._coding
         if content.coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
@@ -284,21 +278,12 @@ class Coder:
 
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
     """Return every texture and array that is read, with its coding."""
+    is_light = "light" in frame.eyes[0]  # that an albedo will take from: what is beyond 1 is kept
     return {
-        (eye, name, number): (into, _coding_in(frame, coding))
+        (eye, name, number): (into, BRIGHT_VIDEO if is_light and coding == VIDEO else coding)
         for (eye, name), layer, data in reads.contents(frame)
         for number, (into, coding) in enumerate(layer.coded(data))
     }
-
-
-def _coding_in(frame: Frame, coding: str) -> str:
-    """Return how a video is coded in this frame: light that an albedo will take from is kept."""
-    return BRIGHT_VIDEO if coding == VIDEO and "light" in frame.eyes[0] else coding
-
-
-def _depth_error(coding: Coding, step: float) -> float:
-    """Return by how much depth may be wrong: half a step, and as video for 98 % of pixels two."""
-    return 2 * step if coding.depth in DEPTH_VIDEOS else step / 2
 
 
 def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float:

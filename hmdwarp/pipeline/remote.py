@@ -166,7 +166,10 @@ class Remote:
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
         fovea = fovea if self._takes_fovea else None
-        acted = self._acted_until(times[2]) if self.takes_inputs else self._known_inputs
+        acted = self._known_inputs
+        if self.takes_inputs:
+            until = bisect_right(self._acted, times[2], key=lambda event: event.time_ns)
+            acted = min(until, acted + MOST_INPUTS)
         inputs = tuple(self._acted[self._known_inputs : acted])
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea, inputs=inputs))
@@ -186,11 +189,6 @@ class Remote:
         self._acted += events
         if len(self._acted) > bounds.KEPT_INPUTS.most:
             raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
-
-    def _acted_until(self, time_ns: int) -> int:
-        """Return how many inputs a request of that instant tells, with those that are known."""
-        until = bisect_right(self._acted, time_ns, key=lambda event: event.time_ns)
-        return min(until, self._known_inputs + MOST_INPUTS)
 
     def _session_at(self, now_ns: int) -> Session:
         """Return the session of a request at that instant, with the fates heard of by then."""

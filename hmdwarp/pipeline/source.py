@@ -142,7 +142,9 @@ class ServerFrames:
         asked, timer = self.requested, self.server.gpu.timer
         is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
-            views, (size, guard) = looking(self.eyes.views(head.pose), head.gaze), self._resolution(scale)
+            views, size, guard = looking(self.eyes.views(head.pose), head.gaze), asked.size, asked.guard
+            if scale != 1:
+                size, guard = scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
             frame = self.server.draw_frame(
                 views,
                 now_ns,
@@ -173,13 +175,6 @@ class ServerFrames:
     def channel(self, setup: ChannelSetup) -> Channel:
         """Return a channel over the link."""
         return Channel(setup, self.recycle)
-
-    def _resolution(self, scale: float) -> tuple[tuple[int, int], Guard]:
-        """Return the size to draw in, without the guard band, and the guard band."""
-        asked = self.requested
-        if scale == 1:
-            return asked.size, asked.guard
-        return scaled_size(asked.size, scale), GuardBand.of(asked.guard).factors(asked.size)
 
 
 def settling(frames: FrameSource, geometry: ClientScene) -> Settled:

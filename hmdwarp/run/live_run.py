@@ -353,12 +353,10 @@ def open_display(
         raise MachineError(
             f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
         ) from error
-    say(f"a window, as there is no headset: {_first_clause(why) if briefly else why}")
+    if briefly:
+        why = f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
+    say(f"a window, as there is no headset: {why}")
     return display
-
-
-def _first_clause(why: str) -> str:
-    return f"{re.split('[:;] ', why, maxsplit=1)[0]} (hmdwarp doctor tells more)"
 
 
 def display_options(

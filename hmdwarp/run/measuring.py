@@ -148,7 +148,9 @@ class Probe:
             result = self._before_lens(refresh, eye)
             job = self._job(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
-                self._count_filled(result)
+                for name, canvas in (("warp", None), *result.filled):
+                    alpha = coverage(result) if canvas is None else download(canvas.texture)[..., 3]
+                    self._empty.setdefault(name, []).append(_hole_share(alpha))
             others = [
                 self._read_comparison(which, against, (number, eye), refresh, picture, depth)
                 for which, against in enumerate(self._against, 1)
@@ -192,12 +194,6 @@ class Probe:
             self._setup.hand_in(self._pool, (number, eye, which), job)
         return job
 
-    def _count_filled(self, result: EyeResult) -> None:
-        covered = [("warp", coverage(result))]
-        covered += [(name, download(canvas.texture)[..., 3]) for name, canvas in result.filled]
-        for name, alpha in covered:
-            self._empty.setdefault(name, []).append(_hole_share(alpha))
-
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty")."""
         if not self._empty:
@@ -232,6 +228,9 @@ class Probe:
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
             return None
+        late = None
+        if which == MAIN and PICTURE[0] not in rendered.left_out:
+            late = picture_from_linear(download(rendered.colour))
         return QualityJob(
             now,
             before if before_number == number - 1 else None,
@@ -239,7 +238,7 @@ class Probe:
             truth_inverse_depth,
             rendered.view,
             rendered.size,
-            rendered_picture=_late_picture(rendered) if which == MAIN else None,
+            rendered_picture=late,
             regions=which == MAIN,
         )
 
@@ -251,10 +250,6 @@ def method_name(warp: str, fill: str) -> str:
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:
     return float((alpha == 0).mean())
-
-
-def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
-    return picture_from_linear(download(rendered.colour)) if PICTURE[0] not in rendered.left_out else None
 
 
 def _about_scanout(setup: ReplayRun) -> str:

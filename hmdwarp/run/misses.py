@@ -85,17 +85,16 @@ class SeenOffset:
         shares = np.arange(1, missed + 1) / periods
         looked_at = np.linspace(shares[0], shares[-1], min(missed, _MOST_LOOKED_AT))
         pairs = [(a.shown, b.shown) for a, b in zip(made.inputs, then.inputs, strict=False)]
-        found = [self._rms_deg(made, [_between(a, b, float(share)) for a, b in pairs]) for share in looked_at]
+        found = []
+        for share in looked_at:
+            views = zip(self._points, pairs, strict=False)
+            angles = [self._angles(points, a, _between(a, b, float(share))) for points, (a, b) in views]
+            found.append(float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2)))))
         return [float(off) for off in np.interp(shares, looked_at, found)]
 
     def _look(self, made: Refresh, depths: Iterable[Array]) -> None:
         self._made = made
         self._points = [_points_of(i.rendered, depth) for i, depth in zip(made.inputs, depths, strict=True)]
-
-    def _rms_deg(self, made: Refresh, now: Sequence[View]) -> float:
-        views = zip(self._points, [inputs.shown for inputs in made.inputs], now, strict=False)
-        angles = [self._angles(points, then, view) for points, then, view in views]
-        return float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2))))
 
     def _angles(self, points: tuple[Array, Array], then: View, now: View) -> Array:
         seen, right = (_ways(points, view) for view in (then, now))

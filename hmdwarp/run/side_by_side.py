@@ -326,13 +326,10 @@ class Comparison:
                     self._time(refresh)
                     self._measure(number, refresh, turns[number] % len(refresh.inputs), before)
                     step()
-                before = (
-                    self._neighbour(refresh, turns[number + 1] % len(refresh.inputs)) if number + 1 in turns else []
-                )
-
-    def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
-        truth = self._beside.truth(refresh.inputs[eye])
-        return self._beside.pictures(refresh, eye, truth)
+                before = []
+                if number + 1 in turns:
+                    eye = turns[number + 1] % len(refresh.inputs)
+                    before = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
 
     def _time(self, refresh: Refresh) -> None:
         """Time every combination in each round, in an order that rotates from round to round.

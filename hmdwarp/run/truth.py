@@ -144,8 +144,10 @@ class WholePictures:
 
     def inputs(self, loop: Loop, refresh: Refresh, plan: Plan) -> tuple[PassInputs, ...]:
         """Return the inputs of the plan for the refresh just shown."""
-        every = loop.inputs(refresh, plan.needs)
-        if not _is_apart(refresh.frame, plan) and not _lacks_pictures(refresh.frame, plan):
+        every, eye = loop.inputs(refresh, plan.needs), refresh.frame.eyes[0]
+        apart = [name for name in eye.carried if layers.get(name).apart]
+        is_apart = apart and not any(name in plan.needs for name in apart)
+        if not is_apart and eye.left_out.isdisjoint(Reads.of([plan]).names):
             return every
         if refresh.frame is not self._frame:
             self.close()
@@ -165,15 +167,6 @@ class WholePictures:
         for image in self._drawn.values():
             self._server.pool(image.size).release(image.colour)
         self._drawn, self._frame = {}, None
-
-
-def _lacks_pictures(frame: Frame, plan: Plan) -> bool:
-    return not frame.eyes[0].left_out.isdisjoint(Reads.of([plan]).names)
-
-
-def _is_apart(frame: Frame, plan: Plan) -> bool:
-    apart = [name for name in frame.eyes[0].carried if layers.get(name).apart]
-    return bool(apart) and not any(name in plan.needs for name in apart)
 
 
 _GOLDEN = (5**0.5 - 1) / 2

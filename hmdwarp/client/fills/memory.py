@@ -122,15 +122,12 @@ class Memory(Fill):
             one = concerned[self._turn % len(concerned)]
             self._keeper.forget(self._slots[one.slot], one.view, rendered, self._turn // len(concerned))
         if is_new(rendered.view, self._kept):
-            slot = self._free_slot(rendered.view)
+            if len(self._kept) == len(self._slots):
+                self._kept.remove(most_redundant(self._kept, rendered.view))
+            used = {keyframe.slot for keyframe in self._kept}
+            slot = next(slot for slot in range(len(self._slots)) if slot not in used)
             self._keeper.keep(rendered, self._slots[slot])
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
-
-    def _free_slot(self, newest: View) -> int:
-        if len(self._kept) == len(self._slots):
-            self._kept.remove(most_redundant(self._kept, newest))
-        used = {keyframe.slot for keyframe in self._kept}
-        return next(slot for slot in range(len(self._slots)) if slot not in used)
 
     def close(self) -> None:
         self._holes.close()
