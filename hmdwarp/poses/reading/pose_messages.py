@@ -175,7 +175,7 @@ class McapPoses(PoseMessages):
             reader = self._mcap.SeekingReader(self.stream, **self._how)
             index = reader.get_summary()
             if index is not None:
-                stated = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
+                stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
                 self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
                 return reader, index
         except Exception:  # as above: a file that was cut off has no index where it should be
