@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 import attrs
 
@@ -36,11 +35,10 @@ class Euler:
 
     def words(self) -> str:
         """Return it as `parse_euler` takes it."""
-        turns = self.order if self.order in (VECTOR, AXIS_ANGLE) else self._turns()
+        turns = self.order
+        if turns not in (VECTOR, AXIS_ANGLE):
+            turns = "".join("-" * (sign < 0) + axis for axis, sign in zip(turns.upper(), self.signs, strict=True))
         return f"{turns},{'deg' if self.degrees else 'rad'}"
-
-    def _turns(self) -> str:
-        return "".join("-" * (sign < 0) + axis for axis, sign in zip(self.order.upper(), self.signs, strict=True))
 
 
 def parse_euler(text: str) -> Euler:
@@ -54,15 +52,8 @@ def parse_euler(text: str) -> Euler:
     signed = order in (VECTOR, AXIS_ANGLE) or (sorted(axes) == ["x", "y", "z"] and re.fullmatch("(-?[xyz]){3}", order))
     if not signed or unit not in ("deg", "rad"):
         raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
-    if order in (VECTOR, AXIS_ANGLE):
-        return Euler(order, unit == "deg")
     signs = tuple(-1 if sign else 1 for sign in re.findall("(-?)[xyz]", order))
-    return Euler(axes, unit == "deg", signs)
-
-
-def _check_euler(_: object, __: attrs.Attribute[Any], value: str | None) -> None:
-    if value is not None:
-        parse_euler(value)
+    return Euler(order, unit == "deg") if order in (VECTOR, AXIS_ANGLE) else Euler(axes, unit == "deg", signs)
 
 
 @attrs.frozen
@@ -123,7 +114,7 @@ class TraceOptions(Declared):
         None,
         "Read angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg); vector,rad for a "
         "rotation vector, axis-angle,rad for an axis and its angle.",
-        valid=_check_euler,
+        valid=lambda _, __, value: value is None or parse_euler(value),
     )
     pose: str | None = option(
         None,

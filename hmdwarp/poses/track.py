@@ -65,25 +65,30 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
 
 
 def _times(value: ArrayLike) -> NDArray[np.int64]:
+    found = in_brief(value)
     try:
         array = np.asarray(value)
+        if array.ndim == 1 and array.dtype.kind in "iu":
+            return array.astype(np.int64)
+        found = f"{array.dtype} of shape {array.shape}"
+    except NO_NUMBERS:
+        pass
+    raise TraceError(f"time_ns: expected a row of integers, found {found}")
+
+
+def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
+    try:
+        return tuple(map(kind, value))
     except NO_NUMBERS as error:
-        raise TraceError(f"time_ns: expected a row of integers, found {in_brief(value)}") from error
-    if array.ndim != 1 or array.dtype.kind not in "iu":
-        raise TraceError(f"time_ns: expected a row of integers, found {array.dtype} of shape {array.shape}")
-    return array.astype(np.int64)
+        raise TraceError(f"{what}, found {in_brief(value)}") from error
 
 
-def _rows_of(name: str, what: str, kind: type) -> Callable[[Iterable[Any]], tuple[Any, ...]]:
-    """Return what makes a tuple of any row of such values. Errors: TraceError."""
+def _texts(value: Iterable[str]) -> tuple[str, ...]:
+    return _tuple_of(str, value, "notes: expected texts")
 
-    def convert(value: Iterable[Any]) -> tuple[Any, ...]:
-        try:
-            return tuple(map(kind, value))
-        except NO_NUMBERS as error:
-            raise TraceError(f"{name}: expected {what}, found {in_brief(value)}") from error
 
-    return convert
+def _jumps(value: Iterable[int]) -> tuple[int, ...]:
+    return _tuple_of(int, value, "jumps: expected indices of samples")
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
@@ -119,12 +124,12 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_rows_of("notes", "texts", str))  # type: ignore[misc]  # for readers
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=_rows_of("jumps", "indices of samples", int))  # type: ignore[misc]
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample

@@ -37,7 +37,7 @@ class Layout:
     stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
     packed: bool = False
     # What says so: documents of the data set or of its maker, and for the plain ones of OpenXR.
-    proof: str = "OpenXR 1.1, 2.16"
+    proof: str = ""
 
 
 @attrs.frozen
@@ -91,21 +91,9 @@ def _matrix_4x4(r: Row) -> list[float]:
     return [*(v for row, t in zip(r.m, r.p, strict=True) for v in (*row, t)), 0.0, 0.0, 0.0, 1.0]
 
 
-def _matrix_3x4(r: Row) -> list[float]:
-    return _matrix_4x4(r)[:12]
-
-
 def _json_lines(rows: list[Row]) -> str:
-    return "\n".join(
-        json.dumps(
-            {
-                "time": r.ns / 1e6,
-                "position": dict(zip("xyz", r.p, strict=True)),
-                "orientation": dict(zip("xyzw", r.q, strict=True)),
-            }
-        )
-        for r in rows
-    )
+    named = ((r, dict(zip("xyz", r.p, strict=True)), dict(zip("xyzw", r.q, strict=True))) for r in rows)
+    return "\n".join(json.dumps({"time": r.ns / 1e6, "position": p, "orientation": q}) for r, p, q in named)
 
 
 def _frames(rows: list[Row]) -> str:
@@ -126,129 +114,99 @@ def _bodies(rows: list[Row]) -> str:
 _ASL = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 _POSE = "px,py,pz,qx,qy,qz,qw"
 _HEAD = "HeadPosX,HeadPosY,HeadPosZ,HeadOrientationW,HeadOrientationX,HeadOrientationY,HeadOrientationZ"
-LAYOUTS = (
-    Layout("OpenXR logger, CSV", _PLAIN, _csv(f"time_s,{_POSE}", lambda r: [r.s, *r.p, *r.q])),
-    Layout(
-        "WebXR logger, JSON lines, gzip",
-        _PLAIN,
-        _json_lines,
-        packed=True,
-        proof="WebXR Device API, XRReferenceSpace: y up, -z forward",
+_RDF = "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z"
+_ALYX = "delta_time_ms;timestamp;hmd_pos_x;hmd_pos_y;hmd_pos_z;hmd_rot_x;hmd_rot_y;hmd_rot_z;hmd_rot_w"
+_HOLOLENS = "timestamp,HeadX,HeadY,HeadZ,HeadRotX,HeadRotY,HeadRotZ,HeadRotW"
+_TUM = "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw"
+_QUEST3 = "timestamp[ns],t_wo_x[m],t_wo_y[m],t_wo_z[m],q_wo_w,q_wo_x,q_wo_y,q_wo_z"
+_ROS = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
+_ROS += "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w"
+
+
+def _plain(r: Row) -> list:
+    return [r.s, *r.p, *r.q]
+
+
+def _asl(r: Row) -> list:
+    return [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]
+
+
+def _questset(r: Row) -> list:
+    return [*r.p, *_wxyz(r.q), 0.1, 0.9, 0.2, r.s]
+
+
+def _ros(r: Row) -> list:
+    return [*divmod(EPOCH_NS + r.ns, 10**9), *r.p, *r.q]
+
+
+# Name, axes, how its text is made, what a user states, who says so; None: OpenXR.
+_TABLE = (
+    ("OpenXR logger, CSV", _PLAIN, _csv(f"time_s,{_POSE}", _plain), {}, None),
+    (
+        *("WebXR logger, JSON lines, gzip", _PLAIN, _json_lines, {}),
+        "WebXR Device API, XRReferenceSpace: y up, -z forward",
     ),
-    Layout(
-        "QuestSet (Quest 2)",
-        _PLAIN,
-        _csv(
-            f"{_HEAD},LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,time", lambda r: [*r.p, *_wxyz(r.q), 0.1, 0.9, 0.2, r.s]
-        ),
-        proof="its README: x across, y up, z in depth; signs by the gestures of its sample",
+    (
+        *("QuestSet (Quest 2)", _PLAIN, _csv(f"{_HEAD},LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,time", _questset), {}),
+        "its README: x across, y up, z in depth; signs by the gestures of its sample",
     ),
-    Layout("rows of head and hands", _PLAIN, _bodies),
-    Layout(
-        "HoloLens logger (Unity)",
-        "unity",
-        _csv("timestamp,HeadX,HeadY,HeadZ,HeadRotX,HeadRotY,HeadRotZ,HeadRotW", lambda r: [r.s, *r.p, *r.q]),
-        {"axes": "unity"},
-        proof="Unity manual, Transform: left-handed, y up, z forward",
+    ("rows of head and hands", _PLAIN, _bodies, {}, None),
+    (
+        *("HoloLens logger (Unity)", "unity", _csv(_HOLOLENS, _plain), {"axes": "unity"}),
+        "Unity manual, Transform: left-handed, y up, z forward",
     ),
-    Layout(
-        "UXF tracker (Unity, Euler angles)",
-        "unity",
-        _csv("time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z", lambda r: [r.s, *r.p, *r.euler()]),
+    (
+        *("UXF tracker (Unity, Euler angles)", "unity", _csv(_RDF, lambda r: [r.s, *r.p, *r.euler()])),
         {"euler": "ZXY,deg", "axes": "unity"},
-        proof="its PositionRotationTracker.cs: Transform.position and eulerAngles of Unity",
+        "its PositionRotationTracker.cs: Transform.position and eulerAngles of Unity",
     ),
-    Layout(
-        "who-is-alyx (OpenVR, centimetres)",
-        _PLAIN,
-        _csv(
-            "delta_time_ms;timestamp;hmd_pos_x;hmd_pos_y;hmd_pos_z;hmd_rot_x;hmd_rot_y;hmd_rot_z;hmd_rot_w",
-            lambda r: ["11.1", r.s, *_cm(r.p), *r.q],
-            ";",
-        ),
+    (
+        *("who-is-alyx (OpenVR, centimetres)", _PLAIN, _csv(_ALYX, lambda r: ["11.1", r.s, *_cm(r.p), *r.q], ";")),
         {"scale": 0.01},
-        proof="its Readme: OpenVR, right-handed, y up; z and w change their sign for Unity",
+        "its Readme: OpenVR, right-handed, y up; z and w change their sign for Unity",
     ),
-    Layout(
-        "Unreal logger (centimetres)",
-        "unreal",
-        _csv(f"Time,{_POSE}", lambda r: [r.s, *_cm(r.p), *r.q]),
-        {"axes": "unreal"},
-        proof="Unreal Engine documentation, coordinate system and spaces",
+    (
+        *("Unreal logger (centimetres)", "unreal", _csv(f"Time,{_POSE}", lambda r: [r.s, *_cm(r.p), *r.q])),
+        *({"axes": "unreal"}, "Unreal Engine documentation, coordinate system and spaces"),
     ),
-    Layout(
-        "TUM RGB-D ground truth",
-        "tum-rgbd",
-        _csv("# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw", lambda r: [r.s, *r.p, *r.q], " "),
-        {"axes": "tum-rgbd"},
-        proof="its page, file formats: optical centre of the colour camera; heights lie along z",
+    (
+        *("TUM RGB-D ground truth", "tum-rgbd", _csv(_TUM, _plain, " "), {"axes": "tum-rgbd"}),
+        "its page, file formats: optical centre of the colour camera; heights lie along z",
     ),
-    Layout("evo, bare .tum of an OpenXR head", _PLAIN, _csv("", lambda r: [r.s, *r.p, *r.q], " ")),
-    Layout(
-        "eight bare columns, w first", _PLAIN, _csv("", lambda r: [r.s, *r.p, *_wxyz(r.q)], " "), {"quat_order": "wxyz"}
+    ("evo, bare .tum of an OpenXR head", _PLAIN, _csv("", _plain, " "), {}, None),
+    (
+        *("eight bare columns, w first", _PLAIN, _csv("", lambda r: [r.s, *r.p, *_wxyz(r.q)], " ")),
+        *({"quat_order": "wxyz"}, None),
     ),
-    Layout(
-        "EuRoC MAV",
-        "euroc",
-        _csv(_ASL, lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]),
-        {"axes": "euroc"},
-        proof="T_BS of cam0 in its sensor.yaml: the camera's x is the body's y, its y the body's -x",
+    (
+        *("EuRoC MAV", "euroc", _csv(_ASL, _asl), {"axes": "euroc"}),
+        "T_BS of cam0 in its sensor.yaml: the camera's x is the body's y, its y the body's -x",
     ),
-    Layout(
-        "TUM-VI",
-        "tum-vi",
-        _csv(_ASL, lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]),
-        {"axes": "tum-vi"},
-        proof="T_cam_imu of its camchain.yaml",
+    ("TUM-VI", "tum-vi", _csv(_ASL, _asl), {"axes": "tum-vi"}, "T_cam_imu of its camchain.yaml"),
+    (
+        *("Aria MPS, HOT3D (Aria)", "aria", _aria, {"axes": "aria"}),
+        "gravity_z_world of the file; Aria's viewers turn pictures by 90 degrees to be upright",
     ),
-    Layout(
-        "Aria MPS, HOT3D (Aria)",
-        "aria",
-        _aria,
-        {"axes": "aria"},
-        proof="gravity_z_world of the file; Aria's viewers turn pictures by 90 degrees to be upright",
-    ),
-    Layout(
-        "HOT3D (Quest 3), turned device",
-        "hot3d-quest3",
-        _csv(
-            "timestamp[ns],t_wo_x[m],t_wo_y[m],t_wo_z[m],q_wo_w,q_wo_x,q_wo_y,q_wo_z",
-            lambda r: [r.ns, *r.p, *_wxyz(r.q)],
-        ),
+    (
+        *("HOT3D (Quest 3), turned device", "hot3d-quest3", _csv(_QUEST3, lambda r: [r.ns, *r.p, *_wxyz(r.q)])),
         {"axes": "hot3d-quest3"},
-        proof="its camera_models.json (optical axes along +x) and viewer (world y up)",
+        "its camera_models.json (optical axes along +x) and viewer (world y up)",
     ),
-    Layout(
-        "ARKit, 4x4 matrices",
-        "arkit",
-        _csv("", lambda r: [r.s, *_matrix_4x4(r)], " "),
-        proof="ARKit documentation, WorldAlignment.gravity: (0, -1, 0) is down, (0, 0, -1) ahead",
+    (
+        *("ARKit, 4x4 matrices", "arkit", _csv("", lambda r: [r.s, *_matrix_4x4(r)], " "), {}),
+        "ARKit documentation, WorldAlignment.gravity: (0, -1, 0) is down, (0, 0, -1) ahead",
     ),
-    Layout(
-        "KITTI odometry, 3x4 matrices",
-        "kitti",
-        _csv("", _matrix_3x4, " "),
-        {"rate": 90.0, "axes": "kitti"},
-        proof="its devkit readme: left camera, z forward, rows of the first frame",
+    (
+        *("KITTI odometry, 3x4 matrices", "kitti", _csv("", lambda r: _matrix_4x4(r)[:12], " ")),
+        *({"rate": 90.0, "axes": "kitti"}, "its devkit readme: left camera, z forward, rows of the first frame"),
     ),
-    Layout(
-        "nerfstudio transforms.json",
-        "nerfstudio",
-        _frames,
-        {"axes": "nerfstudio"},
-        proof="nerfstudio documentation, data conventions",
+    (
+        *("nerfstudio transforms.json", "nerfstudio", _frames, {"axes": "nerfstudio"}),
+        "nerfstudio documentation, data conventions",
     ),
-    Layout(
-        "ROS 2 bag as CSV",
-        "ros",
-        _csv(
-            "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
-            "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
-            lambda r: [(EPOCH_NS + r.ns) // 10**9, (EPOCH_NS + r.ns) % 10**9, *r.p, *r.q],
-        ),
-        proof="ROS REP 103",
-    ),
+    ("ROS 2 bag as CSV", "ros", _csv(_ROS, _ros), {}, "ROS REP 103"),
 )
+LAYOUTS = [Layout(*row[:4], "gzip" in row[0], row[4] or "OpenXR 1.1, 2.16") for row in _TABLE]
 
 
 def written(layout: Layout, truth: PoseTrack, folder: Path) -> Path:

@@ -13,10 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
-from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import Axes, load_preset, parse_axes, preset_names
 
-from .traces import found, kinds, rows, same_motion, write
+from .traces import WRITERS, found, kinds, rows, same_motion, save, write
 
 # Matrices, angles and changes of axes round a few times at 2e-16; the angle of a turn near zero has
 # the square root of that, some 1e-8.
@@ -157,11 +156,11 @@ def test_notes_name_what_motion_does_not_show(tmp_path):
     assert "the motion agrees" in load_trace(written(tmp_path, LOOK)).axes
 
 
-def test_a_file_of_ours_states_its_axes(tmp_path):
-    for name in ("native", "tum", "euroc"):
-        with (tmp_path / name).open("w") as stream:
-            formats.get(name).write(LOOK, stream)
-        assert load_trace(tmp_path / name).axes == "openxr (world=x,y,-z head=x,y,-z), stated by the file"
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_file_of_ours_states_its_axes(tmp_path, name):
+    loaded = load_trace(save(LOOK, tmp_path / "head", name))
+    axes = "ros (world=-y,z,x head=-y,z,x)" if name == "mcap" else "openxr (world=x,y,-z head=x,y,-z)"
+    assert loaded.axes == f"{axes}, stated by the file" and not loaded.axes_assumed
 
 
 def test_a_comment_states_the_axes(tmp_path):

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.poses import TraceOptions, load_trace
 
-from .traces import found, head, kinds, matrices, refusal, rows, same_motion, write
+from .traces import found, head, kinds, refusal, rows, same_motion, write
 
 # Matrices, angles and changes of axes round a few times at 2e-16; the angle of a turn near zero has
 # the square root of that, some 1e-8.
@@ -193,16 +193,6 @@ def test_angles_are_read_with_their_order_stated(tmp_path, order, names, unit):
     path = write(tmp_path / "e.csv", table, f"time,pos_x,pos_y,pos_z,{names}")
     assert same_motion(load_trace(path, TraceOptions(euler=f"{order},{unit}")).track, TRACK, atol=ROUNDED)
     assert "--euler" in refusal(path)
-
-
-@pytest.mark.parametrize(("numbers", "timed"), [(12, False), (12, True), (16, True), (16, False)])
-def test_matrices_are_read(tmp_path, numbers, timed):
-    cells = matrices(TRACK).reshape(-1, 16)[:, :numbers].tolist()
-    table = [[*([r[0]] if timed else []), *map(repr, p)] for r, p in zip(TABLE, cells, strict=True)]
-    path = write(tmp_path / "m.txt", table, header="", separator=" ")
-    loaded = load_trace(path, TraceOptions() if timed else TraceOptions(rate=60))
-    assert loaded.format == "matrices" and same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
-    assert timed or "--trace-rate" in refusal(path)
 
 
 def test_rows_without_a_turn_among_matrices_are_dropped(tmp_path):

@@ -112,15 +112,6 @@ class Bag:
         return self.path
 
 
-def test_a_written_file_is_read_back_with_its_axes_and_clock(tmp_path):
-    track = head().evolve(epoch_ns=EPOCH_NS, origin="made for a test")
-    loaded = load_trace(save(track, tmp_path / "a.mcap", "mcap"))
-    assert same_motion(loaded.track, track, atol=0)
-    assert (loaded.format, loaded.track.epoch_ns, loaded.track.origin) == ("mcap", EPOCH_NS, "made for a test")
-    assert loaded.axes.startswith("ros (") and "stated by the file" in loaded.axes
-    assert "/head" in loaded.columns and not loaded.axes_assumed
-
-
 def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
     """By the reader of the format's authors: schema, times, and up is z."""
     track = head()

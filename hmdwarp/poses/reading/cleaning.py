@@ -180,8 +180,8 @@ class Cleaner:
 
     def count_on(self, found: Wraps, what: str) -> Found:
         """Take stamps that are counted on where the clock begins again."""
-        self.rows.stamps, self.wrap = found.stamps, what
-        return found.rows, what
+        self.rows.stamps, self.wrap = found.stamps, what.format(counted(len(found.rows), "time"))
+        return found.rows, self.wrap
 
     def need_two_rows(self) -> Found:
         if len(self.rows) < 2:
@@ -254,7 +254,7 @@ class Cleaner:
 
     def midnights(self) -> Found:
         found = midnights(self.stamps)
-        return self.count_on(found, f"the clock passes midnight {counted(len(found.rows), 'time')}")
+        return None if found is None else self.count_on(found, "the clock passes midnight {}")
 
     def absurd_stamps(self) -> Found:
         bad = absurd_rows(self.stamps)
@@ -262,7 +262,7 @@ class Cleaner:
 
     def wraps(self) -> Found:
         found = wraps_of(self.stamps, self.rows.orientation)
-        return self.count_on(found, f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}")
+        return None if found is None else self.count_on(found, f"the clock wraps {{}}, at {found.what}")
 
     def reversed_rows(self) -> Found:
         """Find rows that run backwards in time. Errors: TraceError for shuffled ones."""

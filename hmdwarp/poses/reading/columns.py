@@ -142,20 +142,14 @@ def find_columns(names: list[str]) -> Columns:
     triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
     places = [k for k in triples if k != orientation_key and (set(k) & _POSITION or set(k) <= set(_HEAD))]
     position_key, down = _best(places), next((k for k in triples if "gravity" in k), None)
-    orientation: tuple[int, int, int, int] | None = None
-    numbered = False
-    if orientation_key is not None:
-        turn = groups[orientation_key]
-        orientation = turn["x"], turn["y"], turn["z"], turn["w"]
-    else:
+    turn, numbered = None if orientation_key is None else groups[orientation_key], False
+    if turn is None:
         orders: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
         for i, name in enumerate(names):
             if found_number := _NUMBERED.match(name.strip()):
-                orders[tuple(words(found_number[1] or ""))].setdefault(found_number[2], i)
+                orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
         order_key = _best([key for key, order in orders.items() if len(order) == 4])
-        if order_key is not None:
-            order = orders[order_key]
-            orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
+        turn, numbered = (None, False) if order_key is None else (orders[order_key], True)
     clocks, nanoseconds = _find_clocks(split)
 
     def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
@@ -164,7 +158,7 @@ def find_columns(names: list[str]) -> Columns:
     return Columns(
         clocks=clocks,
         nanoseconds=nanoseconds,
-        orientation=orientation,
+        orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]),
         numbered=numbered,
         position=xyz(position_key),
         length_m=None if position_key is None else lengths.get(position_key),
@@ -227,13 +221,10 @@ def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str,
         for word, axis in _ANGLES.items()
         if word in named and not set(split[named[word]]) & _ELSEWHERE
     }
-    if len(found) == 3:
-        return found["x"], found["y"], found["z"]
-    bare = {parts[0]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
-    if len(bare) == 3:
-        return bare["rx"], bare["ry"], bare["rz"]
+    bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
     key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
-    return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+    at = found if len(found) == 3 else bare if len(bare) == 3 else {} if key is None else groups[key]
+    return (at["x"], at["y"], at["z"]) if at else None
 
 
 def _find_euler(

@@ -86,15 +86,15 @@ def _parsed(text: str) -> Any:
 
 def _records(document: Any) -> list[Any]:
     """Return the longest list of objects or of lists in a document, named if it has names."""
-    found = max(_lists(document), key=_likelihood, default=[])
+
+    def likelihood(records: list[Any]) -> tuple[bool, int, int]:
+        first = _flat(records[-1])  # the first may be a header
+        return _has_pose(first), len(records), len(first)
+
+    found = max(_lists(document), key=likelihood, default=[])
     if found and isinstance(found[0], list) and _are_names(found[0]):
         return [dict(zip(found[0], record, strict=False)) for record in found[1:] if isinstance(record, list)]
     return found
-
-
-def _likelihood(records: list[Any]) -> tuple[bool, int, int]:
-    first = _flat(records[-1])  # the first may be a header
-    return _has_pose(first), len(records), len(first)
 
 
 def _lists(document: Any) -> Iterator[list[Any]]:
@@ -107,8 +107,9 @@ def _lists(document: Any) -> Iterator[list[Any]]:
     elif isinstance(document, dict):
         names = next((document[key] for key in _NAMES if _are_names(document.get(key))), None)
         for value in document.values():
-            if names is not None and _is_table(value, len(names)):
-                yield [names, *value]
+            rows = value if isinstance(value, list) else []
+            if names is not None and rows and all(isinstance(r, list) and len(r) == len(names) for r in rows):
+                yield [names, *rows]
             else:
                 yield from _lists(value)
         yield from _columns_of(document)
@@ -128,10 +129,6 @@ def _columns_of(document: dict[str, Any]) -> Iterator[list[Any]]:
 
 def _are_names(value: Any) -> bool:
     return isinstance(value, list) and len(value) > 4 and all(isinstance(name, str) for name in value)
-
-
-def _is_table(value: Any, width: int) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(r, list) and len(r) == width for r in value)
 
 
 def _has_pose(row: dict[str, Any]) -> bool:
@@ -162,27 +159,16 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     if isinstance(value, dict):
         parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
     elif isinstance(value, list):
-        parts = [(one, part) for one, part in zip(_names_in(value, name), value, strict=True)]
+        cells = [cell for row in value if isinstance(row, list) for cell in row]
+        rows = len(value) in (3, 4) and all(isinstance(row, list) and len(row) in (3, 4) for row in value)
+        if rows and not any(isinstance(cell, dict | list) for cell in cells):  # a matrix
+            return {f"{name}.{r}.{c}": str(cell) for r, row in enumerate(value) for c, cell in enumerate(row)}
+        places: list[Any] = list(range(len(value)))
+        if len(value) == 3 and not any(isinstance(part, list) for part in value):
+            places = list("xyz")
+        elif len(value) == 4 and names_rotation(name):
+            places = [f"q{i}" for i in range(4)]
+        parts = [(f"{name}.{place}", part) for place, part in zip(places, value, strict=True)]
     else:
         return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
-    if _is_grid(value):
-        return {f"{name}.{r}.{c}": str(cell) for r, row in enumerate(value) for c, cell in enumerate(row)}
     return {key: number for one, part in parts for key, number in _flat(part, one).items()}
-
-
-def _is_grid(value: Any) -> bool:
-    """Return whether a list is a matrix of 3 or 4 rows."""
-    lists = isinstance(value, list) and len(value) in (3, 4) and all(isinstance(row, list) for row in value)
-    return (
-        lists
-        and {len(row) for row in value} <= {3, 4}
-        and not any(isinstance(v, dict | list) for r in value for v in r)
-    )
-
-
-def _names_in(values: list[Any], name: str) -> list[str]:
-    if len(values) == 3 and not any(isinstance(value, list) for value in values):
-        return [f"{name}.{axis}" for axis in "xyz"]
-    if len(values) == 4 and names_rotation(name):
-        return [f"{name}.q{i}" for i in range(4)]
-    return [f"{name}.{i}" for i in range(len(values))]

@@ -120,8 +120,8 @@ class Evidence:
 
     def _nods_and_rolls(self, reading: Reading) -> tuple[float, float]:
         """Return the mean squares of how far gaze and ears leave the horizon."""
-        vertical = np.abs(reading.up) @ self.tips
-        return float(vertical @ np.abs(reading.gaze)), float(vertical @ reading.ears)
+        vertical, ears = np.abs(reading.up) @ self.tips, np.abs(np.cross(reading.crown, reading.gaze))
+        return float(vertical @ np.abs(reading.gaze)), float(vertical @ ears)
 
 
 @attrs.frozen(eq=False)
@@ -131,8 +131,6 @@ class Reading:
     up: Array  # of the world
     crown: Array  # up of the head
     gaze: Array  # forward of the head
-    # (3,) 1 for the axis of the head through its ears
-    ears: Array = attrs.field(default=attrs.Factory(lambda r: np.abs(np.cross(r.crown, r.gaze)), takes_self=True))
 
     def stands_as(self, other: Reading) -> bool:
         """Return whether both have the same up, of the world and of the head."""
@@ -140,10 +138,7 @@ class Reading:
 
     def same(self, other: Reading) -> bool:
         """Return whether both are one: right follows, directions on the ground are free."""
-        return all(np.array_equal(a, b) for a, b in zip(self._parts(), other._parts(), strict=True))
-
-    def _parts(self) -> tuple[Array, Array, Array]:
-        return self.up, self.crown, self.gaze
+        return self.stands_as(other) and np.array_equal(self.gaze, other.gaze)
 
 
 def reading_of(axes: Axes) -> Reading:
@@ -209,7 +204,7 @@ def inverse_gain(evidence: Evidence, inverse: Evidence) -> float:
 def _open(evidence: Evidence, here: Reading, points: float, ranked: list[tuple[float, Reading]]) -> str:
     """Return what differs between a reading and others that fit nearly as well."""
     near = [r for score, r in ranked if score > points - CLEAR and not r.same(here) and not evidence.faults(r)]
-    if any(not np.array_equal(r.up, here.up) or not np.array_equal(r.crown, here.crown) for r in near):
+    if not all(map(here.stands_as, near)):
         return "which way is up"
     return "which way the head looks" if near else ""
 
@@ -257,10 +252,8 @@ def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str
     what = f"the head is {far:.4g} m from the origin" if far > FARTHEST_M else f"the head moves at {fast:.4g} m/s"
     for name, metres in _LENGTHS.items():
         if far * metres < 5 and fast * metres <= 3:
-            return (
-                what,
-                f"--scale {metres:g} takes the positions as {name}: {far * metres:.3g} m, {fast * metres:.2g} m/s",
-            )
+            found = f"{far * metres:.3g} m, {fast * metres:.2g} m/s"
+            return what, f"--scale {metres:g} takes the positions as {name}: {found}"
     return what, "--scale gives metres per unit"
 
 

@@ -113,10 +113,9 @@ class RowReader:
 
     def _check_width(self) -> None:
         names, head = self.head.names, self.head
-        if names is None or self._width == len(names):
+        ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
+        if names is None or self._width == len(names) or (self._width == len(names) + 1 and ended):
             return
-        if self._width == len(names) + 1 and all(r[-1] == "" for r in head.rows if len(r) == self._width):
-            return  # each row ends with a separator
         where = f"{head.path}: line {head.first_line}"
         if len(head.rows) == 1 and self._width < len(names):
             raise TraceError(
@@ -221,11 +220,9 @@ class RowReader:
                 return False
             # Aligned with several blanks: count the fields of each line.
             return b"\n\n" not in text and all(len(line.split()) == self._width for line in text.splitlines())
-        if per_line == 0:
-            return True
         ends = np.append(np.flatnonzero(flat == ord("\n")), len(flat))[:count]
         marks = at.reshape(count, per_line)
-        return bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
+        return per_line == 0 or bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
 
     def _read_slowly(self, chunk: _Chunk) -> Rows:
         """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""

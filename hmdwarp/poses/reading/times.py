@@ -242,9 +242,8 @@ def wraps_of(stamps: Stamps, orientation: NDArray[np.float64]) -> Wraps | None:
         if not long:
             over &= _smooth(orientation)
         if over.any():
-            return _counted_on(
-                stamps, over, 2**bits * BILLION // scale, f"2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
-            )
+            what = f"2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
+            return _counted_on(stamps, over, 2**bits * BILLION // scale, what)
     return None
 
 
