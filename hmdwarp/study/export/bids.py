@@ -26,7 +26,7 @@ from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
 from .export_rows import EVENTS, INPUT_EVENTS, RUN_EVENTS, Row, all_scales, event_rows, input_rows, sessions_of
-from .table_columns import Column, column_of, columns_for, columns_in, label_of, tsv_text
+from .table_columns import Column, columns_for, columns_in, label_of, tsv_text
 
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.
@@ -154,13 +154,10 @@ def channels_text() -> str:
     """Return the _channels.tsv: one row for each column of _motion.tsv, in that order."""
     rows = ["name\tcomponent\ttype\ttracked_point\tunits\treference_frame"]
     rows += [
-        f"{name}\t{component}\t{type_}\thead\t{units}\t{_frame(type_)}" for name, component, type_, units in CHANNELS
+        f"{name}\t{component}\t{type_}\thead\t{units}\t{'n/a' if type_ == 'LATENCY' else FRAME}"
+        for name, component, type_, units in CHANNELS
     ]
     return "\n".join(rows) + "\n"
-
-
-def _frame(type_: str) -> str:
-    return "n/a" if type_ == "LATENCY" else FRAME
 
 
 def channels_json() -> dict[str, Any]:
@@ -178,13 +175,7 @@ FOLDER = "bids"
 EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
 Progress = Callable[[int, int], None]
 
-PARTICIPANTS = (
-    Column("participant_id", "text", "sub- and the participant's random word"),
-    Column("part", "text", "Parts of the study, in the order of the sessions"),
-    column_of("origin"),
-    Column("sessions", "whole", "Number of sessions"),
-    Column("status", "text", "How the last session ended", levels=column_of("status").levels),
-)
+PARTICIPANTS = columns_in("participants")
 SCANS = columns_in("scans")
 
 
@@ -347,7 +338,9 @@ class _Tree:
         return {
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
-            "Instructions": " ".join(["After each trial:", *(_asked(scale) for scale in self.design.scales)]),
+            "Instructions": " ".join(
+                ["After each trial:", *(scale.prompt or scale.items[0].text for scale in self.design.scales)]
+            ),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
 
@@ -386,10 +379,6 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
             score.name: score.title or score.name for scale in scales.values() for score in scale.scores
         }
     return out
-
-
-def _asked(scale: Scale) -> str:
-    return scale.prompt or scale.items[0].text
 
 
 def _about(scale: Scale) -> str:
