@@ -49,7 +49,8 @@ def onset_s(session: Session, showing: Showing) -> float | None:
 
 def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
     """Return a row by EVENTS for each of the showings whose onset is known, in that order."""
-    names, rows = [column.name for column in EVENTS], []
+    names = [column.name for column in EVENTS]
+    rows: list[Row] = []
     for showing in showings:
         show, onset, seconds = shows[showing.key], onset_s(session, showing), showing.actual.get("seconds")
         duration = None if seconds is None else round(seconds, _DIGITS)

@@ -61,7 +61,7 @@ def _number(limits: tuple[float, ...] = (), default: Any = 0.0, key: str = "") -
 
 def _numbers(cls: type[attrs.AttrsInstance], tables: Mapping[str, Table]) -> dict[str, float]:
     """Read the numbers that a class declares. tables: by the first word of a key."""
-    found = {}
+    found: dict[str, float] = {}
     for field in attrs.fields(cls):
         if "limits" not in field.metadata:
             continue
