@@ -124,32 +124,24 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     shared = {name: getattr(live, name) for name in _SHARED}
     size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px
     aged_ms = showing.actual.get("latency_ms_median") if live.network.is_plain else None
+    own_head, trace = live.source_kind.has_head, traces / showing.trace  # the truth is what was recorded there
     replayed = {
         "latency_ms": live.latency_ms if aged_ms is None else max(live.latency_ms, round(aged_ms, 3)),
         "lens": "none",
         "fused": False,
         "size": size,
-        "rate_hz": live.rate_hz or session.facts.get("rate_hz"),
-        "trace": str(traces / showing.trace),
-        "as_recorded": True,
-        "input": str(inputs) if (inputs := inputs_beside(traces / showing.trace)).is_file() else "",
+        "rate_hz": None if own_head else live.rate_hz or session.facts.get("rate_hz"),
+        "trace": "" if own_head else str(trace),
+        "as_recorded": not own_head,
+        "input": "" if own_head or not (inputs := inputs_beside(trace)).is_file() else str(inputs),
         "against": "",
         "metrics_every": options.every,
         "jod_s": options.jod_s,
         "workers": options.where.measuring(options.workers),
         "images": 0,
     }
-    if live.source_kind.has_head:
-        # The camera's own head, at the recorded instants: the truth is what was recorded there.
-        seconds = showing.actual.get("seconds")
-        replayed |= {
-            "trace": "",
-            "as_recorded": False,
-            "input": "",
-            "rate_hz": None,
-            "seconds": seconds or None,
-            "lens": "none",
-        }
+    if own_head:
+        replayed["seconds"] = showing.actual.get("seconds") or None
     return RunOptions(**{**shared, **replayed})
 
 

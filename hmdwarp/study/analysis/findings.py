@@ -6,7 +6,7 @@ import itertools
 import math
 import tomllib
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -638,18 +638,13 @@ def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> t
     return None, ""
 
 
-def checked(claims: Claims, rows: Iterable[Row], ratings: Ratings, scale: str) -> list[Row]:
-    """Compare each claim with the data. rows: as compared.
+def checked(claim: Claim, rows: Sequence[Row], ratings: Ratings, scale: str) -> Row:
+    """Compare a claim with the data. rows: as compared.
 
     A figure follows where the mean difference of the pairs is within one step of it, which rounding
     or truncation explains. Otherwise "others" holds what else may have been meant. A claim about a
     latency without ratings names the latencies that were rated.
     """
-    rows = list(rows)
-    return [_checked(claim, rows, ratings, scale) for claim in claims.claims]
-
-
-def _checked(claim: Claim, rows: list[Row], ratings: Ratings, scale: str) -> Row:
     found = {name: getattr(claim, name) for name in ("part", "latency_ms", "difference", "step", "where")}
     if claim.part not in ratings.parts():
         why = f"there is no part '{claim.part}' among {', '.join(ratings.parts())}"

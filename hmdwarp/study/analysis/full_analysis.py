@@ -91,7 +91,7 @@ def _on_scale(
     info = ratings.scale_info[scale]
     rows = findings.compared(ratings, scale, families, resampling)
     copied = findings.copied_rows(ratings, scale, resampling.seed)
-    published = [] if claims is None else findings.checked(claims, rows, ratings, scale)
+    published = [] if claims is None else [findings.checked(one, rows, ratings, scale) for one in claims.claims]
     return {
         "measure": attrs.asdict(info),
         "comparisons": [row | {"sentence": sentences.sentence_of_comparison(row, info)} for row in rows],

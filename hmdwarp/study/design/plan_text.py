@@ -21,7 +21,6 @@ from .definitions import (
     Condition,
     Design,
     Family,
-    Page,
     Part,
     Sickness,
     every_scale,
@@ -240,17 +239,16 @@ def design_as_json(design: Design) -> dict[str, object]:
         "breaks": attrs.asdict(design.breaks),
         "sickness": None if rule is None else attrs.asdict(rule, recurse=False) | {"scale": rule.scale.name},
         "consent_version": None if design.consent is None else design.consent.version,
-        **{key: _as_json(getattr(design, key)) for key in ("instructions", "ready", "thanks")},
+        **{
+            key: None if getattr(design, key) is None else attrs.asdict(getattr(design, key))
+            for key in ("instructions", "ready", "thanks")
+        },
         "scales": [_scale_json(scale) for scale in every_scale(design)],
         "asked": {key: [scale.name for scale in getattr(design, key)] for key in ("scales", "before", "after")},
         "parts": [_part_json(design, part) for part in design.parts],
         "families": [attrs.asdict(family) for family in design.families],
         "notes": list(notes(design)),
     }
-
-
-def _as_json(part: Page | None) -> dict[str, object] | None:
-    return None if part is None else attrs.asdict(part)
 
 
 def _scale_json(scale: Scale) -> dict[str, object]:
@@ -263,13 +261,7 @@ def _part_json(design: Design, part: Part) -> dict[str, object]:
         "name": part.name,
         "conditions": [attrs.asdict(condition) for condition in part.conditions],
         "session": [
-            {
-                "name": phase.name,
-                "told": phase.content,
-                "steps": phase.steps,
-                "seconds": phase.seconds,
-                "at_most": phase.at_most,
-            }
+            {"told" if name == "content" else name: value for name, value in attrs.asdict(phase).items()}
             for phase in session
         ],
         "session_seconds": math.fsum(phase.seconds for phase in session),

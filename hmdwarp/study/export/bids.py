@@ -26,7 +26,7 @@ from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
 from .export_rows import EVENTS, INPUT_EVENTS, RUN_EVENTS, Row, all_scales, event_rows, input_rows, sessions_of
-from .table_columns import Column, column_of, columns_for, columns_in, label_of, tsv_text
+from .table_columns import Column, columns_for, columns_in, label_of, tsv_text
 
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.
@@ -175,13 +175,7 @@ FOLDER = "bids"
 EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
 Progress = Callable[[int, int], None]
 
-PARTICIPANTS = (
-    Column("participant_id", "text", "sub- and the participant's random word"),
-    Column("part", "text", "Parts of the study, in the order of the sessions"),
-    column_of("origin"),
-    Column("sessions", "whole", "Number of sessions"),
-    Column("status", "text", "How the last session ended", levels=column_of("status").levels),
-)
+PARTICIPANTS = columns_in("participants")
 SCANS = columns_in("scans")
 
 
@@ -345,7 +339,7 @@ class _Tree:
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
             "Instructions": " ".join(
-                ["After each trial:", *(one.prompt or one.items[0].text for one in self.design.scales)]
+                ["After each trial:", *(scale.prompt or scale.items[0].text for scale in self.design.scales)]
             ),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }

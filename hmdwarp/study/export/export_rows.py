@@ -14,30 +14,15 @@ from ...scenes import InputEvent
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import FIRST, NEITHER, PREFERENCE, RATING, SECOND, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
-from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, NUMBER, SETTINGS, TEXT, Column, column_of, columns_in
+from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, SETTINGS, column_of, columns_in
 
 Row = dict[str, Any]
 _DIGITS = 6  # of times in seconds: a clock of nanoseconds says more than anything shown
 
-_ONSET = Column("onset", NUMBER, "From the start of the session to the first picture of the trial", "s")
-_DURATION = Column("duration", NUMBER, "From the first picture of the trial to its last one", "s")
-EVENTS = (
-    _ONSET,
-    _DURATION,
-    Column("trial_type", TEXT, "Condition shown, or practice"),
-    *map(column_of, ("trial", "block", "repeat", "presentation")),
-)
-# Next to one recording of head motion, which begins with the first picture.
-RUN_EVENTS = (Column("onset", NUMBER, "From the first pose of the recording", "s"), *EVENTS[1:])
-
-# Where people acted in the scene: a row for each input, after that of the trial.
-INPUT_EVENTS = (
-    RUN_EVENTS[0],
-    attrs.evolve(RUN_EVENTS[1], description=f"{RUN_EVENTS[1].description}; 0 for what was done in an instant"),
-    attrs.evolve(RUN_EVENTS[2], description=f"{RUN_EVENTS[2].description}; n/a for what was done in it"),
-    *RUN_EVENTS[3:],
-    *columns_in("inputs"),
-)
+_OF_TRIAL = tuple(map(column_of, ("trial", "block", "repeat", "presentation")))
+EVENTS = (*columns_in("events"), *_OF_TRIAL)
+RUN_EVENTS = (*columns_in("run_events"), *EVENTS[1:])  # next to one recording of head motion
+INPUT_EVENTS = (RUN_EVENTS[0], *columns_in("input_events"), *_OF_TRIAL, *columns_in("inputs"))
 
 
 def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
@@ -64,26 +49,14 @@ def onset_s(session: Session, showing: Showing) -> float | None:
 
 def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
     """Return a row by EVENTS for each of the showings whose onset is known, in that order."""
-    rows = [_event(shows[showing.key], showing, onset_s(session, showing)) for showing in showings]
-    return sorted((row for row in rows if row["onset"] is not None), key=lambda row: row["onset"])
-
-
-def duration_s(showing: Showing) -> float | None:
-    """Return the time from the trial's first picture to its last one."""
-    seconds = showing.actual.get("seconds")
-    return None if seconds is None else round(seconds, _DIGITS)
-
-
-def _event(show: Show, showing: Showing, onset: float | None) -> Row:
-    return {
-        "onset": onset,
-        "duration": duration_s(showing),
-        "trial_type": show.condition.name,
-        "trial": show.trial,
-        "block": show.block,
-        "repeat": show.repeat,
-        "presentation": showing.presentation,
-    }
+    names = [column.name for column in EVENTS]
+    rows: list[Row] = []
+    for showing in showings:
+        show, onset, seconds = shows[showing.key], onset_s(session, showing), showing.actual.get("seconds")
+        duration = None if seconds is None else round(seconds, _DIGITS)
+        about = (show.condition.name, show.trial, show.block, show.repeat, showing.presentation)
+        rows += [] if onset is None else [dict(zip(names, (onset, duration, *about), strict=True))]
+    return sorted(rows, key=lambda row: row["onset"])
 
 
 @attrs.frozen(eq=False)

@@ -7,6 +7,7 @@ import math
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -50,6 +51,30 @@ Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
 TINY = 2.0**-54
 PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where the question is for a preference
+SHARE, SPREAD, SECONDS, LOG, CARRY = (0, 1), (0, math.inf), (0, 3600, True), (0, 5), (-1, 1)
+
+
+def _number(limits: tuple[float, ...] = (), default: Any = 0.0, key: str = "") -> Any:
+    """Declare a number of the file. limits: as Table.within takes them. key: table and key."""
+    return attrs.field(default=default, metadata={"limits": limits, "key": key})
+
+
+def _numbers(cls: type[attrs.AttrsInstance], tables: Mapping[str, Table]) -> dict[str, float]:
+    """Read the numbers that a class declares. tables: by the first word of a key."""
+    found: dict[str, float] = {}
+    for field in attrs.fields(cls):
+        if "limits" not in field.metadata:
+            continue
+        inside, _, key = field.metadata["key"].rpartition(".")
+        table, key = tables[inside], key or field.name
+        least, most, *above = field.metadata["limits"] or (0, 0)
+        default = () if field.default is attrs.NOTHING else (field.default,)
+        found[field.name] = (
+            table.within(key, least, most, *default, above=bool(above))
+            if field.metadata["limits"]
+            else table.number(key, *default)
+        )
+    return found
 
 
 @attrs.frozen
@@ -62,14 +87,14 @@ class RatingModel:
 
     # Latent rating by condition, or a table of them by part, where the parts differ.
     means: Mapping[str, object] = attrs.field(factory=dict, hash=False)
-    people_sd: float = 0.0  # of a person's own level
-    condition_sd: float = 0.0  # of a person's opinion of a condition, beyond that level
-    noise_sd: float = 0.0  # from one showing to the next
-    drift: float = 0.0  # per trial after the first
+    people_sd: float = _number(SPREAD)  # of a person's own level
+    condition_sd: float = _number(SPREAD)  # of a person's opinion of a condition, beyond that level
+    noise_sd: float = _number(SPREAD)  # from one showing to the next
+    drift: float = _number()  # per trial after the first
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
-    carry_over: float = 0.0
-    missing: float = 0.0  # share of trials answered with "cannot say"
-    threshold: float = 0.0  # of a preference: a smaller difference is called none, where that is allowed
+    carry_over: float = _number(CARRY)
+    missing: float = _number(SHARE)  # share of trials answered with "cannot say"
+    threshold: float = _number(SPREAD)  # of a preference: a smaller difference is called none, where that is allowed
     # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
     # None: an error.
     mean: float | None = None
@@ -115,13 +140,13 @@ class OtherRatings:
     All but `missing` are shares of the scale, from its best (0) to its worst (1).
     """
 
-    mean: float  # of a condition
-    reference: float  # of a hidden reference
-    people_sd: float = 0.0  # the rest as in RatingModel
-    condition_sd: float = 0.0
-    noise_sd: float = 0.0
-    drift: float = 0.0
-    missing: float = 0.0
+    mean: float = _number(SHARE, attrs.NOTHING)  # of a condition
+    reference: float = _number(SHARE, attrs.NOTHING)  # of a hidden reference
+    people_sd: float = _number(SPREAD)  # the rest as in RatingModel
+    condition_sd: float = _number(SPREAD)
+    noise_sd: float = _number(SPREAD)
+    drift: float = _number()
+    missing: float = _number(SHARE)
 
     def on(self, scale: Scale) -> RatingModel:
         """Return the model in the unit and the direction of a scale."""
@@ -151,10 +176,10 @@ class OtherRatings:
 class SicknessModel:
     """Model of sickness, as a share of the scale from its best (0) to its worst (1)."""
 
-    start: float = 0.0  # before the first trial
-    per_trial: float = 0.0  # increase per trial of the median person
-    people_sd: float = 0.0  # of the logarithm of a person's susceptibility
-    noise_sd: float = 0.0  # of an answer
+    start: float = _number(SHARE)  # before the first trial
+    per_trial: float = _number(SHARE)  # increase per trial of the median person
+    people_sd: float = _number(SPREAD)  # of the logarithm of a person's susceptibility
+    noise_sd: float = _number(SPREAD)  # of an answer
 
     def state(self, trial: ArrayLike, person: ArrayLike) -> Floats:
         """Compute the sickness after that many trials, not cut at 1. person: a uniform draw."""
@@ -174,15 +199,15 @@ class Model:
     ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
     others: OtherRatings | None = None  # of what `ratings` leaves out; None: an error
     sickness: SicknessModel = SicknessModel()
-    dropout: float = 0.0  # probability of leaving after a trial and its questions
-    pause: float = 0.0  # probability of a pause in a trial
-    again: float = 0.0  # probability of repeating the last question of a trial
+    dropout: float = _number(SHARE, key="sessions.dropout")  # of leaving after a trial and its questions
+    pause: float = _number(SHARE, key="sessions.pause")  # probability of a pause in a trial
+    again: float = _number(SHARE, key="sessions.again")  # of repeating the last question of a trial
     # Time to an answer, log-normal: its median, and the standard deviation of its logarithm.
-    median_s: float = 2.0
-    spread_s: float = 0.5
+    median_s: float = _number(SECONDS, 2.0, "answers.median_s")
+    spread_s: float = _number(LOG, 0.5, "answers.spread_s")
     # Time in a trial that the participant ends, log-normal too.
-    look_median_s: float = 20.0
-    look_spread_s: float = 0.5
+    look_median_s: float = _number(SECONDS, 20.0, "looks.median_s")
+    look_spread_s: float = _number(LOG, 0.5, "looks.spread_s")
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
@@ -255,71 +280,27 @@ def _model(data: Table, path: str) -> Model:
     if data.raw("schema") != SCHEMA:
         raise data.fault("schema", f"is {data.raw('schema')!r}: expected {SCHEMA}, which this version of hmdwarp reads")
     ratings = data.table("rating")
-    sessions = data.table("sessions") if "sessions" in data else Table({})
-    answers = data.table("answers") if "answers" in data else Table({})
-    looks = data.table("looks") if "looks" in data else Table({})
+    tables = {key: data.table(key) if key in data else Table({}) for key in ("sessions", "answers", "looks")}
+    scales = {name: ratings.table(name) for name in ratings.keys()}  # noqa: SIM118  (a Table is no dict)
     return Model(
         path=path,
         title=data.text("title"),
-        ratings={name: _rating(ratings.table(name)) for name in ratings.keys()},  # noqa: SIM118  (a Table is no dict)
-        others=_others(data.table("others")) if "others" in data else None,
-        sickness=_sickness(data.table("sickness")) if "sickness" in data else SicknessModel(),
-        dropout=_share(sessions, "dropout"),
-        pause=_share(sessions, "pause"),
-        again=_share(sessions, "again"),
-        median_s=answers.within("median_s", 0, 3600, 2.0, above=True),
-        spread_s=answers.within("spread_s", 0, 5, 0.5),
-        look_median_s=looks.within("median_s", 0, 3600, 20.0, above=True),
-        look_spread_s=looks.within("spread_s", 0, 5, 0.5),
+        ratings={
+            name: RatingModel(means=_means(of.table("means")), **_numbers(RatingModel, {"": of}))
+            for name, of in scales.items()
+        },
+        others=OtherRatings(**_numbers(OtherRatings, {"": data.table("others")})) if "others" in data else None,
+        sickness=SicknessModel(
+            **_numbers(SicknessModel, {"": data.table("sickness") if "sickness" in data else Table({})})
+        ),
+        **_numbers(Model, tables),
     )
 
 
-def _rating(table: Table) -> RatingModel:
-    return RatingModel(
-        means=_means(table.table("means"), parts=True),
-        people_sd=_spread(table, "people_sd"),
-        condition_sd=_spread(table, "condition_sd"),
-        noise_sd=_spread(table, "noise_sd"),
-        drift=table.number("drift", 0.0),
-        carry_over=table.within("carry_over", -1, 1, 0.0),
-        missing=_share(table, "missing"),
-        threshold=_spread(table, "threshold"),
-    )
-
-
-def _others(table: Table) -> OtherRatings:
-    return OtherRatings(
-        mean=table.within("mean", 0, 1),
-        reference=table.within("reference", 0, 1),
-        people_sd=_spread(table, "people_sd"),
-        condition_sd=_spread(table, "condition_sd"),
-        noise_sd=_spread(table, "noise_sd"),
-        drift=table.number("drift", 0.0),
-        missing=_share(table, "missing"),
-    )
-
-
-def _means(table: Table, *, parts: bool) -> dict[str, object]:
+def _means(table: Table, *, parts: bool = True) -> dict[str, object]:
     """Read means by condition. parts: whether there may be a table for each part of the study."""
     out: dict[str, object] = {}
     for key in table.keys():  # noqa: SIM118  (a Table is no dict)
         inner = parts and isinstance(table.raw(key), dict)
         out[key] = _means(table.table(key), parts=False) if inner else table.number(key)
     return out
-
-
-def _sickness(table: Table) -> SicknessModel:
-    return SicknessModel(
-        start=_share(table, "start"),
-        per_trial=_share(table, "per_trial"),
-        people_sd=_spread(table, "people_sd"),
-        noise_sd=_spread(table, "noise_sd"),
-    )
-
-
-def _share(table: Table, key: str) -> float:
-    return table.within(key, 0, 1, 0.0)
-
-
-def _spread(table: Table, key: str) -> float:
-    return table.within(key, 0, math.inf, 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from functools import partial
 from typing import TypeVar
 
 import attrs
@@ -13,16 +14,15 @@ from ...display import Closed
 from ...run import Driver, Ending
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
 from ..dialogs.buttons import InputHints
-from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP
+from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, ConsentDialog, PageDialog
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from .session_context import PAUSE, SessionContext
 from .step_handlers import (
     LOST,
     BreakHandler,
     ConfirmHandler,
-    ConsentHandler,
+    DialogHandler,
     MenuHandler,
-    PageHandler,
     PanelHandler,
     QuestionHandler,
     StepHandler,
@@ -169,7 +169,9 @@ class SessionRunner:
             case Read():
                 self._read(step)
             case PageStep():
-                self._pursue(lambda: PageHandler(self.context, step))
+                page = step.page
+                dialog = partial(PageDialog, page.title, page.text, self.hints, page.picture)
+                self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="waiting"))
                 self._finish(step)
             case Show():
                 self._show(step)
@@ -180,7 +182,8 @@ class SessionRunner:
                 self._finish(step)
 
     def _read(self, step: Read) -> None:
-        handler = self._pursue(lambda: ConsentHandler(self.context, step))
+        dialog = partial(ConsentDialog, step.text, self.hints)
+        handler = self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="reading"))
         if handler.dialog.refused:
             self.context.record("refused", step, by=handler.by)
             raise Over(DECLINED)

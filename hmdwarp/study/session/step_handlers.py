@@ -8,9 +8,9 @@ from typing import Any, Generic, Protocol, TypeVar
 from ...display import Command, Label
 from ...pipeline import Refresh
 from ...run import FrameHandler
-from ..design import Ask, PageStep, Pause, Read, Step
+from ..design import Ask, Pause, Read, Step
 from ..dialogs.buttons import hints_for
-from ..dialogs.choice_dialogs import BreakDialog, ConsentDialog, MenuDialog, PageDialog, TextDialog
+from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, TextDialog
 from ..dialogs.dialog_panels import MessagePanel
 from ..dialogs.question_dialog import QuestionDialog
 from ..scales import WORDS
@@ -121,7 +121,10 @@ D = TypeVar("D", bound=Dialog)
 class DialogHandler(StepHandler, Generic[D]):
     """Step that is a dialog."""
 
-    def __init__(self, context: SessionContext, step: Step, dialog: D, during: Step | None = None) -> None:
+    def __init__(
+        self, context: SessionContext, step: Step, dialog: D, during: Step | None = None, phase: str = ""
+    ) -> None:
+        self.phase = phase or self.phase
         super().__init__(context, step, during)
         self.dialog = dialog
         self.seconds = 0.0  # until it was over
@@ -168,25 +171,6 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
     def describe(self) -> Mapping[str, Any]:
         """Return the phase and the question."""
         return {"phase": self.phase, "question": self.dialog.question()}
-
-
-class PageHandler(DialogHandler[PageDialog]):
-    """Page to read or look at."""
-
-    phase = "waiting"
-
-    def __init__(self, context: SessionContext, step: PageStep) -> None:
-        page, hints = step.page, hints_for(context.display.name)
-        super().__init__(context, step, PageDialog(page.title, page.text, hints, page.picture))
-
-
-class ConsentHandler(DialogHandler[ConsentDialog]):
-    """Text that the participant agrees to or refuses."""
-
-    phase = "reading"
-
-    def __init__(self, context: SessionContext, read: Read) -> None:
-        super().__init__(context, read, ConsentDialog(read.text, hints_for(context.display.name)))
 
 
 class BreakHandler(DialogHandler[BreakDialog]):

@@ -21,24 +21,22 @@ from .records import DamagedRow, dict_in, from_json
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
 NOT_A_DATABASE = "it is no database, or another file"
-_TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
-    ("SQLITE_FULL", MachineError, f"no room is left on the disk; {KEPT}: make room and resume (study run --resume)"),
-    ("SQLITE_READONLY", InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
-    ("SQLITE_PERM", InputError, "it may not be opened: check who owns it"),
-    ("SQLITE_AUTH", InputError, "it may not be opened: check who owns it"),
+_TEXTS: tuple[tuple[tuple[str, ...], type[HmdwarpError], str], ...] = (
+    (("SQLITE_FULL",), MachineError, f"no room is left on the disk; {KEPT}: make room and resume (study run --resume)"),
+    (("SQLITE_READONLY",), InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
+    (("SQLITE_PERM", "SQLITE_AUTH"), InputError, "it may not be opened: check who owns it"),
     (
-        "SQLITE_IOERR",
+        ("SQLITE_IOERR",),
         MachineError,
         f"the disk fails or a quota is used up ({{error}}); {KEPT}: resume with a copy on another disk (--store)",
     ),
     (
-        "SQLITE_CANTOPEN",
+        ("SQLITE_CANTOPEN",),
         MachineError,
         "it cannot be opened ({error}): check that the folder exists and is writable",
     ),
-    ("SQLITE_BUSY", MachineError, "another program holds it: close programs that read the study's data, and try again"),
     (
-        "SQLITE_LOCKED",
+        ("SQLITE_BUSY", "SQLITE_LOCKED"),
         MachineError,
         "another program holds it: close programs that read the study's data, and try again",
     ),
