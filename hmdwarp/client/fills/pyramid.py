@@ -179,11 +179,11 @@ class Pyramid(Fill):
             uniforms |= {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
             uniforms |= {"texel_pixels": 2.0**number}
             uniforms |= {"least_holes": self.settings.holes if number - 1 < LOCAL_LEVELS else NEVER}
-            run = program.over(*level.size)
+            below = program.over(*level.size)
             if number == 1:
                 uniforms |= {"shown_size": level.size}
-                run = partial(self._pieces.run_coarse, program)
-            steps.append(_Step(program, uniforms, [*above.binding(_FIRST), *level.binding(_SECOND, write=True)], run))
+                below = partial(self._pieces.run_coarse, program)
+            steps.append(_Step(program, uniforms, [*above.binding(_FIRST), *level.binding(_SECOND, write=True)], below))
         return steps
 
     def _limits(self, number: int) -> dict[str, float]:
