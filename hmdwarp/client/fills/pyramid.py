@@ -172,18 +172,18 @@ class Pyramid(Fill):
             if number == 0:
                 uniforms |= {"warped": _SECOND[0], "filled": _FILLED, "shown_size": self.shown_size}
                 uniforms |= {"texel_pixels": 1.0, **({"filled_depth": _FILLED_DEPTH} if self.depth_read else {})}
-                last = partial(self._pieces.run, self._last_push)
-                steps.append(_Step(self._last_push, uniforms, above.binding(_FIRST), last))
+                run = partial(self._pieces.run, self._last_push)
+                steps.append(_Step(self._last_push, uniforms, above.binding(_FIRST), run))
                 break
             level, program = self._levels[number - 1], self._push if number > 1 else self._first_push
             uniforms |= {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
             uniforms |= {"texel_pixels": 2.0**number}
             uniforms |= {"least_holes": self.settings.holes if number - 1 < LOCAL_LEVELS else NEVER}
-            run: Callable[[], object] = program.over(*level.size)
+            below = program.over(*level.size)
             if number == 1:
                 uniforms |= {"shown_size": level.size}
-                run = partial(self._pieces.run_coarse, program)
-            steps.append(_Step(program, uniforms, [*above.binding(_FIRST), *level.binding(_SECOND, write=True)], run))
+                below = partial(self._pieces.run_coarse, program)
+            steps.append(_Step(program, uniforms, [*above.binding(_FIRST), *level.binding(_SECOND, write=True)], below))
         return steps
 
     def _limits(self, number: int) -> dict[str, float]:
