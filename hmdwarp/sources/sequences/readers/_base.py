@@ -292,7 +292,7 @@ class Folder:
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
         parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
-        ways: list[list[list[object]]] = [[[path.stem for path in side] for side in (first, second)]]
+        ways: list[list[list[Any]]] = [[[path.stem for path in side] for side in (first, second)]]
         if all(itertools.chain(*parts)):  # by all of their numbers, else the last of each
             ways += [[[tuple(one[-n:]) for one in side] for side in parts] for n in (9, 1)]
         for here, there in ways:
