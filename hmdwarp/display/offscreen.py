@@ -70,24 +70,20 @@ class OffscreenDisplay(SwitchableView):
         """Draw the contents of a window into a framebuffer."""
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
         count = self._view.count
-        into, notice = self._framebuffer((w * count, h)), self._presenter.notice(label)
+        if self._target is None or self._target.size != (w * count, h):
+            self._free_target()
+            self._texture = self.gpu.gl.texture((w * count, h), 4)
+            self._target = self.gpu.gl.framebuffer([self._texture])
+        into, notice = self._target, self._presenter.notice(label)
         for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None
             self._presenter.show(panel, into, (eye * w, 0, w, h), hardware_srgb=False, notice=notice)
         return self.now_ns()
 
-    def _framebuffer(self, size: tuple[int, int]) -> moderngl.Framebuffer:
-        if self._target is None or self._target.size != size:
-            self._free_target()
-            self._texture = self.gpu.gl.texture(size, 4)
-            self._target = self.gpu.gl.framebuffer([self._texture])
-        return self._target
-
     def _free_target(self) -> None:
-        if self._target is not None:
-            self._target.release()
-        if self._texture is not None:
-            self._texture.release()
+        for made in (self._target, self._texture):
+            if made is not None:
+                made.release()
         self._target = self._texture = None
 
     def commands(self) -> Sequence[Command]:

@@ -125,7 +125,10 @@ class DesktopDisplay(SwitchableView):
         size, panel = self._window.framebuffer_size, self._commands.panel
         self._painter.draw(canvases, self._view, size, panel.column if panel else 0, label)
         self._commands.input.takes_text = not isinstance(label, str) and label.takes_text
-        self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
+        pointed = not isinstance(label, str) and label.pointed
+        self._commands.input.point(
+            (lambda x, y: self._painter.uv_at(*self._window.pixel_of(x, y))) if pointed else None
+        )
         if panel is not None:
             self._commands.pending += panel.draw(self._status, size)
         handed_over_ns = self.now_ns()
@@ -135,10 +138,6 @@ class DesktopDisplay(SwitchableView):
             self._titled_ns = self.now_ns()
             self._window.title(self._status.title())
         return handed_over_ns
-
-    def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
-        """Return (u, v) on the text panel of a position in the window's own units."""
-        return self._painter.uv_at(*self._window.pixel_of(x, y))
 
     def commands(self) -> Sequence[Command]:
         """Return the commands that change the run; the window has handled its own."""

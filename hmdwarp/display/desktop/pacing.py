@@ -104,10 +104,7 @@ class ScreenMonitor:
     def __init__(self, glfw: ModuleType, window: Window, pacer: Pacer) -> None:
         self._window, self._pacer = window, pacer
         self._changed, self._checked_ns = False, 0
-        glfw.set_monitor_callback(self._note_change)
-
-    def _note_change(self, *_: object) -> None:
-        self._changed = True
+        glfw.set_monitor_callback(lambda *_: setattr(self, "_changed", True))
 
     def update(self, now_ns: int) -> None:
         """Check the screen, if one was plugged or unplugged or the last check is a second old."""

@@ -6,7 +6,6 @@ It does not depend on the pictures shown in it.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -77,16 +76,16 @@ class Window:
             self.fill_screen(True)
         self._show()
         self.gl = self._context(vsync)  # current when this returns
-        self._reset_status = self._function(
-            "glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB", "glGetGraphicsResetStatusKHR"
-        )
+        load = WindowContext(glfw, self.handle).load_opengl_function
+        found = next(filter(None, (load(f"glGetGraphicsResetStatus{suffix}") for suffix in ("", "ARB", "KHR"))), 0)
+        self._reset_status = ctypes.CFUNCTYPE(ctypes.c_uint)(found) if found else None
 
     def _show(self) -> None:
         glfw = self._glfw
         # Callbacks instead of a query at every picture: a round trip to the X server takes 50 us.
         self._minimised = False
-        glfw.set_framebuffer_size_callback(self.handle, self._resized)
-        glfw.set_window_iconify_callback(self.handle, self._iconified)
+        glfw.set_framebuffer_size_callback(self.handle, lambda _, *size: setattr(self, "framebuffer_size", size))
+        glfw.set_window_iconify_callback(self.handle, lambda _, on: setattr(self, "_minimised", bool(on)))
         glfw.show_window(self.handle)
         # (w, h) in pixels; (0, 0) while it is minimised, on some systems
         self.framebuffer_size: Size = tuple(glfw.get_framebuffer_size(self.handle))
@@ -108,12 +107,6 @@ class Window:
         return gl
 
     # --- sizes and places ---
-
-    def _resized(self, _: object, width: int, height: int) -> None:
-        self.framebuffer_size = width, height
-
-    def _iconified(self, _: object, iconified: int) -> None:
-        self._minimised = bool(iconified)
 
     @property
     def hidden(self) -> bool:
@@ -224,11 +217,6 @@ class Window:
         if self._reset_status is not None and self._reset_status() != _NO_ERROR:
             return "the graphics driver was reset, and every picture in it is gone: the run ends here"
         return ""
-
-    def _function(self, *names: str) -> Callable[[], int] | None:
-        load = WindowContext(self._glfw, self.handle).load_opengl_function
-        address = next((a for a in map(load, names) if a), 0)
-        return ctypes.CFUNCTYPE(ctypes.c_uint)(address) if address else None
 
     def end(self) -> None:
         """Request that it is closed at the next opportunity."""

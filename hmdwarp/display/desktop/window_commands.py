@@ -31,19 +31,20 @@ class WindowCommands:
         pacer: Pacer,
         now_ns: Callable[[], int],
     ) -> None:
-        self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
+        self._window, self._painter, self._pacer = window, painter, pacer
         self._controls, self._now_ns = keys.controls, now_ns
         self.panel: ControlPanel | None = None  # None until it is opened, and if its packages are missing
         self.input = WindowInput(window.handle, walker, now_ns, keys)
         self.input.close_help = self._close_help
         self.pending: list[Command] = []  # for the run, oldest first
+        # Of each control of the window; a value of None for the other state.
         handlers: dict[str, Callable[[object], None]] = {
-            "recentre": self._recentre,
+            "recentre": lambda _: walker.recentre(now_ns()),
             "full_screen": self._full_screen,
             "vsync": self._vsync,
             "panel": self._control_panel,
-            "help": self._help,
-            "quit": self._quit,
+            "help": lambda value: setattr(painter, "help", not painter.help if value is None else bool(value)),
+            "quit": lambda _: window.end(),
         }
         self._handlers = {control.name: handlers[control.name] for control in keys.controls if control.of_display}
 
@@ -67,17 +68,11 @@ class WindowCommands:
         """Handle the window's own commands; return the others."""
         others = []
         for command in commands:
-            handler = self._handlers.get(command.control)
-            if handler is None:
-                others.append(command)
+            if command.control in self._handlers:
+                self._handlers[command.control](command.value)
             else:
-                handler(command.value)
+                others.append(command)
         return others
-
-    # --- one method for each control of the window; value: None for the other state ---
-
-    def _recentre(self, _: object) -> None:
-        self._walker.recentre(self._now_ns())
 
     def _full_screen(self, value: object) -> None:
         self._window.fill_screen(not self._window.fills_screen if value is None else bool(value))
@@ -93,15 +88,9 @@ class WindowCommands:
         elif not self.open_panel():
             self._painter.say(NO_PANEL)
 
-    def _help(self, value: object) -> None:
-        self._painter.help = not self._painter.help if value is None else bool(value)
-
     def _close_help(self) -> bool:
         was, self._painter.help = self._painter.help, False
         return was
-
-    def _quit(self, _: object) -> None:
-        self._window.end()
 
     def open_panel(self) -> bool:
         """Open the control panel; return whether its packages are installed."""

@@ -93,7 +93,10 @@ class Keys:
         rows = [
             (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
         ]
-        rows += [(_keys_of(control), control.what) for control in self.controls if control.what]
+        for control in self.controls:
+            steps = not control.written and not control.back and control.kind in STEPS_BACK
+            mouse = "" if control.written or control.back else and_mouse(control)
+            rows += [(keys_of(control) + (" (shift: back)" if steps else mouse), control.what)] if control.what else []
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -115,13 +118,9 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-def _keys_of(control: Control) -> str:
-    if control.written:
-        return control.written
-    if control.back:
-        return f"{label(control.back)} {label(control.key)}"
-    key = label(control.key)
-    return f"{key} (shift: back)" if control.kind in STEPS_BACK else f"{key}{and_mouse(control)}"
+def keys_of(control: Control) -> str:
+    """Return a control's keys, as the user's keyboard has them."""
+    return control.written or " ".join(label(key) for key in (control.back, control.key) if key)
 
 
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn

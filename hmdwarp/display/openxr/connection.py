@@ -39,15 +39,6 @@ UNSEEN_S = 1.0  # a headset that is not worn may never request a picture
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 
 
-@attrs.frozen(eq=False)
-class Pictures:
-    """The swapchains of both eyes, and the layer that submits them."""
-
-    colours: list[Swapchain]
-    depths: list[Swapchain]  # empty where the runtime accepts none
-    layer: Projection
-
-
 @attrs.define(eq=False)
 class Connection:
     """A session with its swapchains. Safe to close in any state: errors are then ignored."""
@@ -62,7 +53,7 @@ class Connection:
     _formats: list[int]
     _cleanup: ExitStack
     actions: Actions | None = None
-    _pictures: Pictures | None = attrs.field(default=None, init=False)
+    _pictures: Projection | None = attrs.field(default=None, init=False)
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
         """Submit empty frames until session, period and eyes are known.
@@ -79,7 +70,12 @@ class Connection:
             if eyes.known and waited > UNSEEN_S:
                 return
             if waited > READY_S:
-                raise MachineError(_unready(calls.name, self.session.running))
+                raise MachineError(
+                    f"{calls.name} does not say what the eyes see: restart it"
+                    if self.session.running
+                    else f"{calls.name} did not begin a session within {READY_S:g} s: wake the headset, and end other "
+                    "programs that use it"
+                )
             try:
                 self.session.poll()
             except Closed as closed:
@@ -104,7 +100,7 @@ class Connection:
         kind, deep = colour_format(self._formats), depth_format(self._formats)
         colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
         depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)] if with_depth and deep else []
-        self._pictures = Pictures(colours, depths, Projection(self.spaces.world, colours, depths))
+        self._pictures = Projection(self.spaces.world, colours, depths)
 
     def before_closing(self, callback: Callable[[], None]) -> None:
         """Call this before the session ends."""
@@ -115,7 +111,7 @@ class Connection:
         """The format of all colour that the runtime gets."""
         return colour_format(self._formats)
 
-    def pictures(self) -> Pictures:
+    def pictures(self) -> Projection:
         """Return the swapchains that make_pictures() created."""
         if self._pictures is None:
             raise HmdwarpError("the session has no pictures: make_pictures() first")
@@ -141,12 +137,6 @@ class Connected:
         made, self._connection = self._connection, None
         if made is not None:
             made.close()
-
-
-def _unready(name: str, running: bool) -> str:
-    if running:
-        return f"{name} does not say what the eyes see: restart it"
-    return f"{name} did not begin a session within {READY_S:g} s: wake the headset, and end other programs that use it"
 
 
 def connect(
@@ -231,19 +221,17 @@ class Swapchain:
         self._framebuffers: list[moderngl.Framebuffer] = []
         try:
             for image in calls.call_once(xr.enumerate_swapchain_images, self.handle, xr.SwapchainImageOpenGLKHR):
-                self._framebuffers.append(self._framebuffer(gpu, image.image, kind))
+                if self.is_depth:
+                    self._framebuffers.append(depth_framebuffer(gpu.gl, image.image, size))
+                else:
+                    self._textures.append(gpu.gl.external_texture(image.image, size, 4, 0, COLOURS[kind]))
+                    self._framebuffers.append(gpu.gl.framebuffer([self._textures[-1]]))
         except BaseException:
             self.destroy()
             raise
         self._index = ctypes.c_uint32()
         self._index_pointer = ctypes.byref(self._index)
         self._wait = ctypes.byref(xr.SwapchainImageWaitInfo(timeout=xr.INFINITE_DURATION))
-
-    def _framebuffer(self, gpu: Gpu, image: int, kind: int) -> moderngl.Framebuffer:
-        if self.is_depth:
-            return depth_framebuffer(gpu.gl, image, self.size)
-        self._textures.append(gpu.gl.external_texture(image, self.size, 4, 0, COLOURS[kind]))
-        return gpu.gl.framebuffer([self._textures[-1]])
 
     def whole(self) -> xr.SwapchainSubImage:
         """Return the whole of an image, for a layer."""
@@ -282,7 +270,7 @@ NEAR_M = 0.01  # nearer than any eye can focus; costs no precision, because dept
 
 
 class Projection:
-    """The layer of as many eyes as there are colour swapchains. depths: theirs, or none.
+    """The layer of as many eyes as there are colour swapchains. depths: theirs, [] for none.
 
     Its depth is reversed, with the far end infinitely far: 0 lies there, 1 at NEAR_M.
     Source: OpenXR 1.1 specification, XrCompositionLayerProjection and
@@ -290,6 +278,7 @@ class Projection:
     """
 
     def __init__(self, space: xr.Space, colours: list[Swapchain], depths: list[Swapchain]) -> None:
+        self.colours, self.depths = colours, depths
         self._views = (xr.CompositionLayerProjectionView * len(colours))()
         for view, colour in zip(self._views, colours, strict=True):
             view.type, view.sub_image = xr.StructureType.COMPOSITION_LAYER_PROJECTION_VIEW, colour.whole()

@@ -9,7 +9,7 @@ from ...gpu.textures import Canvas
 from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window
-from ..desktop.window_input import Keys, label, token
+from ..desktop.window_input import Keys, keys_of, token
 from ..desktop.window_system import start
 from ..present import Presenter, fitted
 
@@ -19,7 +19,6 @@ PERIOD_NS = 30_000_000  # the headset has priority; every second or third pictur
 # Its keys can quit. A runtime recentres the head and corrects the lens itself, and has only one
 # view.
 QUIT = "quit"
-OWN = ("help", "full_screen", QUIT)
 ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
@@ -47,18 +46,14 @@ class Mirror:
             return
         if self._help and key == token("Escape"):
             self._help = False
-        elif command.control in OWN:
-            self._handle(command.control)
+        elif command.control == "help":
+            self._help = not self._help
+        elif command.control == "full_screen":
+            self._window.fill_screen(not self._window.fills_screen)
+        elif command.control == QUIT:
+            self._window.end()
         else:
             self._commands.append(command)
-
-    def _handle(self, name: str) -> None:
-        if name == "help":
-            self._help = not self._help
-        elif name == "full_screen":
-            self._window.fill_screen(not self._window.fills_screen)
-        else:
-            self._window.end()
 
     def poll(self) -> None:
         """Process the window's events. Errors: Closed."""
@@ -107,8 +102,4 @@ class Mirror:
 def help_text(controls: tuple[Control, ...]) -> str:
     """Return every control that works here, a line each."""
     shown = [(control, "end" if control.name == QUIT else control.what) for control in controls if control.what]
-    return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
-
-
-def _keys_of(one: Control) -> str:
-    return one.written or (f"{label(one.back)} {label(one.key)}" if one.back else label(one.key))
+    return "\n".join(f"{keys_of(one)}\t{what}" for one, what in shown)

@@ -20,13 +20,12 @@ from numpy.typing import NDArray
 
 from ...colour import srgb8_from_linear
 from ...errors import HmdwarpError, MachineError
-from ...geometry import View
 from ...gpu.context import Gpu
 from ...poses import PoseSample
 from ...scenes import Panel
-from .. import Closed, Command, DisplayOptions, EyePicture, Label, Picture, Status, Tick
+from .. import Closed, Command, DisplayOptions, Label, Picture, Status, Tick
 from .._base import ShownPanel
-from ..present import Notice, Presenter
+from ..present import Presenter
 from .connection import IDLE_S, NEAR_M, READY_S, RGBA16F, SRGB8_A8, Connected, Connection, Swapchain, connect
 from .diagnosis import RUNTIME_LABEL
 from .graphics import Graphics, open_graphics
@@ -61,14 +60,11 @@ class Quads:
         shown = {each.texture for each in panels}
         for gone in self._pictures.keys() - shown:
             self._pictures.pop(gone).destroy()
-        return [self._layer(each.panel, self._picture(each.texture)) for each in panels]
-
-    def _picture(self, texture: moderngl.Texture) -> Swapchain:
-        if texture not in self._pictures:
+        for texture in shown - self._pictures.keys():
             made = Swapchain(self._calls, self._gpu, self._session, texture.size, self._kind)
             self._pictures[texture] = made
             made.write(_stored(texture, self._kind))
-        return self._pictures[texture]
+        return [self._layer(each.panel, self._pictures[each.texture]) for each in panels]
 
     def _layer(self, panel: Panel, picture: Swapchain) -> ctypes.Structure:
         x, y, z = panel.pose.position_m.tolist()
@@ -199,17 +195,10 @@ class OpenXrDisplay(Connected):
         self.eyes.locate(self._calls, made.session.handle, made.spaces.head, state.predicted_display_time)
         shown_ns = state.predicted_display_time - self.source.offset_ns
         self._period_ns = state.predicted_display_period or self._period_ns
-        missed = self._missed(shown_ns)
-        return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
-
-    def _missed(self, shown_ns: int) -> int:
-        """Return missed refreshes of the display.
-
-        A runtime may report a longer period to slow programs (Monado does); those refreshes pass
-        all the same.
-        """
+        # Of the display: a runtime may report a longer period to slow programs (Monado does).
         last, self._last_shown_ns = self._last_shown_ns, shown_ns
-        return max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
+        missed = max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
+        return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Submit as Display.show; returns when xrEndFrame has returned."""
@@ -227,35 +216,23 @@ class OpenXrDisplay(Connected):
 
     def _draw(self, refresh: Picture | None, label: Label) -> ctypes.Structure:
         """Draw both eyes; return the layer to submit."""
-        pictures, notice = self._connected().pictures(), self._opened().presenter.notice(label)
-        for eye, view in enumerate(self._views(refresh)):
+        pictures, presenter = self._connected().pictures(), self._opened().presenter
+        notice, black = presenter.notice(label), self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
+        for eye, colour in enumerate(pictures.colours):
             result = refresh.eyes[eye] if refresh is not None else None
-            self._draw_colour(pictures.colours[eye], result, view, notice)
+            view, panel = (result.view, result.panel) if result is not None else (black[eye], None)
+            # A float format stores linear light and ignores hardware_srgb.
+            whole = (0, 0, *colour.size)
+            presenter.show(panel, colour.acquire(), whole, hardware_srgb=True, notice=notice, eye=view)
+            colour.release()
             inverse_depth = result.inverse_depth if result is not None and pictures.depths else None
             if inverse_depth is not None:
                 depth = pictures.depths[eye]
-                self._opened().presenter.depth(inverse_depth, depth.acquire(), NEAR_M)
+                presenter.depth(inverse_depth, depth.acquire(), NEAR_M)
                 depth.release()
-            pictures.layer.fill(eye, view, inverse_depth is not None)
-        struct: ctypes.Structure = pictures.layer.struct
+            pictures.fill(eye, view, inverse_depth is not None)
+        struct: ctypes.Structure = pictures.struct
         return struct
-
-    def _draw_colour(self, colour: Swapchain, result: EyePicture | None, view: View, notice: Notice | None) -> None:
-        self._opened().presenter.show(
-            result.panel if result else None,
-            colour.acquire(),
-            (0, 0, *colour.size),
-            hardware_srgb=True,  # a float format stores linear light and ignores the switch
-            notice=notice,
-            eye=view,
-        )
-        colour.release()
-
-    def _views(self, refresh: Picture | None) -> Sequence[View]:
-        """Return the views of the pictures; for a black picture, this refresh's."""
-        if refresh is not None:
-            return [eye.view for eye in refresh.eyes]
-        return self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
 
     def set_view(self, view: str) -> None:
         """Do nothing: a headset has one view."""
