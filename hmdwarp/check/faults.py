@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -43,8 +43,8 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
     tries = []
     for least in _FITTED.values():
         starts = itertools.product(*(_starts(search, name) for name in least))
-        named: Iterator[dict[str, Any]] = (dict(zip(least, one, strict=True)) for one in starts)
-        start = search.best([Reading(**one) for one in named])
+        values: list[dict[str, Any]] = [dict(zip(least, one, strict=True)) for one in starts]
+        start = search.best([Reading(**each) for each in values])
         tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
     tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
     limit = best.changes or explained(search, best.reading) < EXPLAINED
