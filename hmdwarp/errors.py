@@ -14,10 +14,7 @@ FILE = "FILE"  # how an entry begins that stands for a file of the user
 
 
 class HmdwarpError(Exception):
-    """An internal error (exit status 1).
-
-    The two classes below are errors of the input and of the machine.
-    """
+    """An internal error (exit status 1); those below are of the input and of the machine."""
 
     exit_status = 1
 
@@ -89,8 +86,7 @@ def in_brief(value: object) -> str:
 
 def nearest(name: str, known: list[str]) -> str:
     """Return the known name that `name` may be a slip of, "" for none that is near."""
-    by_small = {name.casefold(): name for name in known}
-    small = name.casefold()
+    small, by_small = name.casefold(), {name.casefold(): name for name in known}
     close = difflib.get_close_matches(small, by_small, n=1)
     longer = [candidate for candidate in by_small if len(small) > 2 and candidate.startswith(small)]
     return by_small[[*close, *longer][0]] if close or longer else ""

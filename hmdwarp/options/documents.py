@@ -58,7 +58,11 @@ def parse_json(data: bytes | str) -> Any:
     except RecursionError as error:
         raise _too_deep() from error
     _check(found)
-    _check_characters(text, found)
+    if _SURROGATE.search(text):  # half a character, as an escape can write it: no file and no page can hold it
+        try:
+            json.dumps(found, ensure_ascii=False).encode()
+        except UnicodeEncodeError as error:
+            raise DocumentError("a text with half a character (\\ud800 to \\udfff alone): expected UTF-8") from error
     return found
 
 
@@ -71,18 +75,16 @@ def parse_toml(text: str) -> dict[str, Any]:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise _with_line(" ".join(str(error).split())) from error
+        says = " ".join(str(error).split())
+        if (found := re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)) is None:
+            raise DocumentError(says) from error
+        raise DocumentError(f"{found[1]} (column {found[3]})", int(found[2])) from error
     except RecursionError as error:
         raise _too_deep() from error
     except ValueError as error:  # whole numbers of thousands of digits
         raise DocumentError(" ".join(str(error).split())) from error
     _check(data)
     return data
-
-
-def _with_line(says: str) -> DocumentError:
-    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
-    return DocumentError(says) if found is None else DocumentError(f"{found[1]} (column {found[3]})", int(found[2]))
 
 
 def _whole(digits: str) -> int | float:
@@ -112,15 +114,6 @@ def _check(found: Any) -> None:
             return
         level = inner
     raise _too_deep()
-
-
-def _check_characters(text: str, found: Any) -> None:
-    """Refuse half a character, as an escape can write it: no file and no page can hold it."""
-    if _SURROGATE.search(text):
-        try:
-            json.dumps(found, ensure_ascii=False).encode()
-        except UnicodeEncodeError as error:
-            raise DocumentError("a text with half a character (\\ud800 to \\udfff alone): expected UTF-8") from error
 
 
 def _too_deep() -> DocumentError:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, listed
 from .documents import DocumentError, parse_toml
 from .named_files import TABLE, text_in
 
@@ -110,7 +110,7 @@ class Table:
 
     def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
         """Return one of the allowed words."""
-        word: str = self._checked(key, default, lambda value: value in known, _listed(known))
+        word: str = self._checked(key, default, lambda value: value in known, listed(known, "or"))
         return word
 
     def flag(self, key: str, default: Any = _NEEDED) -> bool:
@@ -168,13 +168,10 @@ class Table:
         """Raise KeyFault for keys that were never read: a misspelt key would go unnoticed."""
         for key in self._data:
             if key not in self._read:
-                raise self._unknown(key)
+                known = [_named((*self._path, one)) for one in self._known]
+                raise KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
             for inner in self._read[key]:
                 inner.refuse_unread()
-
-    def _unknown(self, key: str) -> KeyFault:
-        known = [_named((*self._path, key)) for key in self._known]
-        return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
 
     def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:
         value = self._get(key, default)
@@ -213,10 +210,6 @@ def _refused(name: str, known: list[str]) -> str:
 
 def _shortened(text: str) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _listed(known: Sequence[str]) -> str:
-    return " or ".join(filter(None, (", ".join(known[:-1]), known[-1])))
 
 
 def _range(least: float, most: float, above: bool = False) -> str:
@@ -300,7 +293,8 @@ class LineFinder:
             found = _KEY.match(self._text, self._at)
             if found is None:
                 raise ValueError
-            keys.append(_plain(found[0]))
+            # Without quotes; a key with escapes, which is rare, gets the line of its table.
+            keys.append(found[0][1:-1] if found[0][0] in "\"'" else found[0])
             self._at = found.end()
             self._skip(_SPACE)
             if self._text[self._at] != ".":
@@ -340,11 +334,6 @@ class LineFinder:
 
     def _note(self, path: KeyPath, at: int) -> None:
         self._lines.setdefault(path, bisect.bisect_left(self._ends, at) + 1)
-
-
-def _plain(key: str) -> str:
-    """Strip quotes. A key with escapes, which is rare, gets the line of its table."""
-    return key[1:-1] if key[0] in "\"'" else key
 
 
 T = TypeVar("T")

@@ -42,7 +42,9 @@ def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previ
     for rows in row_blocks(height):
         centres = pixel_centres(rows, width)
         at, _, _ = mapping.apply(centres, np.zeros(centres.shape[:2]))  # inverse depth 0: the rotation alone
-        x, y = (_index_of(at[..., axis].ravel()) for axis in (0, 1))
+        # An unmoved head must not lose its outermost pixels to the last bits of the homography.
+        index = np.stack([at[..., 0].ravel(), at[..., 1].ravel()]) - 0.5
+        x, y = np.where(np.abs(index - np.rint(index)) < 1e-9, np.rint(index), index)
         with np.errstate(invalid="ignore"):
             there = (x >= 0) & (x <= previous_width - 1) & (y >= 0) & (y <= previous_height - 1)
         if view.hidden is not None:
@@ -56,14 +58,6 @@ def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previ
             total += float(np.abs(now[rows].take(both) - sampled(before)).sum())
         count += len(both) * channels
     return float(total / count) if count else None
-
-
-def _index_of(pixel: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the places of pixel coordinates between the centres, 0 at the first."""
-    index = pixel - 0.5
-    # An unmoved head must not lose its outermost pixels to the last bits of the homography.
-    whole = np.rint(index)
-    return np.where(np.abs(index - whole) < 1e-9, whole, index)
 
 
 class _Bilinear:
