@@ -455,6 +455,7 @@ from hmdwarp.errors import MachineError
 from hmdwarp.run import LiveOptions
 from hmdwarp.run import live_run as run
 from tests.run.offscreen import OffscreenDisplay, closed_at
+sys.dont_write_bytecode = True  # the limit would cut those files too, for every later run
 resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
 try:

@@ -193,6 +193,7 @@ from pathlib import Path
 from hmdwarp.errors import MachineError
 from hmdwarp.run import Recorder
 from tests.run.test_recorder import ABOUT, samples
+sys.dont_write_bytecode = True  # the limit would cut those files too, for every later run
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 told = []
 try:
