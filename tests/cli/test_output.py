@@ -95,7 +95,7 @@ def test_no_name_is_not_the_working_folder(name, command, working_folder):
 
 @pytest.fixture
 def recording(program, tmp_path):
-    """recording(1000): record into walk.csv where a file may have so many bytes, also Python's own."""
+    """recording(1000): record into walk.csv where a file may have so many bytes."""
     line = ["record", "--source", "synthetic", "--kind", "walk", "--out", tmp_path / "walk.csv"]
     return lambda most: program(
         *line,
