@@ -67,14 +67,7 @@ class _Unpacked(io.RawIOBase):
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self._path, self._file, self._unpacked = path, file, gzip.GzipFile(fileobj=file)
-        size = os.fstat(file.fileno()).st_size
-        self._most = min(TRACE.most_bytes, most_unpacked(size))
-        file.seek(max(0, size - 4))  # what it says itself, if it is of one piece
-        said = int.from_bytes(file.read(4), "little")
-        file.seek(0)
-        if size > 18 and said > self._most:
-            self.close()
-            self._check(said)
+        self._most = min(TRACE.most_bytes, most_unpacked(os.fstat(file.fileno()).st_size))
 
     def readable(self) -> bool:
         return True
@@ -87,15 +80,12 @@ class _Unpacked(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         count = self._unpacked.readinto(buffer)
-        self._check(self._unpacked.tell())
-        return count
-
-    def _check(self, size: int) -> None:
-        if size > self._most:
+        if self._unpacked.tell() > self._most:
             raise TraceError(
                 f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording, or one unpacked "
                 "already"
             )
+        return count
 
     def close(self) -> None:
         self._unpacked.close()
