@@ -67,7 +67,7 @@ def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str,
     with Warper(size, gpu=gpu) as warper:
         out = attrs.asdict(warper.warp(colour, depth_m, LATE, NOW), recurse=False)
         out = {name: out[name] for name in ("colour", "coverage")}
-        pair, buffers = warper._pictures[0].pair, warper._buffers[0]
+        pair, buffers = warper._pictures[0].pair, warper._free_buffers[0]
         sent = warper._take_in.send(raw, buffers)
         made = warper._compensator.run(PassInputs(EyeImage(LATE, *pair), NOW, 0))
         flying = deque(warper.submit(colour, depth_m, LATE, NOW, out=out) for _ in range(2))

@@ -15,22 +15,8 @@ from ..errors import listed
 from ..gpu.textures import flip_rows
 from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
-from .conventions import (
-    CENTRE,
-    CONVENTIONS,
-    ENCODING,
-    EYES,
-    PIXEL,
-    PLANES,
-    RAY,
-    ROWS,
-    SCALE,
-    TIME,
-    code,
-    differences,
-    restored,
-    value,
-)
+from . import conventions
+from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
 from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
 from .faults import FAULTS
 from .overlap import LATE, OFFSET, Overlap
@@ -100,8 +86,11 @@ class Answer:
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
+            cause = f": {_labels(differences(self.reading))}"
+            if not self.decision.is_told:
+                cause = f", and the cause cannot be told: {untold(self.decision)}"
             return (
-                f"wrong{self._cause()}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
@@ -113,11 +102,6 @@ class Answer:
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
             "expected a scene that stands still, seen from places nearby"
         )
-
-    def _cause(self) -> str:
-        if self.decision.is_told:
-            return f": {_labels(differences(self.reading))}"
-        return f", and the cause cannot be told: {untold(self.decision)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -153,7 +137,7 @@ def check(stated: Stated) -> Answer:
             )
             for one in (() if decision.is_told else (decision.best, *decision.rivals))
         ),
-        tuple(code(best, stated)) if decision.is_told else (),
+        tuple(conventions.code(best, stated)) if decision.is_told else (),
     )
 
 
@@ -188,14 +172,11 @@ def _finding(decision: Decision, name: str) -> Finding:
         sure = min(margins, default=0.0)
         return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
     finding = Finding(name, label, value(best, stated, name), True, True)
-    return _of_number(decision, finding) if CONVENTIONS[name].numbers and name != RAY else _as_stated(decision, finding)
-
-
-def _of_number(decision: Decision, finding: Finding) -> Finding:
-    known = {finding.name, *differences(decision.best.reading)}
-    if {PIXEL, CENTRE} <= known or (ENCODING in known and finding.name in (SCALE, PLANES)):
-        return finding  # part of what is found
-    why = _vague(decision.search, decision.best.reading, finding.name)
+    if not CONVENTIONS[name].numbers or name == RAY:
+        return _as_stated(decision, finding)
+    known = {name, *differences(best)}
+    is_part = {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES))  # of what is found
+    why = "" if is_part else _vague(decision.search, best, name)
     return _unknown(finding, why) if why else finding
 
 
@@ -232,7 +213,7 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
     if name == ENCODING or (CONVENTIONS[name].numbers and name != RAY):
         if name in differences(best):
-            yield restored(best, name)
+            yield conventions.restored(best, name)
         return
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)

@@ -9,20 +9,7 @@ from collections.abc import Iterator, Sequence
 import attrs
 import numpy as np
 
-from .conventions import (
-    CENTRE,
-    ENCODING,
-    FOCAL,
-    PIXEL,
-    PLANES,
-    RAY,
-    ROWS,
-    SCALE,
-    TIME,
-    differences,
-    is_half_a_pixel,
-    restored,
-)
+from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
 from .faults import EXPLAINED, explained, standing_faults
 from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
@@ -101,27 +88,24 @@ def decide(search: Search) -> Decision:
     found += _best_of(search, search.usual_numbers(plain)[:1])
     found += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
-        numbers = _best_of(search, search.numbers(plain))
-        found += numbers
+        others = _best_of(search, search.numbers(plain))
+        found += others
         if not explains(search, search.best(found)):
-            encoded = [reading for reading in numbers if ENCODING in differences(reading)]
+            encoded = [reading for reading in others if ENCODING in differences(reading)]
             found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, found)
     readings = list(dict.fromkeys([*(fitted.reading for fitted in close), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
-    found_numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
-    return _decided(search, _stepped(search, found_numbers, readings), readings)
-
-
-def _stepped(search: Search, found: Numbers, readings: Sequence[Reading]) -> Numbers:
-    """Return the same, or with one more convention without a number where that is surely better."""
-    steps = _candidates(search, list(search.discrete(found.best.reading)), found.noise)
-    better = min(steps, key=lambda one: float(one.cost.sum()))
-    if margin(found.best, better) <= SURE or _simplest(search, [found.best, better]) is found.best:
-        return found
-    return NumberSearch(search, better, [better.reading, *readings]).found()
+    numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
+    best = numbers.best
+    # One more convention without a number, where that is surely better.
+    steps = _candidates(search, list(search.discrete(best.reading)), numbers.noise)
+    better = min(steps, key=lambda one: one.total)
+    if margin(best, better) > SURE and _simplest(search, [best, better]) is not best:
+        numbers = NumberSearch(search, better, [better.reading, *readings]).found()
+    return _decided(search, numbers, readings)
 
 
 def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Decision:
@@ -164,7 +148,7 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
         names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
         names += [OFFSET] if reading.offset or reading.end else []
         names += [number for name in numbered(reading) if name in _LOOSE for number in FITTED[name]]
-        fitted = search.fitted(reading, names) if names else fixed(reading)
+        fitted = search.fitted(reading, names) if names else Fitted(reading)
         if all(matters(search, name, fitted.reading) for name in numbered(fitted.reading)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
@@ -177,7 +161,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     Nor is one under which more depths agree, and pictures are more alike: the cost of numbers that
     hardly differ, and of one sky on another, is small under any reading.
     """
-    best = min(candidates, key=lambda one: float(one.cost.sum()))
+    best = min(candidates, key=lambda one: one.total)
     most, alike = agreement(search, best.reading), likeness(search, best.reading)
     if alike < ALIKE:
         better = [
@@ -195,7 +179,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
         return share >= most and likeness(search, one.reading) >= alike
 
     as_good = [candidate for candidate in candidates if is_as_good(candidate)]
-    return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
+    return min(as_good, key=lambda one: (one.changes, one.total))
 
 
 def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]:
@@ -252,7 +236,7 @@ def matters(search: Search, name: str, found: Reading) -> bool:
         return max(abs(math.log(found.wide_x)), abs(math.log(found.wide_y))) > _WIDE
     if name == CENTRE:
         least = max(_CENTRE_PX, _CENTRE * search.stated.frames[0].depth.shape[1])
-        return is_half_a_pixel(found) or max(abs(found.pixel_x), abs(found.pixel_y)) > least
+        return found.is_half_a_pixel or max(abs(found.pixel_x), abs(found.pixel_y)) > least
     if name == TIME:
         assert search.stated.interval_s is not None
         return abs(found.late_s) > _LATE * search.stated.interval_s
@@ -318,7 +302,7 @@ class NumberSearch:
             attrs.evolve(best.reading, wide_x=wide, wide_y=wide) for wide in (best.reading.wide_x, best.reading.wide_y)
         )
         models = [self._candidate(self.search.fitted(start, names)) for start in starts]
-        one = min(models, key=lambda one: float(one.cost.sum()))
+        one = min(models, key=lambda one: one.total)
         return one if margin(one, best) <= SURE else best
 
     def _of(self, count: int) -> Iterator[Candidate]:
@@ -330,10 +314,10 @@ class NumberSearch:
         """Return the best of those found, and those that may be it as well."""
         if not found:
             return otherwise, ()
-        best = min(found, key=lambda one: float(one.cost.sum()))
+        best = min(found, key=lambda one: one.total)
         simpler = [model for model in found if PLANES not in numbered(model.reading) and margin(model, best) < SURE]
         if PLANES in numbered(best.reading) and simpler:  # it has a number more
-            best = min(simpler, key=lambda one: float(one.cost.sum()))
+            best = min(simpler, key=lambda one: one.total)
         return best, tuple(model for model in found if model is not best and self._is_rival(model, best))
 
     def _is_rival(self, other: Candidate, best: Candidate) -> bool:
@@ -351,7 +335,7 @@ class NumberSearch:
     def _besides(self, best: Candidate) -> tuple[str, ...]:
         """Return what surely differs besides, where all numbers at once fit surely better."""
         every = self._candidate(self._every)
-        if every.cost.sum() > best.cost.sum():  # it did not find there
+        if every.total > best.total:  # it did not find there
             every = self._candidate(self._fit_all(best.reading))
         if margin(best, every) <= SURE:
             return ()
@@ -377,14 +361,14 @@ class NumberSearch:
             now, then = (getattr(which, number) for which in (one.reading, self.base))
             off = math.log(now / then) if number in LOGARITHMS else now - then
             each.append(float(abs(off) / error[number]))
-        return min(each) if name == CENTRE and is_half_a_pixel(one.reading) else max(each)
+        return min(each) if name == CENTRE and one.reading.is_half_a_pixel else max(each)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
         """Return the reading in which these conventions differ, from the best known start."""
         if names not in self._models:
             starts = [seed for seed in self._seeds if set(numbered(seed)) <= set(names)]
             starts += [one.reading for tried, one in self._models.items() if set(tried) <= set(names)]
-            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(fixed(one)).cost.sum())
+            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(Fitted(one)).total)
             self._models[names] = self._candidate(self._fit(start, names))
         return self._models[names]
 
@@ -393,12 +377,7 @@ class NumberSearch:
 
     def _fit(self, start: Reading, names: Sequence[str]) -> Fitted:
         numbers = dict.fromkeys(itertools.chain(self._always, *(FITTED[name] for name in names)))
-        return self.search.fitted(start, tuple(numbers)) if numbers else fixed(start)
+        return self.search.fitted(start, tuple(numbers)) if numbers else Fitted(start)
 
     def _candidate(self, fitted: Fitted) -> Candidate:
         return self.search.candidate(fitted.reading, self.noise, len(differences(fitted.reading)), fitted)
-
-
-def fixed(reading: Reading) -> Fitted:
-    """Return a reading of which nothing is fitted."""
-    return Fitted(reading, (), np.empty(0), np.empty(0))

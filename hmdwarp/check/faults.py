@@ -47,13 +47,17 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
         start = search.best([Reading(**each) for each in values])
         tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
     tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
-    limit = best.changes or explained(search, best.reading) < EXPLAINED
-    found = [FAULTS[0]] if limit and _is_cut_off(search) else []
+    may_be_cut_off = best.changes or explained(search, best.reading) < EXPLAINED
+    found = []
+    if may_be_cut_off and not search.stated.may_be_buffer:
+        depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
+        most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
+        found = [FAULTS[0]] if float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT else []
     for words, (instead, besides, least) in zip(FAULTS[1:], tries, strict=True):
         explains = best.changes and _margin(search, noise, instead.reading, best, least) < SURE
         leaves = -_margin(search, noise, besides.reading, best, least) > SURE
         # A turn of a degree is half a pixel, which is the more common.
-        named = {name: most * (1 + (PIXEL in differences(best.reading))) for name, most in least.items()}
+        named = {name: limit * (1 + (PIXEL in differences(best.reading))) for name, limit in least.items()}
         if explains and _has_a_name(instead, named) or leaves and _has_a_name(besides, named):
             found.append(words)
     return tuple(found)
@@ -83,13 +87,6 @@ def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
     return any(off[name] > max(most, SURE * error.get(name, 0.0)) for name, most in least.items())
 
 
-def _is_cut_off(search: Search) -> bool:
-    depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
-    most = max(float(depth.max()) for depth in depths)
-    shares = [float((depth > (1 - _AT_MOST) * most).mean()) for depth in depths]
-    return not search.stated.may_be_buffer and float(np.median(shares)) > _CUT
-
-
 def _of_each(search: Search, reading: Reading) -> Fitted:
     """Return the reading with a scale of the depth of each frame, 1 on average."""
     pairs, count = search.middle.pairs, len(search.stated.frames)
@@ -100,5 +97,4 @@ def _of_each(search: Search, reading: Reading) -> Fitted:
         with np.errstate(invalid="ignore"):
             off = np.array([np.median(one[np.abs(one) < 1]) if (np.abs(one) < 1).any() else 0.0 for one in found.depth])
         scales -= np.linalg.lstsq(rows, off, rcond=None)[0]
-    scaled = attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist()))
-    return Fitted(scaled, (), np.empty(0), np.empty(0))
+    return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))

@@ -157,17 +157,15 @@ class Overlap:
 
     def _picture_at(self, pictures: Array, column: Array, line: Array, frame: Indices) -> Array:
         """Return the values at those places: of the nearest pixel, or between pixels."""
-        found: Array
         if not self._between:
-            found = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
+            found: Array = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
             return found
         left = np.clip(column.astype(int), 0, self._width - 2)
         top = np.clip(line.astype(int), 0, self._height - 2)
         x, y = column - left, line - top
         upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
         lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
-        found = upper * (1 - y) + lower * y
-        return found
+        return np.asarray(upper * (1 - y) + lower * y)
 
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
@@ -178,12 +176,14 @@ class Overlap:
 
 @attrs.frozen(eq=False)
 class Fitted:
-    """A reading, and how well each fitted number is known."""
+    """A reading, and how well each fitted number is known; by default none is."""
 
     reading: Reading
-    names: tuple[str, ...]
-    change: Array  # of each number against the reading at the start; of LOGARITHMS so
-    error: Array  # standard error of each, inf where the frames say nothing
+    names: tuple[str, ...] = ()
+    change: Array = attrs.field(
+        factory=lambda: np.empty(0)
+    )  # of each number against the reading at the start; of LOGARITHMS so
+    error: Array = attrs.field(factory=lambda: np.empty(0))  # standard error of each, inf where the frames say nothing
 
 
 @attrs.frozen

@@ -24,7 +24,6 @@ from .overlap import (
     WIDE_X,
     WIDE_Y,
     Fitted,
-    Indices,
     Noise,
     Overlap,
     cost,
@@ -57,6 +56,11 @@ class Candidate:
     changes: int  # conventions that differ from what is stated
     fitted: Fitted | None = None
 
+    @property
+    def total(self) -> float:
+        """Its cost in all blocks."""
+        return float(self.cost.sum())
+
 
 class Search:
     """Frames, and what is known of the readings that were tried."""
@@ -65,7 +69,13 @@ class Search:
         self.stated = stated
         is_long = min(map(len, stated.tracks)) >= _LONG  # its ends are not compared
         ends = {int(track[end]) for track in stated.tracks for end in (0, -1)} if is_long else set()
-        pairs = _pairs([k for k in range(len(stated.frames)) if k not in ends])
+        frames = [k for k in range(len(stated.frames)) if k not in ends]
+        # Near and far from each other, each way round in turn.
+        every = sorted(itertools.combinations(range(len(frames)), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
+        every = [pair for pair in every if pair[1] - pair[0] <= max(8, len(frames) // 2)]
+        chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
+        chosen *= 2 if len(chosen) == 1 else 1
+        pairs = np.array([[frames[at] for at in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])
         points = max(1, PAIRS // len(pairs))
         self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
@@ -121,13 +131,8 @@ class Search:
         middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
         ways = self.usual_numbers(start)
         if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
-            ways.append(
-                [
-                    attrs.evolve(start, offset=share * middle, factor=factor)
-                    for share in _OFFSETS
-                    for factor in (0.7, 1.0, 1.4)
-                ]
-            )
+            both = itertools.product(_OFFSETS, (0.7, 1.0, 1.4))
+            ways.append([attrs.evolve(start, offset=share * middle, factor=factor) for share, factor in both])
         return [*ways, self._encoded(attrs.evolve(start, end=most), -1.0, most - middle, _FARTHEST_SEEN)]
 
     def _encoded(self, start: Reading, sign: float, middle: float, farthest: Sequence[float]) -> list[Reading]:
@@ -140,11 +145,8 @@ class Search:
 
     def late(self, start: Reading) -> list[Reading]:
         """Return the reading with pictures of other instants than their poses."""
-        return (
-            [attrs.evolve(start, late_s=share * self.stated.interval_s) for share in _LATE]
-            if self.stated.interval_s
-            else []
-        )
+        interval_s = self.stated.interval_s
+        return [attrs.evolve(start, late_s=share * interval_s) for share in _LATE] if interval_s else []
 
     def cameras(self, start: Reading) -> list[list[Reading]]:
         """Return the reading with other focal lengths, and with other principal points.
@@ -157,13 +159,12 @@ class Search:
         centres = [(x, y) for x, y in itertools.product(_CENTRES, repeat=2) if x or y]
         left, right, down, up = self.stated.tangents[0]
         off_x, off_y = -left / (right - left) - 0.5, up / (up - down) - 0.5
-        is_far = max(abs(off_x), abs(off_y)) > _FAR_CENTRE
         centred = attrs.evolve(start, pixel_x=off_x * width, pixel_y=off_y * height)
         ways = [
             [attrs.evolve(start, wide_x=start.wide_x * x, wide_y=start.wide_y * y) for x, y in wide],
             [attrs.evolve(start, pixel_x=x * width, pixel_y=y * height) for x, y in centres],
         ]
-        if is_far:
+        if max(abs(off_x), abs(off_y)) > _FAR_CENTRE:
             ways.append([attrs.evolve(centred, wide_x=share, wide_y=share) for share in _OTHER_SIZE])
         return ways
 
@@ -239,14 +240,3 @@ def _near(inverse: Array) -> Array:
     """Return what is known and not infinitely far, as the sky is; 0 alone where nothing is."""
     known = inverse[np.isfinite(inverse) & (inverse != 0)]
     return known if len(known) else np.zeros(1)
-
-
-def _pairs(frames: Sequence[int]) -> Indices:
-    """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
-    count = len(frames)
-    every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
-    every = [pair for pair in every if pair[1] - pair[0] <= max(8, count // 2)]
-    chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
-    if len(chosen) == 1:
-        chosen *= 2
-    return np.array([[frames[number] for number in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])

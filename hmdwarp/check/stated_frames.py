@@ -263,6 +263,7 @@ AS_STATED = "openxr"  # axes of what hmdwarp reads
 # Of the presets of --axes, one of each that has other axes of the camera.
 AXES = (AS_STATED, "opencv", "unity", "ros", "unreal", "aria", "euroc")
 _MIRROR = np.diag([1.0, 1.0, -1.0])
+_HALF = 0.25  # pixels about half of one in both directions: what is off by as much is a convention
 
 
 @functools.cache
@@ -313,6 +314,12 @@ class Reading:
     depth_x: float = 0.0
     depth_y: float = 0.0
     scales: tuple[float, ...] = ()
+
+    @property
+    def is_half_a_pixel(self) -> bool:
+        """Whether the middles of the pixels lie about half a pixel off in both directions."""
+        x, y = self.pixel_x, self.pixel_y
+        return _HALF < abs(x + y) / 2 < 3 * _HALF and abs(x - y) < 2 * _HALF
 
     def poses(self, stated: Stated) -> tuple[Array, Array]:
         """Return the matrices (n, 3, 3) and positions (n, 3) of world_from_eye."""

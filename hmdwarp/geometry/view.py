@@ -328,35 +328,29 @@ class Hidden:
         from scipy.ndimage import binary_opening
 
         to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
+        columns, rows = (np.arange(count) + 0.5 for count in size)
         for points in self.polygons:
-            x, y, _ = to_pixel @ np.column_stack([points, np.ones(len(points))]).T
-            seen &= ~_pixels_inside(x, y, size)
+            xs, ys, _ = to_pixel @ np.column_stack([points, np.ones(len(points))]).T
+            inside = np.zeros(size[::-1], bool)  # where an odd number of edges lies right of the pixel's centre
+            for x0, y0, x1, y1 in zip(xs, ys, np.roll(xs, -1), np.roll(ys, -1), strict=True):
+                crossed = (rows < y0) != (rows < y1)
+                at = x0 + (rows[crossed] - y0) * ((x1 - x0) / ((y1 - y0) or 1.0))
+                inside[crossed] ^= columns < at[:, None]
+            seen &= ~inside
         if any(len(points) == 3 for points in self.polygons):
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
         ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])
-        x, y = np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5
-        across, above = (x > ends[0, 0]) & (x < ends[0, 1]), (y > ends[1, 0]) & (y < ends[1, 1])
-        found: NDArray[np.bool_] = seen & across & above[:, None]
-        return found
+        across, above = (
+            (places > low) & (places < high) for places, (low, high) in zip((columns, rows), ends, strict=False)
+        )
+        return np.asarray(seen & across & above[:, None])
 
     def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
         """Return (h, w): which pixels can be seen, the bottom row first."""
         first, end = self.rows(fov, size).T
         row = np.arange(size[1])[:, None]
-        found: NDArray[np.bool_] = (row >= first) & (row < end)
-        return found
-
-
-def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size) -> NDArray[np.bool_]:
-    """Return (h, w): whether an odd number of edges lies right of a pixel's centre."""
-    inside = np.zeros(size[::-1], bool)
-    columns, rows = (np.arange(count) + 0.5 for count in size)
-    for x0, y0, x1, y1 in zip(xs, ys, np.roll(xs, -1), np.roll(ys, -1), strict=True):
-        crossed = (rows < y0) != (rows < y1)
-        at = x0 + (rows[crossed] - y0) * ((x1 - x0) / ((y1 - y0) or 1.0))
-        inside[crossed] ^= columns < at[:, None]
-    return inside
+        return np.asarray((row >= first) & (row < end))
 
 
 Gaze = tuple[float, float, float]

@@ -100,13 +100,8 @@ class EglContext:
 
     def __init__(self, device: Device, version: int, *, shared: bool = False) -> None:
         egl = self._egl = _egl()
-        self._display = egl.call(
-            "eglGetPlatformDisplayEXT",
-            ctypes.c_void_p,
-            ctypes.c_uint32(_DEVICE_PLATFORM),
-            device.handle,
-            _attributes(()),
-        )
+        platform, none = ctypes.c_uint32(_DEVICE_PLATFORM), _attributes(())
+        self._display = egl.call("eglGetPlatformDisplayEXT", ctypes.c_void_p, platform, device.handle, none)
         egl.call("eglInitialize", ctypes.c_uint32, self._display, 0, 0)
         egl.call("eglBindAPI", ctypes.c_uint32, ctypes.c_uint32(_OPENGL_API))
         config, count = ctypes.c_void_p(), ctypes.c_int32()
@@ -117,9 +112,8 @@ class EglContext:
         if not count.value:
             raise OSError("it draws no OpenGL")
         wanted = (0x3098, version // 100, 0x30FB, version // 10 % 10, *_CORE_PROFILE)
-        make = functools.partial(
-            egl.call, "eglCreateContext", ctypes.c_void_p, self._display, config, ctypes.c_void_p(0)
-        )
+        pointer = ctypes.c_void_p
+        make = functools.partial(egl.call, "eglCreateContext", pointer, self._display, config, pointer(0))
         try:
             self._context = make(_attributes(wanted if shared else (*wanted, *_LOSE_ON_RESET)))
         except OSError:

@@ -106,16 +106,14 @@ class HiddenAreas:
             # A pass of other rows writes up to the next of these.
             written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
             lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
-            row, column = np.nonzero(lists[of])
-            each = group // STRIP
+            (row, column), each = np.nonzero(lists[of]), group // STRIP
             count = -(-len(row) // each)
             places = np.full(max(1, count * each), NO_STRIP, np.uint32)
             places[: len(row)] = column | row << 16
             made[key] = self._gl.buffer(places.tobytes()), count
         strips, count = made[key]
         strips.bind_to_storage_buffer(STRIPS)
-        found: int = count
-        return found
+        return int(count)
 
     def cover(self, view: SeenView, framebuffer: moderngl.Framebuffer, nearest: float, **defines: object) -> None:
         """Draw what is hidden of a view in front of everything, into a framebuffer for all of it.

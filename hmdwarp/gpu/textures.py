@@ -142,5 +142,4 @@ def flip_rows(image: NDArray[Any]) -> NDArray[Any]:
 def flip_map(matrix: NDArray[np.float64], height: int) -> NDArray[np.float64]:
     """Return a (3, 3) map between pixels, of pictures so high, as flip_rows turns their rows."""
     turned = np.array([[1.0, 0, 0], [0, -1, height], [0, 0, 1]])
-    found: NDArray[np.float64] = turned @ matrix @ turned
-    return found
+    return np.asarray(turned @ matrix @ turned)

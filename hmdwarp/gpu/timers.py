@@ -10,6 +10,7 @@ import attrs
 import moderngl
 
 from .shaders import Compute
+from .textures import release_all
 
 
 def is_software(gl: moderngl.Context) -> bool:
@@ -58,9 +59,7 @@ def _copying(gl: moderngl.Context, size_bytes: int) -> Iterator[Callable[[], Non
     try:
         yield lambda: copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
     finally:
-        copy.program.release()
-        for buffer in buffers:
-            buffer.release()
+        release_all(copy.program, *buffers)
 
 
 def _agrees_with_the_wall(gl: moderngl.Context, run: Callable[[], object], least: float) -> bool:

@@ -47,19 +47,12 @@ def load_export(path: Path) -> Headset:
 
 def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
     """Return a headset as a connected runtime reports it. about: what runtime and headset it is."""
-    views = eyes.views(Pose())
-    return Headset(
-        name=name,
-        summary=f"{about}, {size[0]}x{size[1]} per eye",
-        source=f"reported by {about}",
-        emulated=REPORTED,
-        eye_size_px=size,
-        refresh_hz=rate_hz,
-        eyes=tuple(
-            HeadsetEye(view.pose, view.fov, hidden=view.hidden.polygons if view.hidden is not None else ())
-            for view in views
-        ),
+    seen = tuple(
+        HeadsetEye(view.pose, view.fov, hidden=view.hidden.polygons if view.hidden is not None else ())
+        for view in eyes.views(Pose())
     )
+    summary = f"{about}, {size[0]}x{size[1]} per eye"
+    return Headset(name, summary, f"reported by {about}", size, rate_hz, seen, emulated=REPORTED)
 
 
 def _vive(data: Table, path: Path) -> Headset:
@@ -73,14 +66,8 @@ def _vive(data: Table, path: Path) -> Headset:
         half = data.within("lens_separation", 0, 1) / 2
         places = [-half, half]
     eyes = tuple(_vive_eye(eye, float(x), (2.0, 2.0 / aspect)) for eye, x in zip(found, places, strict=True))
-    return Headset(
-        name=path.stem,
-        summary=f"SteamVR's configuration of a headset, {size[0]}x{size[1]} per eye",
-        source=path.name,
-        eye_size_px=size,
-        refresh_hz=REFRESH_HZ,
-        eyes=eyes,
-    )
+    summary = f"SteamVR's configuration of a headset, {size[0]}x{size[1]} per eye"
+    return Headset(path.stem, summary, path.name, size, REFRESH_HZ, eyes)
 
 
 def _matrix(data: Table, key: str, shape: tuple[int, int]) -> Array:
@@ -139,15 +126,8 @@ def _hmdq(data: Table, path: Path) -> Headset:
         )
     size = found.numbers("rec_rts", 2)
     eyes = tuple(_hmdq_eye(found, side) for side in ("Left", "Right"))
-    return Headset(
-        name=path.stem,
-        summary=f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye",
-        source=f"hmdq, {path.name}",
-        emulated=REPORTED,
-        eye_size_px=size,
-        refresh_hz=REFRESH_HZ,
-        eyes=eyes,
-    )
+    summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
+    return Headset(path.stem, summary, f"hmdq, {path.name}", size, REFRESH_HZ, eyes, emulated=REPORTED)
 
 
 def _geometry(data: Table) -> Table | None:
@@ -165,16 +145,14 @@ def _hmdq_eye(data: Table, side: str) -> HeadsetEye:
     fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
     pose = _matrix(data.table("eye2head"), side, (3, 4))
     meshes = data.table("ham_mesh") if "ham_mesh" in data and data.raw("ham_mesh") else Table({})
-    hidden = _triangles(meshes.table(side), fov) if side in meshes and meshes.raw(side) else ()
+    hidden: tuple[Polygon, ...] = ()
+    if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
+        left, right, down, up = fov.tangents
+        count = len(meshes.table(side).raw("verts_raw"))
+        matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
+        places = matrix * (right - left, up - down) + (left, down)
+        hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
     return HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden)
-
-
-def _triangles(mesh: Table, fov: Fov) -> tuple[Polygon, ...]:
-    """Return the hidden triangles in tangents; in the file they lie in 0..1 of the view."""
-    left, right, down, up = fov.tangents
-    count = len(mesh.raw("verts_raw"))
-    places = _matrix(mesh, "verts_raw", (count - count % 3, 2)) * (right - left, up - down) + (left, down)
-    return tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
 
 
 _FOLDER = Path(__file__).parent

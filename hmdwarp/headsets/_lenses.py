@@ -103,14 +103,9 @@ class RadialLens(_OneAxis):
     @classmethod
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> RadialLens:
         """Return the lens of a file's table. reach_m: from the axis to the panel's corner."""
-        unit_m = data.number("unit_m")
-        return cls(
-            axis_from_centre_m=axis,
-            unit_m=unit_m,
-            tangent_per_unit=data.number("tangent_per_unit"),
-            coefficients={colour: data.numbers(colour) for colour in COLOURS},
-            reach=reach_m / unit_m if unit_m else 0.0,
-        )
+        unit_m, per_unit = data.number("unit_m"), data.number("tangent_per_unit")
+        coefficients = {colour: data.numbers(colour) for colour in COLOURS}
+        return cls(axis, unit_m, per_unit, coefficients, reach_m / unit_m if unit_m else 0.0)
 
     def scales(self, colour: str, r: Array) -> Array:
         """Return the tangent that the lens shows at radius r, over r."""
@@ -182,10 +177,8 @@ class TableLens(_OneAxis):
     @classmethod
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> TableLens:
         """Return the lens of a file's table: one `distance`, or one for each colour."""
-        if "distance" in data:
-            distances = dict.fromkeys(COLOURS, data.numbers("distance"))
-        else:
-            distances = {colour: data.numbers(colour) for colour in COLOURS}
+        keys = dict.fromkeys(COLOURS, "distance") if "distance" in data else {colour: colour for colour in COLOURS}
+        distances = {colour: data.numbers(key) for colour, key in keys.items()}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
 
     @property

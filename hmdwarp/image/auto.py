@@ -28,6 +28,7 @@ LEVELS = (
     QualityLevel("iterative", "pyramid", 23.4, 0.0982),
     QualityLevel("iterative", "memory+pyramid", 43.6, 0.0827),
 )
+Size = tuple[int, int]
 _ROUNDS = 3  # timed runs of each level on the first picture, after one that warms up
 # What a call takes beside the passes that a level chooses.
 _BESIDE = {"upload", "repair", "carry", "download", "wait", "host", "auto"}
@@ -64,12 +65,7 @@ class AutoCompensator:
     """
 
     def __init__(
-        self,
-        gpu: Gpu,
-        plans: Mapping[QualityLevel, Plan],
-        rendered_size: tuple[int, int],
-        shown_size: tuple[int, int],
-        budget_ms: float,
+        self, gpu: Gpu, plans: Mapping[QualityLevel, Plan], rendered_size: Size, shown_size: Size, budget_ms: float
     ) -> None:
         self.budget_ms = budget_ms
         self._gpu = gpu
@@ -91,7 +87,9 @@ class AutoCompensator:
         """Run the level of the moment; see Compensator.run. Errors: InputError at first."""
         if self._running is None:
             with self._gpu.timer.aside("auto"):
-                levels = self._timed(inputs)
+                # By the times that they take here.
+                timed = [level.scaled(self._ms(one, inputs) / level.total_ms) for level, one in self._made.items()]
+            levels = front(timed)
             best_within(levels, self.budget_ms, "budget_ms")
             made = {(level.warp, level.fill): one for level, one in self._made.items()}
             compensators = {level: made[level.warp, level.fill] for level in levels}
@@ -100,10 +98,6 @@ class AutoCompensator:
             self._running.record_timings([[("", ms)] for ms in self._eyes.values()])
             self._eyes.clear()
         return self._running.run(inputs)
-
-    def _timed(self, inputs: PassInputs) -> tuple[QualityLevel, ...]:
-        """Return the levels by the times that they take here."""
-        return front([level.scaled(self._ms(one, inputs) / level.total_ms) for level, one in self._made.items()])
 
     def _ms(self, made: Compensator, inputs: PassInputs) -> float:
         took = []

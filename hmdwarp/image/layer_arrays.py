@@ -267,9 +267,8 @@ def with_panels(passed: Mapping[str, Any], panels: Any) -> Mapping[str, Any]:
     """Return the layers with the panels of a call, if it has any."""
     if not isinstance(passed, Mapping):
         raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name, maybe empty")
-    return (
-        passed if panels is None or (isinstance(panels, list | tuple) and not panels) else {**passed, "panels": panels}
-    )
+    has_none = panels is None or (isinstance(panels, list | tuple) and not panels)
+    return passed if has_none else {**passed, "panels": panels}
 
 
 def with_panel_effects(effects: str, panels: Any) -> str:

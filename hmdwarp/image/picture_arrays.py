@@ -182,9 +182,10 @@ def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, e
     known = (is_bytes or colour.dtype.kind == "f") and (depth.dtype.kind == "f" or depth.dtype == np.uint16)
     said = is_one_of(encoding, ENCODINGS) and not (is_bytes and encoding == LINEAR)
     if scale is None:
-        return bool(fits and known and said and depth.dtype.kind == "f")
-    is_scale = isinstance(scale, Real) and not isinstance(scale, bool) and 0 < scale <= 1
-    return bool(fits and known and said and is_scale)
+        known = known and depth.dtype.kind == "f"
+    elif isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale <= 1:
+        return False
+    return bool(fits and known and said)
 
 
 def checked_picture(
@@ -207,8 +208,11 @@ def checked_picture(
         )
     hidden: NDArray[np.bool_] = np.asarray(colour_mask.any(axis=2))
     if colour.shape[2] == 4:
-        hidden |= _empty(colour[..., 3])
-        colour = colour[..., :3]
+        colour, alpha = colour[..., :3], colour[..., 3]
+        if not np.isfinite(alpha).all() or alpha.min() < 0:
+            y, x = np.argwhere(~(np.isfinite(alpha) & (alpha >= 0)))[0]
+            raise InputError(f"alpha of colour at row {y}, column {x} is {alpha[y, x]}: expected 0 for a hole, or more")
+        hidden |= alpha == 0
     if colour.dtype.kind == "f":
         hidden |= depth_mask & ~np.isfinite(colour).all(axis=2)
     colour = np.where(hidden[..., None], 0, colour).astype(colour.dtype)
@@ -239,14 +243,6 @@ def checked_view(name: str, view: object) -> View:
         raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
     view.pose.check_near(name)
     return view
-
-
-def _empty(alpha: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where alpha says that nothing was drawn. Errors: InputError for a bad one."""
-    if not np.isfinite(alpha).all() or alpha.min() < 0:
-        y, x = np.argwhere(~(np.isfinite(alpha) & (alpha >= 0)))[0]
-        raise InputError(f"alpha of colour at row {y}, column {x} is {alpha[y, x]}: expected 0 for a hole, or more")
-    return np.asarray(alpha == 0)
 
 
 def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:

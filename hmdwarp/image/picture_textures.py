@@ -54,12 +54,7 @@ class ForeignTextures:
         self._gpu, self._size = gpu, size
 
     def converted(
-        self,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        depth_as: str | DepthLayer,
-        encoding: str,
-        into: Pair,
+        self, colour: moderngl.Texture, depth: moderngl.Texture, depth_as: str | DepthLayer, encoding: str, into: Pair
     ) -> Pair:
         """Return rgba16f linear light with coverage, and r32f inverse depth.
 
@@ -78,7 +73,10 @@ class ForeignTextures:
         into[1].bind_to_image(1, read=False, write=True)
         program.uniforms.set(given_colour=0, given_depth=1, colour=0, inverse_depth=1, rendered_size=self._size)
         if isinstance(depth_as, DepthLayer):
-            program.uniforms.set(**_buffer_uniforms(depth_as))
+            span = depth_as.max_depth - depth_as.min_depth
+            near, far = 1 / depth_as.near_z, 1 / depth_as.far_z
+            program.uniforms.set(low=depth_as.min_depth, high=depth_as.max_depth, slack=min(HALF_STEP, 0.01 * span))
+            program.uniforms.set(at_least=min(near, _MOST), per_value=(far - near) / span)
         program.run(*self._size)
         self._gpu.barrier()
         return into
@@ -101,16 +99,3 @@ class ForeignTextures:
             raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
         if encoding is None or not is_one_of(encoding, ENCODINGS):
             raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
-
-
-def _buffer_uniforms(layer: DepthLayer) -> dict[str, float]:
-    """Return the numbers by which a depth buffer's values become inverse depth."""
-    span = layer.max_depth - layer.min_depth
-    near, far = 1 / layer.near_z, 1 / layer.far_z
-    return {
-        "low": layer.min_depth,
-        "high": layer.max_depth,
-        "slack": min(HALF_STEP, 0.01 * span),
-        "at_least": min(near, _MOST),
-        "per_value": (far - near) / span,
-    }

@@ -55,7 +55,7 @@ def plan_of(
         raise InputError(
             f"warp 'auto' is for a hmdwarp.Warper or warp_image with budget_ms; name one: {', '.join(usable_warps())}"
         )
-    named = every_effect.selected(effects, ())
+    named, taker = every_effect.selected(effects, ()), "the caller" if depth else ""
     try:
         return build_plan(
             named,
@@ -66,7 +66,7 @@ def plan_of(
             brings=available,
             named=named,
             forced=named,
-            takes_depth="the caller" if depth else "",
+            takes_depth=taker,
         )
     except PlanError as error:
         able = f"warps {', '.join(usable_warps())}; fills {', '.join(usable_fills())}"

@@ -34,7 +34,7 @@ from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
 from ..scenes import Panel
-from ..sources.array_passes import LINEAR, SRGB, SRGB8, Found, GiveOut, PixelBuffers, TakeIn
+from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
 from .auto import AutoCompensator, plans_of_levels
@@ -120,8 +120,10 @@ class WarpedImage:
 class _Request:
     """The arguments of a call, as warp takes them; views and the picture looked at."""
 
-    views: tuple[View, View]
-    picture: RawPicture
+    colour: ArrayLike
+    depth_m: ArrayLike
+    rendered: View
+    shown: View
     others: Sequence[Other]
     client_depth_m: ArrayLike | None
     layers: Mapping[str, Any]
@@ -131,6 +133,18 @@ class _Request:
     result: str | None
     eye: int
     out: Mapping[str, NDArray[Any]]
+    views: tuple[View, View] = attrs.field(init=False)
+    picture: RawPicture = attrs.field(init=False)
+
+    @views.default
+    def _checked(self) -> tuple[View, View]:
+        _check_eye(self.eye)
+        return _checked_views(self.rendered, self.shown)
+
+    @picture.default
+    def _raw(self) -> RawPicture:
+        seen = without_hidden(self.colour, self.views[0])
+        return raw_picture(seen, self.depth_m, self.depth_scale, self.encoding)
 
     def __attrs_post_init__(self) -> None:
         for name, kind, expected in (
@@ -155,10 +169,6 @@ class _Flight:
     # What has run, and what of the buffers has the result, by name.
     plan: Plan
     made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)
-
-    @property
-    def found(self) -> Found:
-        return self.buffers.found
 
 
 class Pending:
@@ -272,11 +282,9 @@ class Warper:
             self._take_in, self._give_out = TakeIn(current, self.rendered_size), GiveOut(current, self.size)
             for passes in (self._take_in, self._give_out):
                 stack.callback(passes.close)
-            # All that were made, those that no call has, and the calls that have the rest.
-            self._buffers: list[PixelBuffers] = []
+            # Those that no call has, and the calls that have the rest.
             self._free_buffers: list[PixelBuffers] = []
             self._in_flight: deque[Pending] = deque()
-            stack.callback(_close_all, self._buffers)
             self._confidence = Canvas(current.gl, self.size) if has_confidence else None
             if self._confidence is not None:
                 stack.callback(self._confidence.release)
@@ -312,7 +320,7 @@ class Warper:
         with self._gpu() as gpu:
             gpu.timer.collect()
             laid = with_panels(layers, panels)
-            asked = _request(
+            asked = _Request(
                 colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding, result,
                 eye, out,
             )  # fmt: skip
@@ -351,7 +359,7 @@ class Warper:
                 is_timed = isinstance(self._compensator, AutoCompensator) and gpu.timer.clock == "wall"
                 with nullcontext() if is_timed else gpu.timer.without_waiting():
                     laid = with_panels(layers, panels)
-                    asked = _request(
+                    asked = _Request(
                         colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding,
                         result, eye, out,
                     )  # fmt: skip
@@ -378,14 +386,18 @@ class Warper:
 
     def _begun(self, gpu: Gpu, asked: _Request) -> _Flight:
         """Send the pictures, and let the GPU make the result. Errors: as warp."""
-        picture, views = asked.picture, asked.views
-        result = _checked_result(asked.result, picture.encoding)
+        picture, views, known, age_s = asked.picture, asked.views, (SRGB8, SRGB, LINEAR), asked.age_s
+        if not is_one_of(asked.result, known):
+            expected = f"{', '.join(known)}, or None for that of the picture"
+            raise InputError(f"result is {in_brief(asked.result)}: expected {expected}")
+        result = picture.encoding if asked.result is None else asked.result
         self._check_size("", picture)
         further = [self._other(number, one, asked) for number, one in enumerate(asked.others)]
         self._check_needs(len(further), asked.client_depth_m is not None)
         self._layers.check(asked.layers, self._named)
         self._check_out(asked.out, result)
-        age_ns = _checked_age_ns(asked.age_s)
+        if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
+            raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
         client = self._client_inverse(asked)
         drawn_ns = self._next()
         pictures = [picture, *(one for one, _ in further)]
@@ -396,19 +408,19 @@ class Warper:
             for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
         ]
         if not self._free_buffers:
-            self._buffers.append(PixelBuffers(gpu, len(self._pictures)))
-            self._free_buffers.append(self._buffers[-1])
+            self._free_buffers.append(PixelBuffers(gpu, len(self._pictures)))
+            self._cleanup.callback(self._free_buffers[-1].close)
         flight = _Flight(pictures, views, result, asked.out, asked.eye, self._free_buffers.pop(), self.plan)
         try:
             self._upload(flight, gpu)
             if self._learns:
-                flight.found.read()
+                flight.buffers.found.read()
                 self._check_numbers(flight)
             with gpu.timer.cpu_stage("upload"):
                 images[0] = images[0].having(**self._layers.hold(asked.layers))
                 if client is not None and self._client_depth is not None:
                     upload(self._client_depth, client)
-            self._run(gpu, flight, self._inputs(images, views[1], asked.eye, age_ns))
+            self._run(gpu, flight, self._inputs(images, views[1], asked.eye, round(float(age_s) * 1e9)))
         except BaseException:
             self._free_buffers.append(flight.buffers)
             raise
@@ -435,7 +447,7 @@ class Warper:
         """
         try:
             with gpu.timer.cpu_stage("wait") if late else nullcontext():
-                flight.found.read()
+                flight.buffers.found.read()
             gpu.check_not_lost()
             self._check_numbers(flight, late=late)
             self._warn_about(flight, late=late)
@@ -444,7 +456,11 @@ class Warper:
         finally:
             self._free_buffers.append(flight.buffers)
         holes = self._hole_share(flight)
-        times = {} if late else self._times(gpu, flight)
+        times: dict[str, float] = {}
+        if not late:
+            whole_ms = gpu.timer.lap_ms
+            times = self._recorded(flight, gpu.timer.collect())
+            times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
         return WarpedImage(arrays["colour"], arrays["coverage"], times, holes, flight.result, arrays.get("depth_m"))
 
     def _fetch(self, gpu: Gpu, pending: Pending) -> None:
@@ -461,8 +477,7 @@ class Warper:
             pending._answer = error
             return
         spent_ms += gpu.timer.lap_ms
-        times = self._summed((*lap.read(), *gpu.timer.lap().read()), flight.plan)
-        self._record(flight, times)
+        times = self._recorded(flight, (*lap.read(), *gpu.timer.lap().read()))
         own_ms = sum(times.get(name, 0.0) for name in ("upload", "repair", "wait", "download"))
         pending._answer = attrs.evolve(image, time_ms={**times, "host": max(spent_ms - own_ms, 0.0)})
 
@@ -475,10 +490,10 @@ class Warper:
                 textures.hold_confidence(confidence)
             with gpu.timer.cpu_stage("upload"):
                 if not number:
-                    flight.found.clear()
+                    flight.buffers.found.clear()
                 one = mended if self.repair.steps else picture
                 sent = self._take_in.send(one, flight.buffers, number)
-                self._take_in.run(one, sent, textures.pair, flight.found, number)
+                self._take_in.run(one, sent, textures.pair, flight.buffers.found, number)
 
     def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
         """Return a picture with the numbers that the GPU was sent."""
@@ -490,7 +505,7 @@ class Warper:
     def _check_numbers(self, flight: _Flight, *, late: bool = False) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
         for number in range(len(flight.pictures)):
-            if flight.found.is_doubtful(number, self.rendered_size):
+            if flight.buffers.found.is_doubtful(number, self.rendered_size):
                 self._picture(flight, number, late=late).as_checked()
 
     def _check_out(self, out: Mapping[str, NDArray[Any]], result: str) -> None:
@@ -510,13 +525,6 @@ class Warper:
                 )
             if not array.flags.writeable:
                 raise InputError(f"out['{name}'] is read-only: expected an array that can be written into")
-
-    def _times(self, gpu: Gpu, flight: _Flight) -> dict[str, float]:
-        """Return the milliseconds of this call by stage name: their sum is the call."""
-        whole_ms = gpu.timer.lap_ms
-        total = self._summed(gpu.timer.collect(), flight.plan)
-        self._record(flight, total)
-        return {**total, "host": max(whole_ms - sum(total.values()), 0.0)}
 
     def warp_textures(
         self,
@@ -554,8 +562,12 @@ class Warper:
             raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
         with self._gpu() as gpu:
             pair = self._foreign.converted(colour, depth, depth_as, encoding, self._pictures[0].pair)
-            # Read back once: it waits for the GPU.
-            for note in self._unit_notes(lambda: _metres(download(pair[1])), views, "a scale of {:g}"):
+
+            def metres() -> NDArray[np.float64]:  # read back once: it waits for the GPU
+                inverse = download(pair[1])
+                return metres_from_inverse_depth(np.where(inverse >= 0, inverse, np.nan).astype(np.float64))
+
+            for note in self._unit_notes(metres, views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
             image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
@@ -577,15 +589,22 @@ class Warper:
     def time_ms(self) -> dict[str, float]:
         """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
         with self._gpu() as gpu:
-            return self._summed(gpu.timer.collect())
+            return self._summed(gpu.timer.collect(), self.plan)
 
-    def _record(self, flight: _Flight, times: Mapping[str, float]) -> None:
+    def _recorded(self, flight: _Flight, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
+        times = self._summed(stages, flight.plan)
         if isinstance(self._compensator, AutoCompensator):
             self._compensator.record(flight.eye, times)
+        return times
 
-    def _summed(self, stages: Iterable[tuple[str, float]], plan: Plan | None = None) -> dict[str, float]:
+    @staticmethod
+    def _summed(stages: Iterable[tuple[str, float]], plan: Plan) -> dict[str, float]:
         """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
-        fills, total = cycle(_fill_names(plan or self.plan)), dict[str, float]()
+        names = [f"fill {choice.entry.name}" for choice in plan.fills] if len(plan.fills) > 1 else ["fill"]
+        if len(names) > 1 and plan.warps_twice:
+            fills_depth = any(step.stage == "fill" and SHOWN_DEPTH in step.writes for step in plan.steps)
+            names = ["fill depth", *names] if fills_depth else names
+        fills, total = cycle(names), dict[str, float]()
         for stage, milliseconds in stages:
             name = next(fills) if stage == "fill" else stage
             total[name] = total.get(name, 0.0) + milliseconds
@@ -639,7 +658,7 @@ class Warper:
             checked = flight.pictures[0].checked
             if checked is not None:
                 largest = checked.notes
-            elif flight.found.has_largest(0):
+            elif flight.buffers.found.has_largest(0):
                 largest = about_largest([self._picture(flight, 0, late=late).depth])
             self._warned.update([_LARGEST] if largest else [])
         unit = self._unit_notes(lambda: self._picture(flight, 0, late=late).metres(), flight.views, "depth_scale={:g}")
@@ -653,7 +672,7 @@ class Warper:
             warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called
 
     def _hole_share(self, flight: _Flight) -> float:
-        return flight.found.holes / (self.size[0] * self.size[1])
+        return flight.buffers.found.holes / (self.size[0] * self.size[1])
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
         """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
@@ -708,69 +727,8 @@ class Warper:
         return checked_picture(blank, depth_m, asked.depth_scale).arrays()[1]
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
-        return PassInputs(
-            images[0],
-            shown,
-            eye,
-            others=tuple(images[1:]),
-            client_inverse_depth=self._client_depth,
-            shown_ns=self._count + age_ns,
-        )
-
-
-def _close_all(buffers: list[PixelBuffers]) -> None:
-    for one in buffers:
-        one.close()
-
-
-def _request(
-    colour: ArrayLike,
-    depth_m: ArrayLike,
-    rendered: View,
-    shown: View,
-    others: Sequence[Other],
-    client_depth_m: ArrayLike | None,
-    layers: Mapping[str, Any],
-    age_s: float,
-    depth_scale: float | None,
-    encoding: str | None,
-    result: str | None,
-    eye: int,
-    out: Mapping[str, NDArray[Any]],
-) -> _Request:
-    _check_eye(eye)
-    views = _checked_views(rendered, shown)
-    picture = raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding)
-    return _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, eye, out)
-
-
-def _fill_names(plan: Plan) -> list[str]:
-    """Return what each stage "fill" of a picture is called, in order."""
-    if len(plan.fills) < 2:
-        return ["fill"]
-    names = [f"fill {choice.entry.name}" for choice in plan.fills]
-    if plan.warps_twice and any(step.stage == "fill" and SHOWN_DEPTH in step.writes for step in plan.steps):
-        return ["fill depth", *names]
-    return names
-
-
-def _metres(inverse_depth: NDArray[Any]) -> NDArray[np.float64]:
-    """Return depth in metres, NaN where there is none: below 0 or NaN."""
-    return metres_from_inverse_depth(np.where(inverse_depth >= 0, inverse_depth, np.nan).astype(np.float64))
-
-
-def _checked_result(result: str | None, own: str) -> str:
-    """Return the encoding of the result: by default that of the picture."""
-    known = (SRGB8, SRGB, LINEAR)
-    if not is_one_of(result, known):
-        raise InputError(f"result is {in_brief(result)}: expected {', '.join(known)}, or None for that of the picture")
-    return own if result is None else result
-
-
-def _checked_age_ns(age_s: float) -> int:
-    if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
-        raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
-    return round(float(age_s) * 1e9)
+        others, depth, shown_ns = tuple(images[1:]), self._client_depth, self._count + age_ns
+        return PassInputs(images[0], shown, eye, others=others, client_inverse_depth=depth, shown_ns=shown_ns)
 
 
 def _check_eye(eye: int) -> None:
@@ -840,13 +798,14 @@ def warp_image(
     Errors: InputError for arguments that do not fit, and in such a process; PlanError for a warp
     that needs more than such pictures; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    views = _checked_views(rendered, shown)
-    picture = raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding)
-    shown_size = picture.size if size is None else checked_size(size)
-    effects, layers = with_panel_effects(effects, panels), with_panels(layers, panels)
+    effects, laid = with_panel_effects(effects, panels), with_panels(layers, panels)
+    asked = _Request(
+        colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding, result, 0, {}
+    )
+    own_size = asked.picture.size
+    shown_size = own_size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
     options |= {"budget_ms": budget_ms, "bench": bench}
-    with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:
+    with Warper(shown_size, rendered_size=own_size, gpu=gpu, **options) as warper, warper._gpu() as current:
         current.timer.collect()
-        asked = _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, 0, {})
         return warper._ended(current, warper._begun(current, asked))
