@@ -102,11 +102,7 @@ class Presenter:
         into.color_mask, self._gl.depth_func = colours, "<"
 
     def _draw(self, whole: _Whole, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
-        """Draw without moderngl.Scope.
-
-        A Scope keeps its framebuffer until the context goes, and a runtime's framebuffers come and
-        go.
-        """
+        """Draw without moderngl.Scope: it keeps framebuffers, and a runtime has ever new ones."""
         before, into.viewport = into.viewport, viewport
         into.use()
         self._gl.enable_only(flags)
@@ -194,11 +190,8 @@ class Notice:
         scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
         # At whole pixels, letters of full size stay sharp.
         middle = (size[1] - scale * h) / 2
-        left, bottom = (
-            round((size[0] - scale * w) / 2),
-            round(min(MARGIN * size[1], middle) if self._is_text else middle),
-        )
-        return np.array([[scale * w, 0, left], [0, scale * h, bottom], [0, 0, 1.0]])
+        left, bottom = (size[0] - scale * w) / 2, min(MARGIN * size[1], middle) if self._is_text else middle
+        return np.array([[scale * w, 0, round(left)], [0, scale * h, round(bottom)], [0, 0, 1.0]])
 
     def _in_head(self) -> NDArray[np.float64]:
         """Return 3x3: (u, v, 1) to metres in the head's axes."""
@@ -264,11 +257,13 @@ def text_ink(text: str) -> NDArray[np.uint8]:
     from PIL import Image, ImageDraw, ImageFont
 
     font = ImageFont.load_default(FONT_PX)
-    rows = [row for line in text.splitlines() for row in _wrapped(line)]
+    rows: list[tuple[str, ...]] = []  # of one part, or of two columns
+    for line in text.splitlines():
+        before, tab, after = line.partition("\t")
+        rows += [(before, after)] if tab else [(part,) for part in textwrap.wrap(line, LETTERS_A_LINE) or [""]]
     second_px = _widest(font, [row[0] for row in rows if len(row) == 2]) + COLUMN_PX
-    wide = max(
-        _widest(font, [row[0] for row in rows]), _widest(font, [row[1] for row in rows if len(row) == 2], second_px)
-    )
+    seconds = [row[1] for row in rows if len(row) == 2]
+    wide = max(_widest(font, [row[0] for row in rows]), _widest(font, seconds, second_px))
     size = (wide + 2 * PAD_PX, LINE_PX * len(rows) + PAD_PX)
     image = Image.new("L", size)
     draw = ImageDraw.Draw(image)
@@ -280,11 +275,3 @@ def text_ink(text: str) -> NDArray[np.uint8]:
 
 def _widest(font: FreeTypeFont | ImageFont, parts: list[str], from_px: int = 0) -> int:
     return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)
-
-
-def _wrapped(line: str) -> list[tuple[str, ...]]:
-    """Return the rows of one part, or of two columns."""
-    if "\t" in line:
-        before, _, after = line.partition("\t")
-        return [(before, after)]
-    return [(part,) for part in textwrap.wrap(line, LETTERS_A_LINE) or [""]]

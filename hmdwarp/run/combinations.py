@@ -193,11 +193,7 @@ class Combination:
 
 
 def batches(
-    combinations: Sequence[Combination],
-    rendered_size: Size,
-    shown_size: Size,
-    most_bytes: float,
-    pictures: int = 0,
+    combinations: Sequence[Combination], rendered_size: Size, shown_size: Size, most_bytes: float, pictures: int = 0
 ) -> list[list[Combination]]:
     """Return groups of combinations that fit in `most_bytes` together.
 

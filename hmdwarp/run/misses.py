@@ -54,11 +54,7 @@ class MissTally:
         of the change of that angle from each refresh to the next; 0 for a single refresh.
         """
         judder = math.sqrt(self._squares / max(1, self._refreshes - 1))
-        return {
-            "stale_share": self._stale / self._refreshes,
-            "longest_stale": self._longest,
-            "judder_deg": judder,
-        }
+        return {"stale_share": self._stale / self._refreshes, "longest_stale": self._longest, "judder_deg": judder}
 
 
 class SeenOffset:

@@ -92,7 +92,7 @@ def _make(path: Path, hosts: list[str]) -> None:
     try:
         with TemporaryDirectory(dir=path.parent) as made:  # that only this user may enter
             settings, key, certificate = (Path(made, name) for name in ("settings", "key", "certificate"))
-            names = ",".join(f"{'IP' if _is_number(host) else 'DNS'}:{host}" for host in hosts)
+            names = ",".join(f"{'IP' if is_number(host) else 'DNS'}:{host}" for host in hosts)
             settings.write_text(f"{_SETTINGS}{names}\n", encoding="ascii")
             files = ("-config", settings, "-keyout", key, "-out", certificate)
             done = subprocess.run(["openssl", *_MAKE, *files], capture_output=True, text=True, check=False)
@@ -105,7 +105,8 @@ def _make(path: Path, hosts: list[str]) -> None:
         raise InputError(f"--certificate {path}: cannot be made ({error})") from error
 
 
-def _is_number(host: str) -> bool:
+def is_number(host: str) -> bool:
+    """Return whether a host is an IP address."""
     try:
         ipaddress.ip_address(host)
     except ValueError:

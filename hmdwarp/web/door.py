@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import asyncio
 import hmac
-import ipaddress
 import json
 import logging
 import mimetypes
@@ -34,7 +33,7 @@ from ..gpu.shaders import VERSION, flatten
 from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.sockets import Places, is_local, set_options
-from .certificate import certified, hosts_at
+from .certificate import certified, hosts_at, is_number
 from .visitors import OneLine, Visitor, Visitors
 
 PAGE = Path(__file__).parent / "page"
@@ -188,24 +187,18 @@ class Door:
             return web.Response(status=403, text="open this page by the address that hmdwarp printed\n")
         if given is not None:
             return self._let_in(request, given)
-        if not self._knows(cookie):
+        if not hmac.compare_digest(_bytes(cookie), _bytes(self._signed(cookie.partition(".")[0]))):
             return web.Response(status=403, text="open the address that hmdwarp printed: its token counts once\n")
-        headers = {**_HEADERS, "Content-Security-Policy": self._policy(host)}
         request["visitor"] = self._visitors.heard(request)
         response = await handler(request)
         if not response.prepared:
-            response.headers.update(headers)
+            sockets = f"{'ws' if self._tls is None else 'wss'}://{host}"  # which 'self' does not mean in every browser
+            policy = (
+                "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+                f"connect-src 'self' {sockets}; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+            )
+            response.headers.update({**_HEADERS, "Content-Security-Policy": policy})
         return response
-
-    def _policy(self, host: str) -> str:
-        sockets = f"{'ws' if self._tls is None else 'wss'}://{host}"  # which 'self' does not mean in every browser
-        return (
-            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
-            f"connect-src 'self' {sockets}; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
-        )
-
-    def _knows(self, cookie: str) -> bool:
-        return hmac.compare_digest(_bytes(cookie), _bytes(self._signed(cookie.partition(".")[0])))
 
     def _signed(self, name: str) -> str:
         return f"{name}.{hmac.digest(self._key, b'a cookie of hmdwarp ' + _bytes(name), 'sha256').hex()}"
@@ -236,21 +229,25 @@ class Door:
         visitor: Visitor = request["visitor"]
         browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
-        _hold_few(request.transport.get_extra_info("socket"))
-        server, port = self._context.socket(zmq.DEALER), 0
+        # The system holds few unsent bytes: what waits there gets no newer.
+        if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
+            request.transport.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
+        server, port, token = self._context.socket(zmq.DEALER), 0, token_of(self._lock.secret)
         log = self._log() if self._log is not None else None
         down = asyncio.ensure_future(self._pass_down(server, browser))
         try:
             port = self._connect(server, visitor.address)
             async for message in browser:
                 visitor.is_page, visitor.heard_s = True, self._loop.time()
-                if log is not None and isinstance(message.data, str):
-                    await asyncio.to_thread(log.take, message.data)  # a slow disk holds up no frames
-                elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
+                data = message.data
+                if log is not None and isinstance(data, str):
+                    await asyncio.to_thread(log.take, data)  # a slow disk holds up no frames
+                elif not isinstance(data, bytes) or not request_bytes(0) <= len(data) <= LARGEST_ASK:
                     break
                 else:
+                    data = data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) :]
                     with suppress(zmq.Again):  # as many wait already; the page asks again
-                        await server.send(self._with_token(message.data), zmq.NOBLOCK)
+                        await server.send(data, zmq.NOBLOCK)
         finally:
             visitor.is_page = False
             down.cancel()
@@ -275,11 +272,6 @@ class Door:
         server.connect(self._feed.replace("://", f"://{host}:{port};"))
         return port
 
-    def _with_token(self, data: bytes) -> bytes:
-        """Return a request with the server's token."""
-        token = token_of(self._lock.secret)
-        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) :]
-
     async def _pass_down(self, server: Any, browser: Any) -> None:
         while True:
             data = await server.recv(copy=False)
@@ -290,12 +282,6 @@ class Door:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._context.destroy(0)
-
-
-def _hold_few(connection: Any) -> None:
-    """Let the system hold few unsent bytes: what waits there gets no newer."""
-    if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
-        connection.setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
 
 
 @attrs.frozen
@@ -334,10 +320,5 @@ def _bytes(text: str) -> bytes:
 def _is_own(host: str) -> bool:
     """Whether a browser came by a number or this machine's name: no page of others has these."""
     name = host.rpartition(":")[0] if are_digits(host.rpartition(":")[2]) and not host.endswith("]") else host
-    if name.strip("[]") in ("localhost", socket.gethostname(), f"{socket.gethostname()}.local"):
-        return True
-    try:
-        ipaddress.ip_address(name.strip("[]"))
-    except ValueError:
-        return False
-    return True
+    name, own = name.strip("[]"), socket.gethostname()
+    return name in ("localhost", own, f"{own}.local") or is_number(name)

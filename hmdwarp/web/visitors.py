@@ -6,14 +6,13 @@ import asyncio
 import logging
 import socket
 import ssl
-from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 import attrs
 
-from ..sources.feed.sockets import IDLE_NS, MOST_CONNECTIONS, SILENT_NS, Places, host_of
+from ..sources.feed.sockets import IDLE_NS, MOST_CONNECTIONS, SILENT_NS, Places, crowd_of, host_of
 
 # Of MOST_CONNECTIONS, so that the feed keeps the rest; no page has a place of its own beside them.
 MOST_VISITORS = MOST_CONNECTIONS // 2
@@ -61,12 +60,11 @@ class Visitors:
             self._tls = {"ssl": tls, "ssl_handshake_timeout": SILENT_S, "ssl_shutdown_timeout": 1.0}
         self._of: dict[Any, Visitor] = {}
         listener.setblocking(False)
-        loop.set_exception_handler(lambda _, context: self._failed(context))
+        loop.set_exception_handler(self._failed)
         self._tasks = [loop.create_task(self._accept()), loop.create_task(self._watch())]
 
-    def _failed(self, context: dict[str, Any]) -> None:
-        error = context.get("exception")
-        self._places.note("web", "", f"web: {context['message']} ({error!r})"[:_LETTERS])
+    def _failed(self, _: object, context: dict[str, Any]) -> None:
+        self._places.note("web", "", f"web: {context['message']} ({context.get('exception')!r})"[:_LETTERS])
 
     def heard(self, request: Any) -> Visitor:
         """Note a request with a cookie; return whose it is. Errors: ConnectionError if just cut."""
@@ -106,18 +104,10 @@ class Visitors:
     def _make_place(self, new: Visitor) -> None:
         """Cut an idle one where there are too many, without a cookie first; else the newcomer."""
         self._forget()
-        places, every = self._places, [*self._of.values()]
-        among = [one for one in every if one.address == new.address]
-        why = f"more than {places.per_address} from one address, see --per-address"
-        if len(among) <= places.per_address:
-            if len(every) <= MOST_VISITORS:
-                return
-            counts = Counter(one.address for one in every)
-            among = [one for one in every if counts[one.address] == max(counts.values())]
-            why = f"more than {MOST_VISITORS} in all"
-        now_s = self._loop.time()
-        idle = [one for one in among if one is not new and not (one.knows and now_s - one.heard_s <= IDLE_S)]
-        self._cut(min(idle, key=lambda one: (one.knows, one.heard_s), default=new), why)
+        if (crowd := crowd_of([*self._of.values()], new, self._places.per_address, MOST_VISITORS)) is not None:
+            now_s = self._loop.time()
+            idle = [one for one in crowd[0] if one is not new and not (one.knows and now_s - one.heard_s <= IDLE_S)]
+            self._cut(min(idle, key=lambda one: (one.knows, one.heard_s), default=new), crowd[1])
 
     def _cut(self, one: Visitor, why: str) -> None:
         if one.is_page or not one.knows:  # browsers keep others for later

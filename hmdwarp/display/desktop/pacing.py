@@ -77,17 +77,15 @@ class Pacer:
         a picture takes. Otherwise: when it is done, plus half a period, the screen's mean time to
         the middle of the picture.
         """
-        self._expected_ns = max(self._guess(now_ns), self._expected_ns + 1)
-        return self._expected_ns
-
-    def _guess(self, now_ns: int) -> int:
+        work = int(median(self._works)) if self._works else 0
+        guess = now_ns + work + self.period_ns // 2
         if self.waits and not self.paced and self._last_ns is not None and self._intervals:
             periods = max(1, round(median(self._intervals) / self.period_ns))
             at = self._last_ns + periods * self.period_ns
             late = max(0, now_ns - at)
-            return at + -(-late // self.period_ns) * self.period_ns
-        work = int(median(self._works)) if self._works else 0
-        return now_ns + work + self.period_ns // 2
+            guess = at + -(-late // self.period_ns) * self.period_ns
+        self._expected_ns = max(guess, self._expected_ns + 1)
+        return self._expected_ns
 
     def missed(self) -> int:
         """Return the refreshes without a new picture since the last call."""

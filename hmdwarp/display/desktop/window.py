@@ -231,10 +231,7 @@ class Window:
 
 
 def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
-    """Return (w, h), in its own units, of a window for `wanted` pixels and a column.
-
-    It stays within the screen. A unit may measure any number of pixels (HiDPI).
-    """
+    """Return (w, h) of a window for `wanted` pixels and a column, in units of any size (HiDPI)."""
     screen = glfw.get_primary_monitor()
     room = glfw.get_monitor_workarea(screen)[2:] if screen else FALLBACK_ROOM
     content = (glfw.get_monitor_content_scale(screen)[0] if screen else 0.0) or 1.0
@@ -246,10 +243,7 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
 
 
 def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str]:
-    """Make a hidden window; return it and the interface that its context was made with.
-
-    EGL where the native interface (GLX) offers none.
-    """
+    """Make a hidden window; return it and its interface: EGL where the native one has none."""
     failures = []
     for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
         glfw.default_window_hints()

@@ -23,13 +23,7 @@ class WindowCommands:
     """Collect commands, and handle those of controls that belong to the display."""
 
     def __init__(
-        self,
-        keys: Keys,
-        window: Window,
-        walker: Walker,
-        painter: Painter,
-        pacer: Pacer,
-        now_ns: Callable[[], int],
+        self, keys: Keys, window: Window, walker: Walker, painter: Painter, pacer: Pacer, now_ns: Callable[[], int]
     ) -> None:
         self._window, self._painter, self._pacer = window, painter, pacer
         self._controls, self._now_ns = keys.controls, now_ns

@@ -81,12 +81,8 @@ class Keys:
 
         looks: whether the mouse turns the head.
         """
-        help_ = next(
-            (control for control in self.controls if control.name == "help" and not control.needs_text_panel), None
-        )
-        if help_ is None:
-            return []
-        return [f"{'click to look, ' if looks else ''}{label(help_.key)} for help"]
+        keys = [one.key for one in self.controls if one.name == "help" and not one.needs_text_panel]
+        return [f"{'click to look, ' if looks else ''}{label(key)} for help" for key in keys[:1]]
 
     def help_text(self) -> str:
         """Return every way to move and every control, a line each: keys, tab, description."""

@@ -56,19 +56,12 @@ def choose_library() -> None:
     if fitting:
         os.environ["PYGLFW_LIBRARY_VARIANT"] = fitting
     if (fitting or os.environ.get("PYGLFW_LIBRARY_VARIANT") or os.environ.get("XDG_SESSION_TYPE")) == "wayland":
-        _load_the_glfw_of_imgui()
-
-
-def _load_the_glfw_of_imgui() -> None:
-    """Load the glfw library of Dear ImGui's package, which has the same name and needs X11.
-
-    Under Wayland that package would find the library of the glfw package, which lacks X11, and fail
-    to load. It finds its own if that was loaded first.
-    """
-    spec = importlib.util.find_spec("imgui_bundle")
-    if spec is not None and spec.origin is not None:
-        with contextlib.suppress(OSError):
-            ctypes.CDLL(str(Path(spec.origin).with_name("libglfw.so.3")))
+        # Dear ImGui's package needs X11. It would find the library of the glfw package, of the same
+        # name and without X11, and fail to load; it finds its own if that was loaded first.
+        spec = importlib.util.find_spec("imgui_bundle")
+        if spec is not None and spec.origin is not None:
+            with contextlib.suppress(OSError):
+                ctypes.CDLL(str(Path(spec.origin).with_name("libglfw.so.3")))
 
 
 def start() -> ModuleType:
@@ -151,7 +144,7 @@ class XConnection:
         # Whether the server is gone. Then no part of the window may be used, not even to free it.
         self.broken = False
         # Kept referenced here: Xlib stores only the pointers.
-        self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(self._note)
+        self._handlers = _ErrorHandler(lambda _: 0), _ExitHandler(lambda *_: setattr(self, "broken", True))
         if glfw.get_platform() == glfw.PLATFORM_X11:
             self._listen(ctypes.cast(glfw.get_x11_display(), ctypes.c_void_p))
 
@@ -167,9 +160,6 @@ class XConnection:
         set_exit_handler.argtypes = (ctypes.c_void_p, _ExitHandler, ctypes.c_void_p)
         set_exit_handler.restype = None
         set_exit_handler(display, self._handlers[1], None)
-
-    def _note(self, *_: object) -> None:
-        self.broken = True
 
 
 Size = tuple[int, int]

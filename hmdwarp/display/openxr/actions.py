@@ -182,10 +182,7 @@ class Hand:
 
 
 class _Query:
-    """One action's state, and the pointers to read it.
-
-    hand: its path; all of them by default.
-    """
+    """One action's state, and the pointers to read it. hand: its path; all of them by default."""
 
     def __init__(self, action: xr.Action, state: _State, hand: int = xr.NULL_PATH) -> None:
         self._info, self.state = xr.ActionStateGetInfo(action=action, subaction_path=hand), state

@@ -296,10 +296,6 @@ class Projection:
         turned = view.pose.orientation
         turned.x, turned.y, turned.z, turned.w = pose.orientation_xyzw.tolist()
         angles = view.fov
-        angles.angle_left, angles.angle_right, angles.angle_down, angles.angle_up = (
-            fov.left,
-            fov.right,
-            fov.down,
-            fov.up,
-        )
+        angles.angle_left, angles.angle_right = fov.left, fov.right
+        angles.angle_down, angles.angle_up = fov.down, fov.up
         view._next = self._depth_pointers[eye] if with_depth else None

@@ -38,20 +38,14 @@ _STEPS = {
     "session": "when a session was made",
     "running": "in the middle of the session",
 }
-LOST = (
-    "InstanceLostError",
-    "SessionLostError",
-    "SessionLossPending",
-    "RuntimeFailureError",
-)  # in the middle of a session
+# In the middle of a session.
+LOST = ("InstanceLostError", "SessionLostError", "SessionLossPending", "RuntimeFailureError")
 
 _NO_RUNTIME = ("no OpenXR runtime: {active}", A_RUNTIME)
 _NO_HEADSET = ("{name} sees no headset ({error})", A_HEADSET)
 _NO_EXTENSION = ("{name} lacks an extension that was asked for ({why})", ANOTHER)
-_NO_GRAPHICS = (
-    "{name} refuses this OpenGL context ({error}: {why})",
-    "draw on the GPU that the headset is plugged into",
-)
+_ON_ITS_GPU = "draw on the GPU that the headset is plugged into"
+_NO_GRAPHICS = ("{name} refuses this OpenGL context ({error}: {why})", _ON_ITS_GPU)
 _KNOWN = {
     "RuntimeUnavailableError": _NO_RUNTIME,
     "FileAccessErrorError": _NO_RUNTIME,

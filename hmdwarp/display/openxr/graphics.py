@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 VARIABLE = "HMDWARP_OPENXR_GRAPHICS"
 GLX, EGL, WGL = "glx", "egl", "wgl"
-_CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE = 0x3028, 0x8013, 0x800B, 0
+_CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE, _NONE_EGL = 0x3028, 0x8013, 0x800B, 0, 0x3038
 
 
 @attrs.define(eq=False)
@@ -100,9 +100,8 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
 
 
 def _windowed(controls: tuple[Control, ...], kind: str) -> Graphics:
-    os.environ.setdefault(
-        "PYGLFW_LIBRARY_VARIANT", "x11"
-    )  # GLX belongs to X11; this is read when glfw is first imported, which is now
+    # GLX belongs to X11; this is read when glfw is first imported, which is now.
+    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
     from .mirror_window import Mirror
 
     mirror = Mirror(controls)
@@ -184,9 +183,6 @@ def _egl_binding() -> ctypes.Structure:
     _put(binding, get_proc_address=ctypes.cast(egl.eglGetProcAddress, ctypes.c_void_p).value)
     _put(binding, display=display, config=config.value, context=context)
     return binding
-
-
-_NONE_EGL = 0x3038
 
 
 def _put(binding: ctypes.Structure, **pointers: int | None) -> None:

@@ -301,8 +301,14 @@ class OpenXrHead(Connected):
     def _open(self) -> None:
         if HEADLESS_EXTENSION in offered_extensions(self._calls):
             self._open_headless()
-        else:
-            self._open_with_frames()
+            return
+        self._connection = made = connect(self._calls, self._graphics_for, self._tracker)
+        self._instance, self._session = made.instance, made.session
+        name = self._graphics.name if self._graphics is not None else "none"
+        self.about = {**made.instance.about, "graphics": name, "space": made.spaces.name}
+        self._calls.stage = "running"
+        made.settle(self._calls, RuntimeEyes())
+        self.rate_hz = 1e9 / made.frames.state.predicted_display_period
 
     def _open_headless(self) -> None:
         instance = open_instance(self._calls, WITHOUT_PICTURES)
@@ -320,15 +326,6 @@ class OpenXrHead(Connected):
                 raise MachineError(f"{self._calls.name} did not begin a session within {READY_S:g} s: wake the headset")
             time.sleep(IDLE_S)
         self.rate_hz = self._reported_rate() or DEFAULT_HZ
-
-    def _open_with_frames(self) -> None:
-        self._connection = made = connect(self._calls, self._graphics_for, self._tracker)
-        self._instance, self._session = made.instance, made.session
-        name = self._graphics.name if self._graphics is not None else "none"
-        self.about = {**made.instance.about, "graphics": name, "space": made.spaces.name}
-        self._calls.stage = "running"
-        made.settle(self._calls, RuntimeEyes())
-        self.rate_hz = 1e9 / made.frames.state.predicted_display_period
 
     def _graphics_for(self, instance: Instance) -> Graphics:
         self._graphics = self._graphics or open_graphics(instance)

@@ -65,22 +65,15 @@ class Calls:
 
         Returns its result, 0 or above. Errors: as call_once.
         """
-        function = self._functions.get(call) or self._load(call)
+        if (function := self._functions.get(call)) is None:
+            # Our own: that of pyopenxr wraps results in an enum, and fails on those it lacks.
+            function = self._functions[call] = raw_functions.openxr_loader_library[call]
+            function.restype, function.argtypes = ctypes.c_int, getattr(raw_functions, call).argtypes
         with self._watching(call):
             result: int = function(*arguments)
         if result < 0:
             raise self._error(call, _name_of(result), "")
         return result
-
-    def _load(self, call: str) -> Any:
-        """Return a function pointer of our own.
-
-        pyopenxr's wraps every result in an enum, and fails on results that it does not know.
-        """
-        function = raw_functions.openxr_loader_library[call]
-        function.restype, function.argtypes = ctypes.c_int, getattr(raw_functions, call).argtypes
-        self._functions[call] = function
-        return function
 
     def _error(self, call: str, name: str, message: str) -> Exception:
         if name.removesuffix("Error") in _WRONG:
@@ -105,14 +98,7 @@ FLOOR_EXTENSION = "XR_EXT_local_floor"
 HEADLESS_EXTENSION = "XR_MND_headless"
 RATE_EXTENSION = "XR_FB_display_refresh_rate"
 MASK_EXTENSION = "XR_KHR_visibility_mask"
-WITH_PICTURES = (
-    OPENGL_EXTENSION,
-    EGL_EXTENSION,
-    CLOCK_EXTENSION,
-    DEPTH_EXTENSION,
-    FLOOR_EXTENSION,
-    MASK_EXTENSION,
-)
+WITH_PICTURES = (OPENGL_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION, MASK_EXTENSION)
 WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION, RATE_EXTENSION)
 NS = 1_000_000_000
 
@@ -180,10 +166,8 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
 def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
     properties = calls.call_once(xr.get_instance_properties, handle)
     runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
-    calls.stage, calls.name = (
-        "headset",
-        runtime if version in runtime else f"{runtime} {version}",
-    )  # Monado's name includes it
+    calls.stage = "headset"
+    calls.name = runtime if version in runtime else f"{runtime} {version}"  # Monado's name includes it
     system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
     headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
     name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"

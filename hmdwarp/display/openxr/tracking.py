@@ -28,13 +28,8 @@ class RuntimeEyes:
         self._views = (xr.View * COUNT)(xr.View(), xr.View())
         self._count = ctypes.c_uint32()
         self._info = xr.ViewLocateInfo(xr.ViewConfigurationType.PRIMARY_STEREO)
-        self._arguments = (
-            ctypes.byref(self._info),
-            ctypes.byref(self._state),
-            COUNT,
-            ctypes.byref(self._count),
-            self._views,
-        )
+        info, state, count = map(ctypes.byref, (self._info, self._state, self._count))
+        self._arguments = (info, state, COUNT, count, self._views)
         self._known: tuple[tuple[Pose, Fov, Hidden | None], ...] = ()
         self._hidden: tuple[tuple[Polygon, ...], ...] = ((),) * COUNT
         self._bytes = b""

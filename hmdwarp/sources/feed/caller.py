@@ -13,17 +13,7 @@ import attrs
 
 from ...errors import InputError, MachineError
 from .alignment import Alignment, Exchange
-from .message import (
-    MOST_BYTES,
-    Ask,
-    FrameMessage,
-    Malformed,
-    Refusal,
-    Unchanged,
-    decode,
-    encode,
-    token_of,
-)
+from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, Unchanged, decode, encode, token_of
 from .sockets import (
     LINK,
     LOOK_NS,

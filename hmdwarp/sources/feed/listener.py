@@ -219,10 +219,7 @@ class Listener:
         return Asked(who, ask, received_ns)
 
     def _turn(self) -> bytes | None:
-        """Return the next client that a frame can be drawn for, by start-time fair queueing.
-
-        Source: Goyal, Vin and Cheng 1996, Start-Time Fair Queueing.
-        """
+        """Return the next client to draw for: start-time fair queueing (Goyal, Vin, Cheng 1996)."""
         asking = [who for who, client in self._clients.items() if client.ask is not None]
         for who in sorted(asking, key=lambda who: self._clients[who].spent_ns):
             # One that is stuck may go meanwhile.
@@ -260,10 +257,7 @@ class Listener:
         return not (self._is_encrypted and is_last and client.connection) or client.connection.takes_more()
 
     def _make_room(self, who: bytes) -> None:
-        """Cut the client with the oldest frame, of those of the address that holds most.
-
-        Not the one that asks, nor for a frame that has just begun to wait.
-        """
+        """Cut whoever has the oldest frame, of the address that holds most; not who asks."""
         held: Counter[str] = Counter()
         for other, client in self._clients.items():
             held[client.address] += self._held(other)

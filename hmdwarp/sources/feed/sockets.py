@@ -282,18 +282,11 @@ class Connections:
         return new
 
     def _make_place(self, new: Connection) -> None:
-        of_address = [one for one in self._of.values() if one.address == new.address]
-        if len(of_address) > self._most_of_address:
-            self._cut_idle(of_address, new, f"more than {self._most_of_address} from one address, see --per-address")
-        elif len(self._of) + self._places.visitors > MOST_CONNECTIONS:
-            counts = Counter(one.address for one in self._of.values())
-            most = [one for one in self._of.values() if counts[one.address] == max(counts.values())]
-            self._cut_idle([*most, new], new, f"more than {MOST_CONNECTIONS} in all")
-
-    def _cut_idle(self, among: list[Connection], new: Connection, why: str) -> None:
-        # The newcomer has made no request either, and came last.
-        idle = [one for one in among if one.is_idle(self.listened_ns) and one is not new]
-        self.cut(min(idle, key=lambda one: (one.asks, one.heard_ns), default=new), why)
+        most = MOST_CONNECTIONS, self._places.visitors
+        if (crowd := crowd_of([*self._of.values()], new, self._most_of_address, *most)) is not None:
+            # The newcomer has made no request either, and came last.
+            idle = [one for one in crowd[0] if one.is_idle(self.listened_ns) and one is not new]
+            self.cut(min(idle, key=lambda one: (one.asks, one.heard_ns), default=new), crowd[1])
 
     def _check(self, one: Connection) -> None:
         if self.listened_ns - one.heard_ns > SILENT_NS:
@@ -356,6 +349,20 @@ class Hearing:
             self.silent_ns = 0
         self.looked_ns, self.received = now_ns, heard
         return self.silent_ns > patience * SILENCE_NS + 1000 * int(_RTT.unpack_from(info, _RTT_AT)[0])
+
+
+def crowd_of(every: list[Any], new: Any, per_address: int, most: int, others: int = 0) -> tuple[list[Any], str] | None:
+    """Return of whom one must go now that `new` is here, and why; None while there is room.
+
+    Each has an address. others: how many more count of the most in all.
+    """
+    among = [one for one in every if one.address == new.address]
+    if len(among) > per_address:
+        return among, f"more than {per_address} from one address, see --per-address"
+    if len(every) + others <= most:
+        return None
+    counts = Counter(one.address for one in every)
+    return [one for one in every if counts[one.address] == max(counts.values())], f"more than {most} in all"
 
 
 def host_of(one: socket.socket) -> str:

@@ -72,10 +72,8 @@ class Complete(Repair):
 
 
 def _reduced(colour: Pixels, inverse: Pixels, part: int) -> tuple[Pixels, Pixels]:
-    """Return blocks of part x part pixels as one: their mean colour, and one of their depths.
-
-    The depth is the one nearest to their mean, never a mixture.
-    """
+    """Return blocks of part x part pixels as one: their mean colour, and one of their depths."""
+    # The depth is the one nearest to their mean, never a mixture.
     if part == 1:
         return colour, inverse
     high, wide = inverse.shape
@@ -92,10 +90,7 @@ def _reduced(colour: Pixels, inverse: Pixels, part: int) -> tuple[Pixels, Pixels
 
 
 def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: float) -> tuple[Pixels, Pixels]:
-    """Return inverse depth without gaps, and the confidence.
-
-    pixel: its share of the longer side.
-    """
+    """Return inverse depth without gaps, and confidence. pixel: its share of the longer side."""
     known = ~np.isnan(inverse)
     confidence = known.astype(np.float32)
     gaps = np.flatnonzero(~known)
@@ -137,10 +132,7 @@ def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) 
 
 
 def _nearest_known(known: NDArray[np.bool_], gaps: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:
-    """Return for each of eight directions the first known pixel on it, and its distance in pixels.
-
-    Pixels are indices into the whole picture, -1 for none.
-    """
+    """Return the first known pixel, -1 for none, in eight directions, and how many pixels away."""
     high, wide = known.shape
     rows, columns = np.divmod(gaps, wide)
     for found in _up_and_down(known, rows, columns):

@@ -218,10 +218,8 @@ def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
-    """Return the facts, the names of all arrays, and (w, h) of the colour by its head alone.
-
-    What is no picture is refused when it is read.
-    """
+    """Return the facts, the names of all arrays, and (w, h) of the colour by its head alone."""
+    # What is no picture is refused when it is read.
     shape: tuple[int, ...] = ()
     if "colour" in data:
         with data.zip.open(f"colour{NPY}") as file:

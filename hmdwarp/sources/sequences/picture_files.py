@@ -351,10 +351,7 @@ def _by_number(file: BinaryIO) -> str:
 
 @contextmanager
 def _printed_to(damage: list[str]) -> Iterator[None]:
-    """Hold what the library prints of damage beside what it raises.
-
-    Its core writes to standard error, its binding prints a warning.
-    """
+    """Hold what the library prints of damage: to standard error, and as a warning."""
     with _turn, tempfile.TemporaryFile() as held, redirect_stdout(io.StringIO()) as printed:
         kept = os.dup(2)
         os.dup2(held.fileno(), 2)

@@ -144,16 +144,13 @@ class ArrivingLight(ConvergedLight):
 
 def _all_rows(meshes: Sequence[Mesh]) -> bytes:
     """Return the rows of all meshes; of none, those of one vertex that no triangle has."""
-    rows = [_vertex_rows(mesh) for mesh in meshes]
-    return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32).tobytes() or b"\0" * 32
-
-
-def _vertex_rows(mesh: Mesh) -> NDArray[np.float32]:
-    """Return (n, 8): normal, place in the light atlas (-1 for none) and albedo."""
-    count = len(mesh.positions)
-    places = mesh.light_uv if mesh.light_uv is not None else np.full((count, 2), -1.0)
-    albedo = mesh.albedo if mesh.albedo is not None else np.full((count, 3), 0.5)
-    return np.concatenate([mesh.normals, places, albedo], axis=1).astype(np.float32)
+    rows = [np.empty((0, 8))]  # normal, place in the light atlas (-1 for none) and albedo
+    for mesh in meshes:
+        count = len(mesh.positions)
+        places = mesh.light_uv if mesh.light_uv is not None else np.full((count, 2), -1.0)
+        albedo = mesh.albedo if mesh.albedo is not None else np.full((count, 3), 0.5)
+        rows.append(np.concatenate([mesh.normals, places, albedo], axis=1))
+    return np.concatenate(rows).astype(np.float32).tobytes() or b"\0" * 32
 
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
@@ -225,13 +222,7 @@ class ScenePasses:
         """Counts changes of what is drawn, apart from textures."""
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
-    def draw(
-        self,
-        view: View,
-        framebuffer: moderngl.Framebuffer,
-        time_ns: int = 0,
-        **uniforms: object,
-    ) -> None:
+    def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
         self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))

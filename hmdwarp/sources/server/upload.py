@@ -315,11 +315,7 @@ class DeformingMesh(Moving):
 
 
 def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
-    """Return the values as float32.
-
-    Errors: SceneError for another number of vertices than the mesh has, and for values that are not
-    finite.
-    """
+    """Return the values as float32. Errors: SceneError for another shape, or not finite."""
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
         raise SceneError(

@@ -120,10 +120,8 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
 
 
 def _quantiles(values: Array, classes: int) -> list[float]:
-    """Return the borders between `classes` classes of equal size.
-
-    These are np.quantile's numbers without its 65 us of checks.
-    """
+    """Return the borders between `classes` classes of equal size."""
+    # These are np.quantile's numbers without its 65 us of checks.
     ordered = np.sort(values).tolist()
     edges = []
     for k in range(1, classes):

@@ -54,7 +54,11 @@ def rosbag(at: Folder) -> None:
 
 
 def _read(at: Folder, bag: Bag) -> None:
-    tree, by = _transforms(bag), By.USER if at.options.frames_topics else By.NOBODY
+    moving: list[Any] = []
+    still: list[Any] = []
+    for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
+        (still if topic.endswith("tf_static") else moving).extend(message.transforms)
+    tree, by = Transforms(moving, still), By.USER if at.options.frames_topics else By.NOBODY
     topics = _topics(at.path, bag, tree, at.options.frames_topics)
     colours, depths = (_stamped(bag, topics[part]) for part in ("colour", "depth"))
     scale = DEPTHS[encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
@@ -100,10 +104,7 @@ def _stamped(bag: Bag, topic: str) -> list[_Stamped]:
 
 
 def _topics(path: Path, bag: Bag, tree: Transforms, stated: str | None) -> dict[str, str]:
-    """Return the topics that the user names, else the only fitting ones; pose is "" for TF.
-
-    Errors: InputError.
-    """
+    """Return the topics that the user names, else the only fitting ones; pose is "" for TF."""
     parts = [part.partition("=") for part in (stated or "").split(",") if part]
     named = {key.strip(): topic.strip() for key, _, topic in parts}
     if not named.keys() <= set(_PARTS):
@@ -164,14 +165,6 @@ def _camera(path: Path, bag: Bag, topics: dict[str, str]) -> Camera | None:
     if not k[0] > 0:
         raise InputError(f"{where}: fx is {k[0]:g}, as of a camera that is not calibrated: give --intrinsics")
     return Camera(k[0], k[4], k[2], k[5], size)
-
-
-def _transforms(bag: Bag) -> Transforms:
-    moving: list[Any] = []
-    still: list[Any] = []
-    for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
-        (still if topic.endswith("tf_static") else moving).extend(message.transforms)
-    return Transforms(moving, still)
 
 
 def _poses(bag: Bag, tree: Transforms, topic: str, frame: str) -> tuple[Callable[[int], Matrix | None], Assumption]:

@@ -451,10 +451,7 @@ def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
 
 
 def _instants(path: Path, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
-    """Return the instant of each picture on the trace's clock, and how that is known.
-
-    Errors: InputError where names are no instants of the trace, and there is not a pose for each.
-    """
+    """Return the instant of each picture on the trace's clock, and how that is known."""
     track, whole = trace.track, [one for colour, _ in files if (one := _number(colour)) is not None]
     first, last = (track.epoch_ns + time_ns for time_ns in (track.start_ns, track.end_ns))
     if len(whole) == len(files) and any(b - a != 1 for a, b in zip(whole, whole[1:], strict=False)):

@@ -191,10 +191,8 @@ class Sheets:
         self._written_ns = time_ns
 
     def _eye_from(self, place: _Place, view: View, time_ns: int) -> Array:
-        """Return 4x4, relative to the eye before any rotation.
-
-        Head-locked meshes are placed in the head's space.
-        """
+        """Return 4x4, relative to the eye before any rotation."""
+        # Head-locked meshes are placed in the head's space.
         scene, (head_locked, body) = self._context.scene, place
         pose = Pose() if head_locked else Pose(scene.origin_m)
         if body:

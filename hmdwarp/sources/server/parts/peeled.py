@@ -30,7 +30,11 @@ class Peeled(Part):
         self._passes: dict[tuple[ScenePasses, tuple[Moving, ...]], ScenePasses] = {}
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        passes = self._passes_for(drawing)
+        plain = self.context.passes_for(drawing)
+        moving = tuple(mover for mover in plain.moving if mover.layer not in drawing.needs)
+        if (plain, moving) not in self._passes:
+            self._passes[plain, moving] = plain.peeling(moving)
+        passes = self._passes[plain, moving]
         before, surfaces = eye.inverse_depth, []
         for _ in range(drawing.needs["peeled"]):
             target = self.context.acquire(eye.size)
@@ -40,13 +44,6 @@ class Peeled(Part):
             surfaces.append(Surface(target.colour, target.inverse_depth))
             before = target.inverse_depth
         return eye.having(peeled=tuple(surfaces))
-
-    def _passes_for(self, drawing: Drawing) -> ScenePasses:
-        plain = self.context.passes_for(drawing)
-        moving = tuple(mover for mover in plain.moving if mover.layer not in drawing.needs)
-        if (plain, moving) not in self._passes:
-            self._passes[plain, moving] = plain.peeling(moving)
-        return self._passes[plain, moving]
 
     def close(self) -> None:
         for passes in self._passes.values():

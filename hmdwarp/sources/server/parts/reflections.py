@@ -215,10 +215,7 @@ def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | No
 
 
 def _before(polygon: Array, near_m: float) -> Array:
-    """Return the part of an eye-space polygon (n, 3) that is at least near_m ahead.
-
-    Source: Sutherland and Hodgman 1974.
-    """
+    """Return what of a polygon (n, 3) is at least near_m ahead (Sutherland and Hodgman 1974)."""
     kept = []
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         ahead_a, ahead_b = -a[2] - near_m, -b[2] - near_m
