@@ -27,7 +27,8 @@ WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
 # Versions differ from machine to machine. The page with its plots has tests of its own.
 VARIES = re.compile(r'("(?:commit|options|python|numpy|moderngl|hmdwarp|Version|SoftwareVersion)": )"[^"]*"')
 MADE = re.compile(r'(?:commit [^"\n]*?, )?python \d[^"\n]*?moderngl [\w.]+|hmdwarp \d[\w.+]*')
-NUMBER = re.compile(r"-?\d+\.\d{7,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
+# Of times nanoseconds stay, the ninth decimal; a float with more is rounded.
+NUMBER = re.compile(r"-?\d+\.\d{10,}(?:e-?\d+)?|-?\d+(?:\.\d+)?e-\d+")
 TURNS = ("0,0,1", "0.6,0,0.8", "0.28,0,0.96")
 PROGRESS = re.compile(r"^recordings: .*\n", re.M)  # of a slow machine
 HEAD = "time_ns,x_m,y_m,z_m,qx,qy,qz,qw\n"

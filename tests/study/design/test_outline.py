@@ -6,13 +6,9 @@ from itertools import product
 
 import pytest
 
-from hmdwarp.study.design import (
-    design_as_json,
-    design_from_text,
-    load_design,
-    notes,
-)
-from hmdwarp.study.design.outline import least_participants, session_phases
+from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
+from hmdwarp.study.design.orders import presented
+from hmdwarp.study.design.outline import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
 
 from .plans import WHOLE
@@ -122,3 +118,13 @@ def test_breaks_come_between_trials():
     assert told["breaks"].content.endswith("after every 2 trials")
     each = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 1")), "run-1")}
     assert each["breaks"].content.endswith("after every trial")
+
+
+def test_balance_is_counted():
+    plan = design()
+    found = balance(rows_for(plan, "run-1"), presented(plan, "run-1"))
+    assert (found.orders, found.repeated, found.seams) == (6, 0, (1, 1))  # 3 conditions, 2 repeats
+    assert found.places == found.pairs == (4, 4)
+    fixed = design(('order = "williams"', 'order = "fixed"'))
+    found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
+    assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
