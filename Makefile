@@ -89,7 +89,7 @@ test-kill: setup  ## kill sessions of a study at 500 random moments, damage 500 
 	@STUDY_KILLS=$(KILLS) STUDY_DAMAGES=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py tests/study/store/test_damage.py -q $(OPTIONS)
 	@SWEEP_KILLS=$$(($(KILLS) / 12)) SWEEP_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/experiments/sweep/test_kill.py -q $(OPTIONS)
 
-test-statistics: setup  ## how often the intervals and tests of a study's analysis are right, over 400 simulated studies: a minute
+test-statistics: setup  ## how often the intervals and tests of a study's analysis are right, over 150 to 400 simulated studies: two minutes
 	@.venv/bin/python -m pytest tests/study/coverage.py -q $(OPTIONS)
 
 test-requests: setup  ## 100,000 random requests to a server of the feed, all drawn (REQUESTS=, SEED=): an hour or two

@@ -2,7 +2,7 @@
 whose effects are known.
 
 python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
-make test-statistics                            checks it over 400 studies
+make test-statistics                            checks it over 400 studies, and more over 150 to 200
 
 Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose
 order goes to the next), sickness, answers nobody could give, a scale with steps and ends. The true
@@ -19,12 +19,18 @@ import numpy as np
 import pytest
 from scipy.stats import binom, t
 
-from hmdwarp.study.design import Comparison, Design, load_design
+from hmdwarp.study.analysis.findings import Resampling, condition_rows, order_effects, preference_results
+from hmdwarp.study.design import Comparison, Design, design_from_text, load_design
 from hmdwarp.study.respondents import Model, Population, load_model
-from hmdwarp.study.respondents.response_model import SicknessModel
-from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
+from hmdwarp.study.respondents.response_model import SicknessModel, model_from_text
+from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
-from .made_up import differences, unlimited
+from .analysis.tables import in_order
+from .analysis.test_degradation import MODEL as NOTICING
+from .analysis.test_degradation import STUDY as IMPAIRED
+from .analysis.test_preferences import MODEL as SCORED
+from .analysis.test_preferences import SCORES, STUDIES_OF_PAIRS, design_of, simulated
+from .made_up import differences, simulate_study, unlimited
 
 PART, MANY, LEVEL, STUDIES = "run-1", 20_000, 0.95, 400
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
@@ -222,6 +228,61 @@ def test_no_effect_is_found_where_there_is_none(n):
     assert found.any_found.mean() <= most  # Holm over three
     for level in (0.01, 0.05, 0.1, 0.2):
         assert ((found.p <= level).mean(axis=0) <= bounds(level, STUDIES)[1]).all()
+
+
+@pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
+def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
+    """95 % intervals hold the true score in 95 % of 150 studies, as the binomial tells: fewer than
+    the bound come once in 1000 times at that rate, and so do more. Case V counts what differs
+    between people as noise: a score of q is then one of q / sqrt(1 + 2 (taste / JOD_SPREAD)^2).
+    """
+    design = design_of(scale, repeats=2)
+    text = SCORED.format(scale=scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)
+    model = model_from_text(text, "test")
+    shrunk = 1 / np.sqrt(1 + 2 * (taste / JOD_SPREAD) ** 2)
+    held = dict.fromkeys(("late", "turned", "warped", "warped over late"), 0)
+    for study in range(STUDIES_OF_PAIRS):
+        (found,) = preference_results(simulated(design, model, study), design.families, Resampling(study, 400))
+        for row in found["conditions"]:
+            if not row["reference"]:
+                held[row["condition"]] += row["low"] <= SCORES[row["condition"]] * shrunk <= row["high"]
+        row = found["comparisons"][0]
+        held["warped over late"] += row["low"] <= (SCORES["warped"] - SCORES["late"]) * shrunk <= row["high"]
+    least, most = binom.ppf((0.001, 0.999), STUDIES_OF_PAIRS, 0.95)
+    assert all(least <= count <= most for count in held.values()), held
+
+
+def test_intervals_hold_the_true_mean_at_the_nominal_rate():
+    """95 % of 200 studies of 12 people, as the binomial tells (fewer or more come once in 500 times
+    each); the truth is the mean of 20,000 people, known to 0.01.
+    """
+    design = design_from_text(IMPAIRED, "impaired.toml", checked=False)
+    model = model_from_text(NOTICING, "test")
+    studies = 200
+    many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
+    truth = many.mean().to_dict()
+    held = dict.fromkeys(("late", "warped"), 0)
+    for study in range(1, studies + 1):
+        rows = condition_rows(simulate_study(design, model, 12, 2, study), "main", "dcr")
+        for row in rows:
+            if row["condition"] in held:
+                assert 1 <= row["low"] <= row["mean"] <= row["high"] <= 5
+                held[row["condition"]] += row["low"] <= truth[row["condition"]] <= row["high"]
+        alike = [row for row in rows if row["sd"] == 0]
+        assert all((row["low"], row["high"]) == (None, None) for row in alike)
+    least, most = binom.ppf((0.002, 0.998), studies, 0.95)
+    assert all(least <= count <= most for count in held.values()), held
+
+
+def test_without_an_effect_p_is_uniform():
+    """Of 200 studies 5 % are below .05: four standard errors are 6 %."""
+    ps = np.array(
+        [
+            [order_effects(in_order(seed=seed, people=8))[name]["p"] for name in ("place", "previous")]
+            for seed in range(200)
+        ]
+    )
+    assert ((ps < 0.05).mean(axis=0) < 0.05 + 0.062).all()
 
 
 if __name__ == "__main__":

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import pytest
-from scipy import stats
 from together import together
 
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.findings import condition_rows
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.design.outline import session_phases
 from hmdwarp.study.export.export_rows import answer_rows, long_rows
-from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.store import SIMULATED, Store
 
-from ..made_up import simulate_study
 from ..refusals import check_refused, table
 from .test_preferences import fill
 
@@ -100,25 +96,3 @@ def test_from_the_store_to_the_page(tmp_path):
     data = analyse(ratings)
     assert data["scales"][0]["measure"]["mean_name"] == "DMOS"
     assert "DMOS" in render_study_report(data, "hmdwarp study analyse")
-
-
-def test_intervals_hold_the_true_mean_at_the_nominal_rate():
-    """95 % of 200 studies of 12 people, as the binomial tells (fewer or more come once in 500 times
-    each); the truth is the mean of 20,000 people, known to 0.01.
-    """
-    design = design_from_text(STUDY, "impaired.toml", checked=False)
-    model = model_from_text(MODEL, "test")
-    studies = 200
-    many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
-    truth = many.mean().to_dict()
-    held = dict.fromkeys(("late", "warped"), 0)
-    for study in range(1, studies + 1):
-        rows = condition_rows(simulate_study(design, model, 12, 2, study), "main", "dcr")
-        for row in rows:
-            if row["condition"] in held:
-                assert 1 <= row["low"] <= row["mean"] <= row["high"] <= 5
-                held[row["condition"]] += row["low"] <= truth[row["condition"]] <= row["high"]
-        alike = [row for row in rows if row["sd"] == 0]
-        assert all((row["low"], row["high"]) == (None, None) for row in alike)
-    least, most = stats.binom.ppf((0.002, 0.998), studies, 0.95)
-    assert all(least <= count <= most for count in held.values()), held

@@ -74,38 +74,6 @@ def contents(tmp_path_factory, design):
         yield store.contents()
 
 
-def test_every_rating_has_its_place_and_what_came_before(contents, design):
-    found = from_contents(contents, design)
-    by_sub = {session.sub: session.order[0] for session in contents.sessions}
-    assert found.rows["participant"].nunique() == 9
-    for row in found.rows.itertuples():
-        order = by_sub[row.participant]
-        assert order[row.place - 1] == row.condition
-        assert row.previous == (order[row.place - 2] if row.place > 1 else "")
-        assert row.reference == (row.condition == "reference")
-
-
-def test_the_last_revision_of_an_answer_counts(contents, design):
-    assert (from_contents(contents, design).rows["value"] != 6.0).all()
-
-
-def test_a_missing_rating_has_its_reason(contents, design):
-    data = analyse(from_contents(contents, design))
-    (scale,) = data["scales"]
-    reasons = sorted(entry["why"] for entry in scale["missing"])
-    assert reasons == [
-        "the participant could not say",
-        "the session was stopped before",
-        "the session was stopped before",
-        "the stop rule for sickness ended the session before",
-    ]
-    assert data["sittings"]["counts"] == {"complete": 7, "sick": 1, "stopped": 1}
-    assert {(entry["status"], entry["rated"], entry["of"]) for entry in data["sittings"]["cut"]} == {
-        ("stopped", 1, 3),
-        ("sick", 2, 3),
-    }
-
-
 def test_programs_and_pilots_never_count_with_people(contents, design):
     first, *rest = contents.sessions  # a store refuses to hold both; a table of several stores may
     mixed = attrs.evolve(contents, sessions=(attrs.evolve(first, origin=SIMULATED), *rest))
@@ -185,23 +153,6 @@ def test_a_declined_session_counts_nowhere(tmp_path, design):
     assert declined(after) == 1 and declined(before) == 0
 
 
-def test_the_planned_family_is_compared(contents, design):
-    data = analyse(from_contents(contents, design))
-    (row,) = data["scales"][0]["comparisons"]
-    assert (row["family"], row["baseline"], row["condition"], row["worse"]) == ("the warp", "late", "warped", 0)
-    assert row["mean"] == pytest.approx(2.0)
-    assert "all differences are the same" in row["sentence"]  # as the grades were made: no interval, and no NaN
-
-
-def test_a_missed_reference_is_named_and_kept(contents, design):
-    (part,) = analyse(from_contents(contents, design))["scales"][0]["parts"]
-    sub = next(session.sub for session in contents.sessions if session.code == "p4")
-    assert part["reference"]["missed"] == [sub]
-    assert sub in part["reference_sentence"] and sub in part["conditions"][0]["ratings"]
-    (without,) = part["without"]
-    assert without["n"] == analyse(from_contents(contents, design))["scales"][0]["comparisons"][0]["n"] - 1
-
-
 def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
     """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale
     of each trial.
@@ -221,14 +172,6 @@ def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
     assert {entry["scale"] for entry in data["sickness"]} == {"my-fms", "misc"}
     assert {questionnaire["scale"] for questionnaire in data["questionnaires"]} == {"my-vrsq"}
     assert [scale["measure"]["name"] for scale in data["scales"]] == ["grade"]
-
-
-def test_sickness_and_questionnaires_are_reported(contents, design):
-    data = analyse(from_contents(contents, design))
-    (fms,) = data["sickness"]
-    assert [trial["worst"] for trial in fms["trials"] if trial["trial"]] == [1.0, 2.0, 3.0]
-    total = next(row for row in data["questionnaires"] if row["score"] == "total")
-    assert total["n"] == 7 and total["before"] == 0.0 and total["change"] == total["after"] > 0
 
 
 def test_a_change_counts_each_person_once_however_many_sessions_they_had(contents, design):

@@ -6,17 +6,7 @@ from itertools import product
 
 import pytest
 
-from hmdwarp.study.design import (
-    Ask,
-    Pause,
-    Show,
-    design_as_json,
-    design_from_text,
-    load_design,
-    notes,
-    rows_for,
-    steps_of,
-)
+from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
 from hmdwarp.study.design.orders import presented
 from hmdwarp.study.design.outline import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
@@ -32,29 +22,6 @@ def design(*changes: tuple[str, str]):
     return design_from_text(text, "study.toml")
 
 
-def test_a_session_is_all_its_steps_and_their_time():
-    plan = design()
-    steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
-    told = session_phases(plan, "run-1")
-    assert [part.name for part in told] == [
-        "consent", "before", "practice", "trials", "after",
-    ]  # 6 trials: no break after the last  # fmt: skip
-    assert sum(part.steps for part in told) == len(steps)
-    shown = sum(step.seconds for step in steps if isinstance(step, Show | Pause))
-    assert shown == 60 + 6 * 20
-    asked = sum(isinstance(step, Ask) for step in steps)
-    total = sum(part.seconds for part in told)
-    assert shown + 4 * asked <= total <= shown + 6 * asked + 10  # each answer takes 4 to 6 s, the text at least 10
-
-
-def test_breaks_come_between_trials():
-    told = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 2")), "run-1")}
-    assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
-    assert told["breaks"].content.endswith("after every 2 trials")
-    each = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 1")), "run-1")}
-    assert each["breaks"].content.endswith("after every trial")
-
-
 def test_trials_until_done_take_at_most_their_longest_time():
     until = ("seconds = 20\n", 'seconds = "until done"\nlongest = 90\n')
     plan = design(until)
@@ -66,21 +33,6 @@ def test_trials_until_done_take_at_most_their_longest_time():
     assert design(("seconds = 20\n", 'seconds = "until done"\n')).seconds == 600
     long = notes(design(("seconds = 20\n", 'seconds = "until done"\n')))
     assert any("at most about" in note and "a shorter longest" in note for note in long)
-
-
-def test_balance_is_counted():
-    plan = design()
-    found = balance(rows_for(plan, "run-1"), presented(plan, "run-1"))
-    assert (found.orders, found.places, found.pairs, found.repeated) == (
-        6,
-        (4, 4),
-        (4, 4),
-        0,
-    )  # 3 conditions, 6 orders of 2 repeats
-    assert found.seams == (1, 1)
-    fixed = design(('order = "williams"', 'order = "fixed"'))
-    found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
-    assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
 
 
 def by_enumeration(n: int) -> float:
@@ -160,14 +112,19 @@ def test_a_sound_plan_leaves_little_to_think_of():
     assert len(notes(sound)) == 3  # run-1 has an odd number; run-2 has no reference, and nothing is compared there
 
 
-def test_as_json_it_has_every_order_and_every_setting():
+def test_breaks_come_between_trials():
+    told = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 2")), "run-1")}
+    assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
+    assert told["breaks"].content.endswith("after every 2 trials")
+    each = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 1")), "run-1")}
+    assert each["breaks"].content.endswith("after every trial")
+
+
+def test_balance_is_counted():
     plan = design()
-    told = design_as_json(plan)
-    assert told["parts"][0]["orders"] == rows_for(plan, "run-1")
-    assert told["parts"][0]["conditions"][0] == {
-        "name": "late-200",
-        "settings": {"scene": "planes", "size": "96x120", "latency": 200, "warp": "none", "fill": "none"},
-        "reference": False,
-    }
-    assert [scale["name"] for scale in told["scales"]] == ["grade", "acr", "fms", "ssq", "vrsq"]
-    assert told["families"][0]["comparisons"][0] == {"part": "run-1", "baseline": "late-200", "better": "warped-200"}
+    found = balance(rows_for(plan, "run-1"), presented(plan, "run-1"))
+    assert (found.orders, found.repeated, found.seams) == (6, 0, (1, 1))  # 3 conditions, 2 repeats
+    assert found.places == found.pairs == (4, 4)
+    fixed = design(('order = "williams"', 'order = "fixed"'))
+    found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
+    assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))

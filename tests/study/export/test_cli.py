@@ -22,14 +22,6 @@ def study(store, tmp_path):
     return (tmp_path / "late.toml", "--store", store.folder)
 
 
-def test_it_says_what_it_wrote(study, tmp_path):
-    told = run("export", *study, "--out", tmp_path / "out")
-    assert "ratings.csv" in told
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names - {"ratings.parquet"} == {"README", "bids", "columns.json", "ratings.csv"}
-    assert "3 participants (people) in 3 sessions" in told and "11 recordings of head motion" in told
-
-
 def test_an_export_is_for_its_owner_alone_and_says_how_texts_are_written(study, tmp_path):
     (tmp_path / "out").mkdir(mode=0o755)
     run("export", *study, "--out", tmp_path / "out")

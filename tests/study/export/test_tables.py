@@ -15,25 +15,21 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.report import inert_text, raw_text
-from hmdwarp.study.analysis.long_table import from_csv
-from hmdwarp.study.design import Ask, Show, design_from_text, load_design, steps_of
-from hmdwarp.study.export.export_rows import answer_rows, long_rows
+from hmdwarp.study.design import design_from_text, load_design
 from hmdwarp.study.export.table_columns import (
     COLUMNS,
     FLAG,
     INTEGER,
     LONG_COLUMNS,
     NUMBER,
-    columns_for,
     csv_text,
     field_text,
     tsv_text,
 )
 from hmdwarp.study.export.write import ExportOptions, export
-from hmdwarp.study.store import PILOT, Store
+from hmdwarp.study.store import PILOT
 
 from ..made_up import LATE_OR_WARPED as TEXT
-from .conftest import Day, sit
 from .reading import read_table
 
 VALUES = {
@@ -107,58 +103,6 @@ def test_points_are_points_whatever_the_locale():
         locale.setlocale(locale.LC_ALL, before)
 
 
-def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
-    store.withdraw("Gamma-3")
-    contents = store.contents()
-    rows = long_rows(answer_rows(contents, design))
-    subs = {session.code: session.sub for session in contents.sessions}
-    assert len(rows) == 2 * 3 and all(row["kind"] == "rating" for row in rows)
-    of = {(row["participant"], row["trial"]): row for row in rows}
-    revised = of[subs["Alpha-1"], 1]
-    assert (revised["value"], revised["revision"], revised["seconds_to_answer"], revised["why_missing"]) == (
-        1.0,
-        2,
-        0.5,
-        None,
-    )
-    assert revised["actual_latency_ms_median"] == 402.5 and revised["presentation"] == 1
-    silent, stopped = of[subs["Alpha-1"], 2], of[subs["Beta-2"], 3]
-    assert (silent["value"], silent["why_missing"]) == (None, "cannot say")
-    assert (stopped["value"], stopped["why_missing"], stopped["status"]) == (None, "session stopped", "stopped")
-
-
-def test_a_row_has_its_condition_and_the_one_before(store, design):
-    for session in store.contents().sessions:
-        rows = [row for row in long_rows(answer_rows(store.contents(), design)) if row["participant"] == session.sub]
-        names = [row["condition"] for row in rows]
-        assert names == list(session.order[0]) and [row["previous"] for row in rows] == [None, *names[:-1]]
-        for row in rows:
-            late = row["condition"] != "reference"
-            assert row["latency_ms"] == (400 if late else 0) and row["reference"] == (not late)
-            assert row.get("guard") == (1.5 if row["condition"] == "warped" else None)
-            assert row["fill"] == (
-                "memory+pyramid" if row["condition"] == "warped" else "none"
-            )  # the default of a live run
-    assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:19], "guard", *LONG_COLUMNS[19:]]
-
-
-def test_a_row_says_how_its_pictures_were_measured(store, design, tmp_path):
-    showing = next(showing for showing in store.contents().showings if showing.trial)
-    store.measured(showing.id, {"flip": 0.25, "refreshes": 5, "every": 10, "size": "48x60"})
-    out = export(store.contents(), design, tmp_path / "out").folder
-    (row,) = [row for row in read(out / "ratings.csv", ",") if row["measured_flip"] != "n/a"]
-    assert (row["measured_flip"], row["measured_every"], row["measured_size"]) == ("0.25", "10", "48x60")
-
-
-def test_the_block_of_a_trial_changes_at_each_planned_break(tmp_path):
-    design = design_from_text(TEXT.replace("[practice]", "[breaks]\nevery = 2\nseconds = 1\n[practice]"), "late.toml")
-    with Store(tmp_path / "data", create=True, clock=Day()) as store:
-        sit(store, design, "P1")
-        rows = answer_rows(store.contents(), design)
-    blocks = {row["trial"]: row["block"] for row in rows if row["trial"] is not None}
-    assert blocks == {0: 0, 1: 1, 2: 1, 3: 2}
-
-
 def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
@@ -199,40 +143,6 @@ def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design,
     with pytest.raises(MachineError, match="pyarrow"):
         export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
     assert not (tmp_path / "other").exists()
-
-
-def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store, design, tmp_path):
-    out = export(store.contents(), design, tmp_path / "out").folder
-    rows = [row | {"participant": path.name[4:].split("_")[0]} for path in answers(out) for row in read(path, "\t")]
-    rows = [row for row in rows if row["kind"] in ("questionnaire", "score")]
-    vrsq = design.before[0]
-    for session in store.contents().sessions:
-        for phase in ("before", "after"):
-            mine = [row for row in rows if row["participant"] == session.sub and row["phase"] == phase]
-            values = {row["item"]: row["value"] for row in mine if row["kind"] == "questionnaire"}
-            scores = {row["item"]: row["value"] for row in mine if row["kind"] == "score"}
-            assert list(values) == [item.key for item in vrsq.items] and list(scores) == [
-                score.name for score in vrsq.scores
-            ]
-            if session.status == "stopped" and phase == "after":
-                assert set(values.values()) | set(scores.values()) == {"n/a"}
-                continue
-            # VRSQ by its paper: items 1 to 4 are oculomotor (of 12), 5 to 9 disorientation (of 15),
-            # both in percent; total: their mean.
-            given = [float(value) for value in values.values()]
-            wanted = 100 * sum(given[:4]) / 12, 100 * sum(given[4:]) / 15
-            assert [float(scores[score.name]) for score in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])
-
-
-def test_every_column_is_described(store, design, tmp_path):
-    out = export(store.contents(), design, tmp_path / "out").folder
-    told = json.loads((out / "columns.json").read_text(encoding="utf-8"))
-    rows = [row for path in answers(out) for row in read(path, "\t")]
-    for column in (*read(out / "ratings.csv", ",")[0], *rows[0]):
-        assert told[column]["Description"]
-    for row in (row for row in rows if row["kind"] == "sickness"):
-        assert row["scale"] in told["scale"]["Levels"] and row["item"] in told["item"]["Levels"]
-        assert row["status"] in told["status"]["Levels"] and row["phase"] in told["phase"]["Levels"]
 
 
 def test_no_remark_leaves_the_store(store, design, tmp_path):
@@ -299,31 +209,3 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
     assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
         made.notes
     )
-
-
-def test_the_table_says_whose_ratings_they_are(store, design, tmp_path):
-    out = export(store.contents(pilot=True), design, tmp_path / "out", ExportOptions(origin=PILOT)).folder
-    columns = json.loads((out / "columns.json").read_text(encoding="utf-8"))
-    assert set(columns["origin"]["Levels"]) == {"person", "pilot", "simulated"}
-    found = from_csv(out / "ratings.csv")
-    said = "These ratings are of origin 'pilot', not of people taking part in the study."
-    assert (found.origin, found.notes[0]) == (PILOT, said)
-    assert {row["origin"] for row in read(out / "bids" / "participants.tsv", "\t")} == {PILOT}
-
-
-def test_times_are_written_to_the_nanosecond_that_was_measured(tmp_path, design):
-    """A clock of nanoseconds, times 1e-9: floats show digits that nobody measured."""
-    with Store(tmp_path / "data", create=True, clock=Day()) as store:
-        session = store.begin(design, None, "P1", "person")
-        steps = steps_of(design, session.order, session.part)
-        trial = next(step for step in steps if isinstance(step, Show) and step.trial == 1)
-        ask = next(step for step in steps if isinstance(step, Ask) and step.about == trial.key)
-        actual = {"seconds": 0.30000000600000004, "latency_ms_median": 66.66666700000001, "hole_share_mean": 1 / 3}
-        showing = store.end_showing(
-            session, store.begin_showing(session, trial, {}, recorded=False), actual, complete=True
-        )
-        store.answer(session, ask, 2.0, 1.6500000330000002, "participant", showing)
-        out = export(store.contents(), design, tmp_path / "out").folder
-    row = read(out / "ratings.csv", ",")[0]
-    assert (row["seconds_to_answer"], row["actual_seconds"]) == ("1.650000033", "0.300000006")
-    assert (row["actual_latency_ms_median"], row["actual_hole_share_mean"]) == ("66.666667", "0.3333333333333333")

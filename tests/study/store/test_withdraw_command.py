@@ -35,16 +35,6 @@ def codes(study) -> list[str]:
         return [session.code for session in store.contents().sessions]
 
 
-def test_it_erases_and_says_what_it_cannot_reach(study):
-    done = ran(study, "p01", "--yes")
-    assert done.returncode == 0 and done.stderr == ""
-    assert done.stdout.startswith("Participant P01 has withdrawn; erased: 1 session, ")
-    assert "their order is free" in done.stdout and "Earlier exports, reports, copies and backups" in done.stdout
-    assert codes(study) == ["P02"]
-    again = ran(study, "P01", "--yes")
-    assert again.returncode == 2 and "has withdrawn already" in again.stderr and again.stderr.count("\n") == 1
-
-
 @pytest.mark.filterwarnings(
     "ignore:This process .* is multi-threaded:DeprecationWarning"
 )  # of pexpect's fork, where a test left threads
