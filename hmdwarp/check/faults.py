@@ -44,9 +44,13 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
     for least in _FITTED.values():
         starts = itertools.product(*(_starts(search, name) for name in least))
         values: list[dict[str, Any]] = [dict(zip(least, one, strict=True)) for one in starts]
-        start = search.best([Reading(**each) for each in values])
-        tries.append((search.fitted(start, tuple(least)), search.fitted(best.reading, (*least, *own)), least))
-    tries.append((_of_each(search, Reading()), _of_each(search, best.reading), _EACH))
+        begun = [search.best([Reading(**each) for each in values])]
+        if DEPTH_WIDE in least and (best.reading.pixel_x or best.reading.pixel_y):
+            # A shift of the depth alone looks like a principal point that is off by as much.
+            begun.append(Reading(depth_x=-best.reading.pixel_x, depth_y=-best.reading.pixel_y))
+        instead = [search.fitted(one, tuple(least)) for one in begun]
+        tries.append((instead, search.fitted(best.reading, (*least, *own)), least))
+    tries.append(([_of_each(search, Reading())], _of_each(search, best.reading), _EACH))
     may_be_cut_off = best.changes or explained(search, best.reading) < EXPLAINED
     found = []
     if may_be_cut_off and not search.stated.may_be_buffer:
@@ -54,11 +58,13 @@ def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str,
         most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
         found = [FAULTS[0]] if float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT else []
     for words, (instead, besides, least) in zip(FAULTS[1:], tries, strict=True):
-        explains = best.changes and _margin(search, noise, instead.reading, best, least) < SURE
         leaves = -_margin(search, noise, besides.reading, best, least) > SURE
         # A turn of a degree is half a pixel, which is the more common.
         named = {name: limit * (1 + (PIXEL in differences(best.reading))) for name, limit in least.items()}
-        if explains and _has_a_name(instead, named) or leaves and _has_a_name(besides, named):
+        explains = best.changes and any(
+            _has_a_name(one, named) and _margin(search, noise, one.reading, best, least) < SURE for one in instead
+        )
+        if explains or leaves and _has_a_name(besides, named):
             found.append(words)
     return tuple(found)
 
