@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -25,6 +24,8 @@ _FITTED = {
     "depth of other optics than the colour": {DEPTH_WIDE: 0.02, **dict.fromkeys(DEPTH_SHIFT, 0.75)},
 }
 _EACH = {"scales": 0.01}
+# Where a fit begins; shifts of the depth at tenths of the width.
+_STARTS = {**dict.fromkeys(TURN, (-0.12, 0.0, 0.12)), BEND: (-0.2, 0.0, 0.2), DEPTH_WIDE: (0.85, 1.0, 1.18)}
 FAULTS = ("depth that is cut off", *_FITTED, "depth of another scale in each frame")
 
 
@@ -40,10 +41,11 @@ def explained(search: Search, reading: Reading) -> float:
 def standing_faults(search: Search, noise: Noise, best: Candidate) -> tuple[str, ...]:
     """Return those of FAULTS that explain the frames as well as a reading, or what it leaves."""
     own = best.fitted.names if best.fitted else ()
-    tries = []
+    tries, width = [], search.stated.frames[0].depth.shape[1]
+    starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in (-0.1, -0.05, 0.0, 0.05, 0.1)))
     for least in _FITTED.values():
-        starts = itertools.product(*(_starts(search, name) for name in least))
-        values: list[dict[str, Any]] = [dict(zip(least, one, strict=True)) for one in starts]
+        each_of = itertools.product(*(starts[name] for name in least))
+        values: list[dict[str, Any]] = [dict(zip(least, one, strict=True)) for one in each_of]
         begun = [search.best([Reading(**each) for each in values])]
         if DEPTH_WIDE in least and (best.reading.pixel_x or best.reading.pixel_y):
             # A shift of the depth alone looks like a principal point that is off by as much.
@@ -79,12 +81,6 @@ def _margin(search: Search, noise: Noise, one: Reading, best: Candidate, least: 
     costs = (np.where(known, cost(each, noise), np.nan) for each in found)
     worse, better = (search.fine.by_block(each)[0] for each in costs)
     return standard_errors(worse - better)
-
-
-def _starts(search: Search, name: str) -> Sequence[float]:
-    if name in DEPTH_SHIFT:
-        return [at * search.stated.frames[0].depth.shape[1] for at in (-0.1, -0.05, 0.0, 0.05, 0.1)]
-    return (-0.12, 0.0, 0.12) if name in TURN else (-0.2, 0.0, 0.2) if name == BEND else (0.85, 1.0, 1.18)
 
 
 def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:

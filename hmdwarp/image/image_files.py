@@ -23,8 +23,7 @@ def _npz(path: Path, image: WarpedImage, shown: View) -> None:
     pose, fov = shown.pose, shown.fov
     facts: dict[str, Any] = {"fov": (fov.left, fov.right, fov.down, fov.up), "position_m": pose.position_m}
     facts |= {"orientation_xyzw": pose.orientation_xyzw, "time_ms": json.dumps(image.time_ms)}
-    facts["encoding"] = image.encoding
-    facts |= {} if image.depth_m is None else {"depth_m": image.depth_m}
+    facts |= {"encoding": image.encoding, **({} if image.depth_m is None else {"depth_m": image.depth_m})}
     with atomic(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, colour=image.colour, coverage=image.coverage, **facts)
 
