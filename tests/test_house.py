@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (10577, 8500),
-    "run": (7062, 5400),
-    "client": (8162, 6500),
+    "sources": (10564, 8500),
+    "run": (7058, 5400),
+    "client": (8105, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (6889, 4600),
-    "poses": (7262, 4500),
-    "pipeline": (5157, 3700),
-    "link frames": (4032, 3100),
+    "scenes": (6075, 4600),
+    "poses": (6537, 4500),
+    "pipeline": (5128, 3700),
+    "link frames": (3945, 3100),
     "image check": (3750, 3200),
-    "gpu geometry headsets": (3757, 3100),
-    "report": (5564, 4200),
-    "experiments": (4182, 3200),
-    "metrics options": (3474, 2600),
-    "cli": (2993, 2400),
-    "display web": (5019, 4000),
-    "study": (12133, 10000),
+    "gpu geometry headsets": (3754, 3100),
+    "report": (5562, 4200),
+    "experiments": (4161, 3200),
+    "metrics options": (3470, 2600),
+    "cli": (2988, 2400),
+    "display web": (5014, 4000),
+    "study": (12041, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (91659, 58000)
+TEST_LINES = (91623, 58000)
 
 
 def lines_of(paths: list[Path]) -> int:
