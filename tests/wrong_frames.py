@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 from depth_camera import CameraFrame, DepthCamera
-from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.check import LEFT, RIGHT, StatedFrame
@@ -224,71 +223,6 @@ MISREADINGS = {
     "one focal length": (wrong_aspect, "focal"),
     "principal point": (wrong_principal_point, "centre"),
 }
-
-
-def seen_through(frames: Frames, way: Callable[[np.ndarray, np.ndarray], tuple], colour: bool) -> Frames:
-    """Return frames whose depth, and colour, is what the right ones have at other tangents."""
-    out = []
-    for one in frames:
-        (high, wide), (y, x) = one.depth.shape, np.indices(one.depth.shape)
-        fx, fy, cx, cy = one.view.fov.intrinsics((wide, high))
-        x, y = way((x - cx) / fx, (y - cy) / fy)
-        at = np.array([y * fy + cy, x * fx + cx])
-        bands = [
-            map_coordinates(band.astype(float), at, order=1, mode="nearest") for band in one.colour.T.swapaxes(1, 2)
-        ]
-        row, column = np.rint(at).astype(int)
-        inside = (row >= 0) & (row < high) & (column >= 0) & (column < wide)
-        depth = np.where(inside, one.depth[row.clip(0, high - 1), column.clip(0, wide - 1)], np.nan)
-        out.append(
-            attrs.evolve(
-                one, depth=depth, colour=np.rint(np.stack(bands, -1)).astype(np.uint8) if colour else one.colour
-            )
-        )
-    return out
-
-
-def undistorted(k1: float) -> Callable[[np.ndarray, np.ndarray], tuple]:
-    def way(x: np.ndarray, y: np.ndarray) -> tuple:
-        a, b = x, y
-        for _ in range(30):
-            a, b = x / (1 + k1 * (a * a + b * b)), y / (1 + k1 * (a * a + b * b))
-        return a, b
-
-    return way
-
-
-def _turned(frames: Frames, rng: np.random.Generator, degrees: float) -> Frames:
-    axis = rng.normal(size=3)
-    turn = Pose((0, 0, 0), Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis)).as_quat())
-    return _posed(frames, lambda pose: pose @ turn)
-
-
-def faulty(recording: Recording, kind: str, size: float, rng: np.random.Generator) -> Frames:
-    """Return frames with a fault that is none of MISREADINGS."""
-    frames = right_frames(recording, DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5), rng)
-    if kind == "cut off":
-        return _deep(frames, lambda one: np.minimum(one.depth, size))
-    if kind == "a scale each":
-        return _deep(frames, lambda one: one.depth * np.exp(rng.normal(0, size)))
-    if kind == "distorted":
-        return seen_through(frames, undistorted(size), True)
-    if kind in ("other optics", "shifted depth"):
-        wide, off = (size, 0) if kind == "other optics" else (1, size)
-        return seen_through(frames, lambda x, y: (wide * x + off, wide * y), False)
-    return _turned(frames, rng, size) if kind == "turned" else _late(recording, frames, size * INTERVAL_NS)
-
-
-# Kind and size: metres, logarithm, k1, tangents, degrees, frames.
-FAULTS = (
-    *(("cut off", size) for size in (1.2, 1.6, 2.0, 2.5, 3.0)),
-    *(("a scale each", size) for size in (0.03, 0.08, 0.15, 0.3)),
-    *(("distorted", size) for size in (-0.25, -0.12, 0.1, 0.2, 0.4)),
-    *(("other optics", size) for size in (0.8, 0.93, 1.08, 1.25)),
-    *(("shifted depth", size) for size in (-0.12, -0.05, 0.05, 0.12)),
-    *(("turned", size) for size in (2.0, 4.0, 8.0, 20.0)),
-    *(("late", size) for size in (-3.0, -2.0, 2.0, 3.0)),
-)
 # Two of one group are another one of it, or hide each other.
 ALONE = (
     {"right"},
@@ -322,15 +256,16 @@ def right_and_wrong(recording: Recording, names: Sequence[str], rng: np.random.G
     wrong = right
     for name in names:
         misread = MISREADINGS[name][0]
-        late_ns = rng.choice([-1, 1]) * rng.uniform(0.25, 0.75) * INTERVAL_NS if misread is None else 0.0
-        wrong = misread(wrong, rng) if misread else _late(recording, wrong, late_ns)
+        wrong = misread(wrong, rng) if misread else _late(recording, wrong, rng)
     return right, wrong
 
 
-def _late(recording: Recording, frames: Frames, late_ns: float) -> Frames:
+def _late(recording: Recording, frames: Frames, rng: np.random.Generator) -> Frames:
+    late_ns = round(rng.choice([-1, 1]) * rng.uniform(0.25, 0.75) * INTERVAL_NS)
+
     def pose(one: StatedFrame) -> Pose:
         assert one.time_ns is not None
-        before, now = (recording.eye_at(one.eye or LEFT, time) for time in (one.time_ns - round(late_ns), one.time_ns))
+        before, now = (recording.eye_at(one.eye or LEFT, time) for time in (one.time_ns - late_ns, one.time_ns))
         return one.view.pose @ now.inverse() @ before
 
     return [attrs.evolve(frame, view=View(pose(frame), frame.view.fov)) for frame in frames]

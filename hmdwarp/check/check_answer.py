@@ -15,10 +15,23 @@ from ..errors import listed
 from ..gpu.textures import flip_rows
 from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
-from . import conventions
-from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
+from .conventions import (
+    CENTRE,
+    CONVENTIONS,
+    ENCODING,
+    EYES,
+    PIXEL,
+    PLANES,
+    RAY,
+    ROWS,
+    SCALE,
+    TIME,
+    code,
+    differences,
+    restored,
+    value,
+)
 from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
-from .faults import FAULTS
 from .overlap import LATE, OFFSET, Overlap
 from .search import SURE, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
@@ -77,7 +90,7 @@ class Answer:
         """
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
+        return "wrong" if differences(self.reading) or self.decision.besides else "right"
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
@@ -86,11 +99,8 @@ class Answer:
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
-            cause = f": {_labels(differences(self.reading))}"
-            if not self.decision.is_told:
-                cause = f", and the cause cannot be told: {untold(self.decision)}"
             return (
-                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"wrong{self._cause()}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
@@ -102,6 +112,11 @@ class Answer:
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
             "expected a scene that stands still, seen from places nearby"
         )
+
+    def _cause(self) -> str:
+        if self.decision.is_told:
+            return f": {_labels(differences(self.reading))}"
+        return f", and the cause cannot be told: {untold(self.decision)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -131,26 +146,16 @@ def check(stated: Stated) -> Answer:
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
-        tuple(
-            listed(
-                [f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)]
-            )
-            for one in (() if decision.is_told else (decision.best, *decision.rivals))
-        ),
-        tuple(conventions.code(best, stated)) if decision.is_told else (),
+        ()
+        if decision.is_told
+        else tuple(_values(possible.reading, stated) for possible in (decision.best, *decision.rivals)),
+        tuple(code(best, stated)) if decision.is_told else (),
     )
 
 
 def untold(decision: Decision) -> str:
     """Return what it may be, where frames do not tell."""
-    causes = [_labels(names) for names in decision.causes if names] + list(decision.faults)
-    if decision.faults or not decision.rivals and not decision.besides:
-        share, stated = (100 * one for one in decision.explained)
-        told = [one for one in FAULTS if one not in decision.faults]
-        of = (
-            f"{' or '.join(causes)} (explains {share:.1f} % of the depths that nothing hides, as stated {stated:.1f} %)"
-        )
-        return f"{of}; excluded: {listed(told)}" if told else of
+    causes = [_labels(names) for names in decision.causes if names]
     if decision.besides:
         named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
         return f"more than one of {_labels(tuple(named))} differs, or something else does"
@@ -159,6 +164,10 @@ def untold(decision: Decision) -> str:
 
 def _labels(names: Sequence[str]) -> str:
     return listed([CONVENTIONS[name].label for name in names])
+
+
+def _values(reading: Reading, stated: Stated) -> str:
+    return listed([f"{CONVENTIONS[name].label}: {value(reading, stated, name)}" for name in differences(reading)])
 
 
 def _finding(decision: Decision, name: str) -> Finding:
@@ -172,11 +181,14 @@ def _finding(decision: Decision, name: str) -> Finding:
         sure = min(margins, default=0.0)
         return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
     finding = Finding(name, label, value(best, stated, name), True, True)
-    if not CONVENTIONS[name].numbers or name == RAY:
-        return _as_stated(decision, finding)
-    known = {name, *differences(best)}
-    is_part = {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES))  # of what is found
-    why = "" if is_part else _vague(decision.search, best, name)
+    return _of_number(decision, finding) if CONVENTIONS[name].numbers and name != RAY else _as_stated(decision, finding)
+
+
+def _of_number(decision: Decision, finding: Finding) -> Finding:
+    known = {finding.name, *differences(decision.best.reading)}
+    if {PIXEL, CENTRE} <= known or (ENCODING in known and finding.name in (SCALE, PLANES)):
+        return finding  # part of what is found
+    why = _vague(decision.search, decision.best.reading, finding.name)
     return _unknown(finding, why) if why else finding
 
 
@@ -191,9 +203,7 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
-    a, b = (search.fine.residuals(which) for which in (best, others[least]))
-    apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
-    shift = float(np.median(apart)) if len(apart) else math.inf
+    shift = _shift(search, best, others[least])
     other = value(others[least], search.stated, name)
     why = (
         f"{other} would move pixels by only {shift:.2g}"
@@ -213,7 +223,7 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
     if name == ENCODING or (CONVENTIONS[name].numbers and name != RAY):
         if name in differences(best):
-            yield conventions.restored(best, name)
+            yield restored(best, name)
         return
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)
@@ -232,6 +242,13 @@ def _margin(decision: Decision, other: Reading) -> float:
         coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
     )
     return standard_errors(better - worse)
+
+
+def _shift(search: Search, one: Reading, other: Reading) -> float:
+    """Return the median shift between two readings, in pixels."""
+    a, b = (search.fine.residuals(which) for which in (one, other))
+    both = a.seen & b.seen
+    return float(np.median(np.linalg.norm(a.pixel[both] - b.pixel[both], axis=-1))) if both.any() else math.inf
 
 
 def _vague(search: Search, best: Reading, name: str) -> str:

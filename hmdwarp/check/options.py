@@ -11,6 +11,10 @@ from ..options import Declared, force_field, group, option, out_field
 from ..sources.sequences.options import SequenceOptions
 
 
+def _paths(texts: list[str]) -> tuple[Path, ...]:
+    return tuple(map(Path, texts))
+
+
 @attrs.frozen
 class CheckOptions(Declared):
     """Frames, and what to write."""
@@ -22,7 +26,7 @@ class CheckOptions(Declared):
         metavar="FRAMES",
         positional=True,
         names_files=True,
-        parse=lambda texts: tuple(map(Path, texts)),
+        parse=_paths,
     )
     reading: SequenceOptions = group(SequenceOptions)
     out: Path | None = out_field(None, "OUT.png: two frames moved onto each other, as stated and as found.")

@@ -17,9 +17,7 @@ TILES = 3  # a side: parts of a picture that err together
 FACTOR, OFFSET, ALONG, LATE = "factor", "offset", "along", "late_s"
 PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y = "pixel_x", "pixel_y", "wide_x", "wide_y"
 WIDE = "wide"  # both WIDE_X and WIDE_Y by one factor: pixels are as square as stated
-# Of faults that are no convention.
-TURN, BEND, DEPTH_WIDE, DEPTH_SHIFT = ("turn_x", "turn_y", "turn_z"), "bend", "depth_wide", ("depth_x", "depth_y")
-LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y, WIDE, DEPTH_WIDE)  # fitted as such
+LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y, WIDE)  # fitted as such
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
@@ -86,12 +84,7 @@ class Overlap:
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
         row = self._height - 1 - self.row if reading.depth_rows_up else self.row
         x, y = self._tangent(self.column, row, self._from, reading)
-        there = self._in_depth(self.column, self.row, reading)
-        numbers = base[self._from, self.row, self.column]
-        if reading.depth_wide != 1 or reading.depth_x or reading.depth_y:
-            numbers = self._picture_at(base, *there, self._from)
-        apart = np.exp(reading.scales or np.zeros(len(self.stated.frames)))
-        inverse = reading.inverse_depth(numbers, np.sqrt(1 + x * x + y * y)) * apart[self._from]
+        inverse = reading.inverse_depth(base[self._from, self.row, self.column], np.sqrt(1 + x * x + y * y))
         ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
         moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
         w = -moved[..., 2]
@@ -102,23 +95,17 @@ class Overlap:
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        there = self._in_depth(column, self._height - 1 - line if reading.depth_rows_up else line, reading)
-        sampled = self._picture_at(base, *there, self._to)
-        if self._between:
-            smooth = self.sheet.smooth[self._to, there[1].astype(int), there[0].astype(int)]
-            sampled = np.where(smooth, sampled, np.nan)
+        sampled = self._depth_at(base, column, self._height - 1 - line if reading.depth_rows_up else line)
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
         # In its own size and, so that what is far counts less, that of the median without the sky.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = (reading.base(expected / apart[self._to], ray) - sampled) / (
-                0.5 * (size + _median(size[size > 0], 1.0))
-            )
+            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size[size > 0], 1.0)))
         source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
-        pictured = self._picture_at(self.sheet.picture, column, target, self._to)
+        there = self._picture_at(self.sheet.picture, column, target)
         here = self.sheet.picture[self._from, source, self.column]
-        colour = pictured - here
+        colour = there - here
         pixel = np.stack([column, line], -1)
         sky = seen & (size == 0) & (depth == 0)
         return Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
@@ -134,38 +121,35 @@ class Overlap:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
         x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
         y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        x, y = x * reading.wide_x, y * reading.wide_y
-        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-        return x * bent, y * bent
-
-    def _in_depth(self, column: Array, line: Array, reading: Reading) -> tuple[Array, Array]:
-        """Return where the picture of depth has these pixels of the colour's."""
-        if reading.depth_wide == 1 and not (reading.depth_x or reading.depth_y):
-            return column, line
-        (x, y), wide = ((self._width - 1) / 2, (self._height - 1) / 2), reading.depth_wide
-        column = (column - x) / wide + x + reading.depth_x / self._per_pixel
-        line = (line - y) / wide + y + reading.depth_y / self._per_pixel
-        return column.clip(0, self._width - 1), line.clip(0, self._height - 1)
+        return x * reading.wide_x, y * reading.wide_y
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-        x, y = x / bent / reading.wide_x, y / bent / reading.wide_y
+        x, y = x / reading.wide_x, y / reading.wide_y
         column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
         line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         return column, line
 
-    def _picture_at(self, pictures: Array, column: Array, line: Array, frame: Indices) -> Array:
-        """Return the values at those places: of the nearest pixel, or between pixels."""
+    def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
+        found = self._picture_at(base, column, line)
         if not self._between:
-            found: Array = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
+            return found
+        return np.where(self.sheet.smooth[self._to, line.astype(int), column.astype(int)], found, np.nan)
+
+    def _picture_at(self, pictures: Array, column: Array, line: Array) -> Array:
+        """Return the values at those places: of the nearest pixel, or between pixels."""
+        frame: Indices = self._to
+        found: Array
+        if not self._between:
+            found = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
             return found
         left = np.clip(column.astype(int), 0, self._width - 2)
         top = np.clip(line.astype(int), 0, self._height - 2)
         x, y = column - left, line - top
         upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
         lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
-        return np.asarray(upper * (1 - y) + lower * y)
+        found = upper * (1 - y) + lower * y
+        return found
 
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
@@ -176,14 +160,12 @@ class Overlap:
 
 @attrs.frozen(eq=False)
 class Fitted:
-    """A reading, and how well each fitted number is known; by default none is."""
+    """A reading, and how well each fitted number is known."""
 
     reading: Reading
-    names: tuple[str, ...] = ()
-    change: Array = attrs.field(
-        factory=lambda: np.empty(0)
-    )  # of each number against the reading at the start; of LOGARITHMS so
-    error: Array = attrs.field(factory=lambda: np.empty(0))  # standard error of each, inf where the frames say nothing
+    names: tuple[str, ...]
+    change: Array  # of each number against the reading at the start; of LOGARITHMS so
+    error: Array  # standard error of each, inf where the frames say nothing
 
 
 @attrs.frozen

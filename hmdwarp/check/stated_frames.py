@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import math
 import sys
 from collections.abc import Sequence
 from functools import cached_property
@@ -263,7 +262,6 @@ AS_STATED = "openxr"  # axes of what hmdwarp reads
 # Of the presets of --axes, one of each that has other axes of the camera.
 AXES = (AS_STATED, "opencv", "unity", "ros", "unreal", "aria", "euroc")
 _MIRROR = np.diag([1.0, 1.0, -1.0])
-_HALF = 0.25  # pixels about half of one in both directions: what is off by as much is a convention
 
 
 @functools.cache
@@ -303,23 +301,6 @@ class Reading:
     wide_y: float = 1.0
     # The instant of the picture after that of its pose, seconds.
     late_s: float = 0.0
-    # Faults that no answer names; fitted to tell one apart from them. Of the camera in its pose,
-    # rad; of the lens, per squared tangent; of the depth's picture in the colour's: its tangents
-    # over those, and pixels; of the depth of each frame, a logarithm.
-    turn_x: float = 0.0
-    turn_y: float = 0.0
-    turn_z: float = 0.0
-    bend: float = 0.0
-    depth_wide: float = 1.0
-    depth_x: float = 0.0
-    depth_y: float = 0.0
-    scales: tuple[float, ...] = ()
-
-    @property
-    def is_half_a_pixel(self) -> bool:
-        """Whether the middles of the pixels lie about half a pixel off in both directions."""
-        x, y = self.pixel_x, self.pixel_y
-        return _HALF < abs(x + y) / 2 < 3 * _HALF and abs(x - y) < 2 * _HALF
 
     def poses(self, stated: Stated) -> tuple[Array, Array]:
         """Return the matrices (n, 3, 3) and positions (n, 3) of world_from_eye."""
@@ -327,14 +308,7 @@ class Reading:
         if key not in stated.poses_read:
             turn, place = _poses(stated, *key[:-1])
             stated.poses_read[key] = _moved(stated, turn, place, self.late_s) if self.late_s else (turn, place)
-        turn, place = stated.poses_read[key]
-        x, y, z = half = np.array([self.turn_x, self.turn_y, self.turn_z])
-        if not half.any():
-            return turn, place
-        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        angle = float(np.linalg.norm(half))
-        turned = np.eye(3) + math.sin(angle) / angle * cross + (1 - math.cos(angle)) / angle**2 * cross @ cross
-        return turn @ turned, place
+        return stated.poses_read[key]
 
     def inverse_depth(self, base: Array, ray: Array) -> Array:
         """Return the inverse depth, NaN for none.

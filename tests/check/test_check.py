@@ -13,17 +13,7 @@ from check_rates import recorded_for, results
 from depth_camera import DepthCamera
 from PIL import Image
 from scipy.spatial.transform import Rotation
-from wrong_frames import (
-    FAULTS,
-    INTERVAL_NS,
-    MISREADINGS,
-    Recording,
-    faulty,
-    filmed,
-    recordings,
-    right_frames,
-    wrong_frames,
-)
+from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
 
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch, read_stated
 from hmdwarp.errors import InputError
@@ -63,17 +53,6 @@ def test_a_single_wrong_convention_is_found_and_named_and_right_frames_are_calle
 def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(recorded):
     found = Counter(trial.outcome for trial in results(recorded, TWO, faults=2))
     assert found["wrong"] <= 0.02 * TWO and found["right"] >= 0.6 * TWO, found
-
-
-@pytest.mark.parametrize(("kind", "size"), FAULTS)
-def test_a_fault_that_is_no_convention_gets_no_cause(kind, size, recorded):
-    """Thirty of seven kinds: none is given another cause, with code to paste."""
-    place = FAULTS.index((kind, size))
-    answer = check(Stated(faulty(recorded[place % len(recorded)], kind, size, np.random.default_rng(place))))
-    told = answer.agree and answer.decision.is_told
-    named = [finding.name for finding in answer.findings if told and not finding.as_stated]
-    assert named == (["time"] if kind == "late" and named else [])
-    assert bool(named) == bool(answer.as_json()["code"])
 
 
 # Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.
