@@ -41,6 +41,7 @@ import attrs
 import numpy as np
 
 MOST_MIB, MOST_CPU_S, MOST_WALL_S = 1024, 20, 900
+os.environ["ARROW_DEFAULT_MEMORY_POOL"] = "system"  # its own reserves a GiB of addresses, which is all there may be
 READ, REFUSED, FAULT = 0, 2, 1
 IN = "taken"  # some layouts have a file beside their folder
 HERE = Path(__file__).resolve()
