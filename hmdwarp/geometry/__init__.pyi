@@ -13,6 +13,7 @@ from .fovea import FoveaGrid as FoveaGrid
 from .fovea import gaze_tangent as gaze_tangent
 from .fovea import grid_of as grid_of
 from .fovea import looking as looking
+from .pose import MOST_M as MOST_M
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .pose import real as real

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import NO_NUMBERS, TraceError, in_brief
-from ..geometry import Pose, trusted_pose
-from ..geometry.pose import MOST_M
+from ..geometry import MOST_M, Pose, trusted_pose
 from . import quaternions
 
 _MS = 1_000_000

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import attrs
 
+from .. import geometry  # a face: help texts load this file, and no NumPy
 from ..errors import InputError, are_digits
-from ..geometry.pose import MOST_M
 from ..options import PICTURE, Declared, Number, one_of, option
 
 NONE = "none"
@@ -76,7 +76,7 @@ class SceneOptions(Declared):
             return None
         if len(numbers) == 1 and are_digits(parts[0]):
             return None  # a camera's number
-        if len(numbers) not in (3, 4) or not all(abs(number) <= MOST_M for number in numbers):
+        if len(numbers) not in (3, 4) or not all(abs(number) <= geometry.MOST_M for number in numbers):
             raise InputError(
                 f"--viewpoint '{self.viewpoint}': expected X,Y,Z or X,Y,Z,YAW, such as 0,1.6,2,90, or the name or "
                 "number of a camera in the file"

@@ -6,7 +6,7 @@ import math
 
 import attrs
 
-from ...geometry.pose import MOST_M
+from ...geometry import MOST_M
 from ...scenes import ACTIONS, LEAST_WAY
 
 
