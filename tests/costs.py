@@ -53,9 +53,9 @@ def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
     with pytest.MonkeyPatch.context() as patch:
         get = ShaderLibrary._get
 
-        def recorded(self, paths, defines, make):
+        def recorded(self, paths, defines, *more):
             shaders.update(paths)
-            return get(self, paths, defines, make)
+            return get(self, paths, defines, *more)
 
         patch.setattr(ShaderLibrary, "_get", recorded)
         patch.setattr(timers, "has_real_gpu_timer", _uncounted(timers.has_real_gpu_timer, made, textures))
