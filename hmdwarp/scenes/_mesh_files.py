@@ -99,7 +99,7 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     except (MemoryError, SceneError):
         raise
     except Exception as error:  # trimesh's parsers let any exception through
-        raise unreadable(path, error) from error
+        raise (beside.refused or [unreadable(path, error)])[0] from error
     if beside.refused:
         raise beside.refused[0]
     if kind == "ply":

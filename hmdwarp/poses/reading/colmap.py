@@ -121,8 +121,9 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
         stream.read(1)
         yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
         points = _POINT_BYTES * _count(path, stream)
-        if len(stream.read(points)) < points:
+        if points > len(raw) - stream.tell():  # of 2^64 no file has the bytes
             raise _cut(path)
+        stream.seek(points, io.SEEK_CUR)
 
 
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
