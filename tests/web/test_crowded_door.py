@@ -12,8 +12,9 @@ from http.cookiejar import CookieJar
 
 import aiohttp
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from properties import ONE_FIXTURE_FOR_ALL
 from serving import Serving
 
 from hmdwarp.sources.feed.message import FrameMessage, decode
@@ -21,7 +22,7 @@ from hmdwarp.web.visitors import MOST_VISITORS
 
 from .crowd import Crowd, ask, held_by
 
-KINDS = settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+KINDS = settings(max_examples=60, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 
 
 @pytest.fixture(scope="module")
