@@ -132,8 +132,8 @@ class KeptCases:
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
     """Keep other runs out of a folder. Errors: MachineError that says who holds it since when."""
-    path = folder / ".lock"
-    while True:
+    path, is_there = folder / ".lock", False
+    while not is_there:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
         try:
             lock(file)
@@ -146,11 +146,11 @@ def held(folder: Path) -> Iterator[None]:
             ) from error
         except OSError:  # a file system that locks nothing
             is_there = True
-        if is_there:
-            break
-        os.close(file)  # its holder has just deleted it
+        if not is_there:
+            os.close(file)  # its holder has just deleted it
     try:
         now = datetime.now().astimezone()
+        os.ftruncate(file, 0)  # what one that was killed has written
         os.write(file, f"since {now:%H:%M on %Y-%m-%d}, process {os.getpid()} on {socket.gethostname()}".encode())
         yield
     finally:
