@@ -39,8 +39,6 @@ SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
 # Tables that a command or a script prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
-    "trace formats": ("-m hmdwarp list formats --markdown", True),
-    "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("docs/measure/feed_cost.py", True),
     "codecs": ("docs/measure/codec_rates.py", True),
@@ -388,6 +386,19 @@ def keys(_: Path) -> None:
     replace("scales", markdown(("scale", "what it is", "asks", "source"), scales, texts=4))
 
 
+def assumed_table(kind: str) -> str:
+    """Return what the formats or layouts read, and what each assumes where nothing states it."""
+    from hmdwarp.cli.catalogue import entries
+
+    rows = []
+    for row in entries(kind):
+        found = {name.replace("_", " "): text for name, text in row.items() if " (not stated" in text}
+        values = (f"{name}: {text.partition(' (not stated')[0]}" for name, text in found.items())
+        assumed = ", ".join(found) if kind == "formats" else "; ".join(values)
+        rows.append((f"`{row['name']}`", row["summary"], assumed))
+    return markdown(("name", "what is read", "assumed unless stated"), rows, texts=3)
+
+
 def lists_of_tests(_: Path) -> None:
     """Write the hard cases and the layouts of traces, which tests/ lists."""
     sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "poses")]
@@ -429,6 +440,8 @@ OWN: Mapping[str, Callable[..., None]] = {
     "live-cost": live_cost,
     "fill-fronts": fill_fronts,
     "kills": kills,
+    "trace formats": lambda _: replace("trace formats", assumed_table("formats")),
+    "layouts": lambda _: replace("layouts", assumed_table("layouts")),
     "keys": keys,
     "hard-cases": lists_of_tests,
     "trace layouts": lists_of_tests,
