@@ -139,12 +139,12 @@ def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
     experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
     used = {id(data): data for _, data in experiments.values()}.values()
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
-    heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")
+    heads = ("claim", "ours", "rule", "verdict")
     lines = [list(heads), ["---"] * len(heads)]
     for one, _ in experiments.values():
-        where = one["holds_at"] if _is_conditional(one) else ""
+        where = f" ({one['holds_at'].partition(':')[0]})" if _is_conditional(one) else ""
         claim = f"{one['claim']} ({one['source']})"
-        line = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"] + _weak(one), where)
+        line = (claim, one["ours"] or "–", one["rule"], one["verdict"] + _weak(one) + where)
         lines.append([text.replace("|", "/") for text in line])
     made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
     return f"{made}\n\n{markdown(lines)}".rstrip("\n")

@@ -179,7 +179,7 @@ def test_one_of_four_is_mostly_no_and_a_weak_stand_in_says_so():
     table = summary_markdown(
         [{"experiments": [one, weak], "size": (8, 8), "machine": {"gl_renderer": ""}, "hmdwarp": ""}]
     )
-    assert "| mostly does not hold | 1 of 4 settings: client depth |" in table
+    assert "| mostly does not hold (1 of 4 settings) |" in table
     assert "| cannot be told, by a weak stand-in |" in table
 
 
