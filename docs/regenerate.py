@@ -378,11 +378,8 @@ def keys(_: Path) -> None:
         answers.append((", ".join(f"`{name}`" for name in names) + and_mouse(each), each.what))
     answers.append(("mouse", "points at the scale, the wheel moves, a click answers"))
     replace("keys", markdown(("key", "what it does"), answers, texts=2))
-    scales = []
-    for row in entries("scales"):
-        asks = row["asks"].split(":")[0] if row["kind"] == "questionnaire" else row["asks"]
-        scales.append((f"`{row['name']}`", row["summary"], asks, row["source"]))
-    replace("scales", markdown(("scale", "what it is", "asks", "source"), scales, texts=4))
+    scales = [(f"`{row['name']}`", row["summary"], row["source"]) for row in entries("scales")]
+    replace("scales", markdown(("scale", "what it is", "source"), scales, texts=3))
 
 
 def assumed_table(kind: str) -> str:
