@@ -44,7 +44,6 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "codecs": ("docs/measure/codec_rates.py", True),
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
-    "speed": ("docs/measure/speed.py", False),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
     "speed aims": ("docs/measure/speed.py --aims", True),
     "foveation": ("docs/measure/foveated.py", True),
@@ -56,12 +55,12 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
 }
 
 
-def run(command: str, folder: Path, *, said: bool = False, statuses: Sequence[int] = (0,), **environment: str) -> str:
+def run(command: str, folder: Path, *, said: bool = False, **environment: str) -> str:
     """Run Python and return what it prints, said: on stderr. Raises: SystemExit."""
     print(command, flush=True)
     words, how = [sys.executable, *shlex.split(command.format(folder=folder))], {"cwd": ROOT, "text": True}
     done = subprocess.run(words, check=False, capture_output=True, env={**os.environ, **environment}, **how)
-    if done.returncode not in statuses:
+    if done.returncode:
         raise SystemExit(done.stderr)
     return (done.stderr if said else done.stdout).rstrip()
 
@@ -292,12 +291,6 @@ def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
     replace(marker, summary_markdown(read(ready) or [hmdwarp("thesis", folder / "thesis", "results.json")]))
 
 
-def live_cost(folder: Path) -> None:
-    """Measure the loop outside OpenGL and the garbage collector; status 1: above its limit."""
-    parts = [run(f"docs/measure/live_cost.py {gc}", folder, statuses=(0, 1), COLUMNS="110") for gc in ("", "--gc")]
-    replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
-
-
 def fill_fronts(folder: Path, *sequences: str) -> None:
     """Show which fills are on a front of time and error: of made borders and of recorded frames."""
     if not sequences:
@@ -433,7 +426,6 @@ OWN: Mapping[str, Callable[..., None]] = {
     "strategies-suite": strategies_suite,
     "rgbd": rgbd,
     "thesis": thesis,
-    "live-cost": live_cost,
     "fill-fronts": fill_fronts,
     "kills": kills,
     "trace formats": lambda _: replace("trace formats", assumed_table("formats")),
