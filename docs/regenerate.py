@@ -49,7 +49,6 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "foveation": ("docs/measure/foveated.py", True),
     "panels": ("docs/measure/panel_text.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
-    "held out": ("tests/held_out.py", True),
     "sweeps": ("docs/measure/sweep_scale.py", True),
     "coverage": ("-m tests.study.coverage", True),
 }
