@@ -132,19 +132,17 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
 
 
 def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
-    """Return the verdicts as a Markdown table, one row for each experiment.
-
-    results: contents of results.json; an experiment that several have is that of the last.
-    """
+    """Return names of claims that hold, and a table of the others; of several results the last."""
     experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
-    used = {id(data): data for _, data in experiments.values()}.values()
+    used = [data for _, data in experiments.values()]
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
-    heads = ("claim", "ours", "rule", "verdict")
-    lines = [list(heads), ["---"] * len(heads)]
-    for one, _ in experiments.values():
+    lines, held = [["claim", "ours", "rule", "verdict"], ["---"] * 4], []
+    for name, (one, _) in experiments.items():
+        if one["verdict"] == "holds":
+            held.append(f"`{name}`" + _weak(one))
+            continue
         where = f" ({one['holds_at'].partition(':')[0]})" if _is_conditional(one) else ""
-        claim = f"{one['claim']} ({one['source']})"
-        line = (claim, one["ours"] or "–", one["rule"], one["verdict"] + _weak(one) + where)
-        lines.append([text.replace("|", "/") for text in line])
+        claim, verdict = f"{one['claim']} ({one['source']})", one["verdict"] + _weak(one) + where
+        lines.append([text.replace("|", "/") for text in (claim, one["ours"] or "–", one["rule"], verdict)])
     made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
-    return f"{made}\n\n{markdown(lines)}".rstrip("\n")
+    return f"{made}\nHold everywhere: {'; '.join(held) or '–'}.\n\n{markdown(lines)}".rstrip("\n")
