@@ -357,20 +357,13 @@ def kills(folder: Path) -> None:
 
 
 def keys(_: Path) -> None:
-    """Write the keys of a live run and of a question, and the scales, from the program's lists."""
+    """Write the keys of a live run and the scales, from the program's lists."""
     from hmdwarp.cli.catalogue import entries
     from hmdwarp.display import CONTROLS, MOVING, and_mouse
-    from hmdwarp.study.dialogs.buttons import CONTROLS as ANSWERS
 
     live = [(f"`{key}`", what) for key, what in MOVING]
     live += [(f"`{f'{each.key} {each.back}'.strip()}`{and_mouse(each)}", each.what) for each in CONTROLS]
     replace("controls", markdown(("key", "what it does"), live, texts=2))
-    answers = []
-    for each in (each for each in ANSWERS if each.what):
-        names = (each.written or each.key, *(key for key in each.also if "KP" not in key))
-        answers.append((", ".join(f"`{name}`" for name in names) + and_mouse(each), each.what))
-    answers.append(("mouse", "points at the scale, the wheel moves, a click answers"))
-    replace("keys", markdown(("key", "what it does"), answers, texts=2))
     scales = [(f"`{row['name']}`", row["summary"], row["source"]) for row in entries("scales")]
     replace("scales", markdown(("scale", "what it is", "source"), scales, texts=3))
 

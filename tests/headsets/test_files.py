@@ -96,11 +96,9 @@ def test_the_indexs_left_eye_is_turned_by_the_matrix_that_its_runtime_reports():
     assert eye.head_from_eye.position_m == pytest.approx((-0.029, 0, 0))
 
 
-def test_the_page_lists_what_the_program_does():
+def test_the_page_names_every_headset():
     page = (Path(__file__).parents[2] / "docs/headsets.md").read_text(encoding="utf-8")
-    keys = ("left_fov_deg", "cant_deg", "across_deg", "overlap_deg", "pixels_per_degree", "hidden_share")
-    rows = [" | ".join([f"`{row['name']}`", *(row[key] for key in keys)]) for row in entries("headsets")]
-    assert [row for row in rows if f"| {row} |" not in page] == []
+    assert [row["name"] for row in entries("headsets") if f"`{row['name']}`" not in page] == []
 
 
 def test_known_numbers_of_the_dk1():
