@@ -40,7 +40,6 @@ TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyra
 # Tables that a command or a script prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
     "clients": ("-m hmdwarp list clients --markdown", True),
-    "feed": ("docs/measure/feed_cost.py", True),
     "codecs": ("docs/measure/codec_rates.py", True),
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
