@@ -27,7 +27,7 @@ def machine_line(data: Row, *, defaults: bool = True) -> str:
 
 
 def times_table(rows: list[Row], trace: str = "look-around") -> str:
-    """Return what warp and fill take for one eye, of warps that ran at each size, the quickest first.
+    """Return what warp and fill take for one eye, for warps of every size, the quickest first.
 
     rows: of bench.json, at one latency. Median and 95th percentile in ms.
     """

@@ -39,7 +39,6 @@ SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
 # Tables that a command or a script prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
-    "clients": ("-m hmdwarp list clients --markdown", True),
     "codecs": ("docs/measure/codec_rates.py", True),
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
@@ -49,7 +48,6 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "panels": ("docs/measure/panel_text.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
     "sweeps": ("docs/measure/sweep_scale.py", True),
-    "coverage": ("-m tests.study.coverage", True),
 }
 
 
