@@ -43,7 +43,6 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
-    "speed aims": ("docs/measure/speed.py --aims", True),
     "foveation": ("docs/measure/foveated.py", True),
     "panels": ("docs/measure/panel_text.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
@@ -252,7 +251,7 @@ def strategies_suite(folder: Path, *ready: str) -> None:
 
 
 def strategies(folder: Path, *ready: str) -> None:
-    """Compare all strategies: what each is, which for whom, and figures of `walk` at 400 ms."""
+    """Compare all strategies: what each is, which for whom, and figures, at 400 ms."""
     from hmdwarp.client.classes import client_names
     from hmdwarp.client.strategies import strategies as every
     from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, ran_text
@@ -261,10 +260,10 @@ def strategies(folder: Path, *ready: str) -> None:
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     listed = [(f"`{each.name}`", each.crosses, each.client, each.late) for each in sorted(every, key=lambda s: s.name)]
     replace("strategies", markdown(("strategy", "crosses the link", "the client", "late"), listed, texts=4))
-    ran = f"Each run: {ran_text(data['rows'])}.\n\n"
-    replace("strategies chosen", ran + chosen_markdown(data, (5,)))
-    shown = [row for row in data["rows"] if (row["trace"], row["latency_ms"]) == ("walk", 400)]
-    replace("strategies measured", ran + compare_markdown(shown))
+    rows = [row for row in data["rows"] if row["latency_ms"] == 400]
+    ran = f"Each run: {ran_text(rows)}.\n\n"
+    replace("strategies chosen", ran + chosen_markdown({**data, "rows": rows}, (5,)))
+    replace("strategies measured", ran + compare_markdown(row for row in rows if row["trace"] == "walk"))
 
 
 def rgbd(_: Path, *ready: str) -> None:
@@ -371,10 +370,8 @@ def assumed_table(kind: str) -> str:
 
     rows = []
     for row in entries(kind):
-        found = {name.replace("_", " "): text for name, text in row.items() if " (not stated" in text}
-        values = (f"{name}: {text.partition(' (not stated')[0]}" for name, text in found.items())
-        assumed = ", ".join(found) if kind == "formats" else "; ".join(values)
-        rows.append((f"`{row['name']}`", row["summary"], assumed))
+        assumed = (name.replace("_", " ") for name, text in row.items() if " (not stated" in text)
+        rows.append((f"`{row['name']}`", row["summary"], ", ".join(assumed)))
     return markdown(("name", "what is read", "assumed unless stated"), rows, texts=3)
 
 

@@ -132,17 +132,19 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
 
 
 def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
-    """Return names of claims that hold, and a table of the others; of several results the last."""
+    """Return names of claims that hold or cannot be told, and a table of the others."""
     experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
     used = [data for _, data in experiments.values()]
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
-    lines, held = [["claim", "ours", "rule", "verdict"], ["---"] * 4], []
+    lines = [["claim", "ours", "rule", "verdict"], ["---"] * 4]
+    named: dict[str, list[str]] = {"holds": [], "cannot be told": []}
     for name, (one, _) in experiments.items():
-        if one["verdict"] == "holds":
-            held.append(f"`{name}`" + _weak(one))
+        if one["verdict"] in named:
+            named[one["verdict"]].append(f"`{name}`" + _weak(one))
             continue
         where = f" ({one['holds_at'].partition(':')[0]})" if _is_conditional(one) else ""
         claim, verdict = f"{one['claim']} ({one['source']})", one["verdict"] + _weak(one) + where
         lines.append([text.replace("|", "/") for text in (claim, one["ours"] or "–", one["rule"], verdict)])
     made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
-    return f"{made}\nHold everywhere: {'; '.join(held) or '–'}.\n\n{markdown(lines)}".rstrip("\n")
+    told = "".join(f"\n{verdict.capitalize()}: {'; '.join(names) or '–'}." for verdict, names in named.items())
+    return f"{made}{told}\n\n{markdown(lines)}".rstrip("\n")

@@ -180,7 +180,7 @@ def test_one_of_four_is_mostly_no_and_a_weak_stand_in_says_so():
         [{"experiments": [one, weak], "size": (8, 8), "machine": {"gl_renderer": ""}, "hmdwarp": ""}]
     )
     assert "| mostly does not hold (1 of 4 settings) |" in table
-    assert "| cannot be told, by a weak stand-in |" in table
+    assert "Cannot be told: `edges-doubled`, by a weak stand-in." in table
 
 
 def test_a_time_on_a_gpu_is_what_it_takes_beyond_the_least_picture():
