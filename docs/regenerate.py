@@ -359,20 +359,25 @@ def keys(_: Path) -> None:
 
     live = [(f"`{key}`", what) for key, what in MOVING]
     live += [(f"`{f'{each.key} {each.back}'.strip()}`{and_mouse(each)}", each.what) for each in CONTROLS]
-    replace("controls", markdown(("key", "what it does"), live, texts=2))
+    replace("controls", bullets(live))
     scales = [(f"`{row['name']}`", row["summary"], row["source"]) for row in entries("scales")]
-    replace("scales", markdown(("scale", "what it is", "source"), scales, texts=3))
+    replace("scales", bullets(scales))
 
 
-def assumed_table(kind: str) -> str:
+def bullets(rows: Iterable[Sequence[str]]) -> str:
+    """Return a list of what each is; a third text stands behind it."""
+    return "\n".join(f"- {first}: {'; '.join(filter(None, rest))}" for first, *rest in rows)
+
+
+def assumed_list(kind: str) -> str:
     """Return what the formats or layouts read, and what each assumes where nothing states it."""
     from hmdwarp.cli.catalogue import entries
 
     rows = []
     for row in entries(kind):
-        assumed = (name.replace("_", " ") for name, text in row.items() if " (not stated" in text)
-        rows.append((f"`{row['name']}`", row["summary"], ", ".join(assumed)))
-    return markdown(("name", "what is read", "assumed unless stated"), rows, texts=3)
+        assumed = ", ".join(name.replace("_", " ") for name, text in row.items() if " (not stated" in text)
+        rows.append((f"`{row['name']}`", row["summary"], assumed and f"assumed: {assumed}"))
+    return bullets(rows)
 
 
 def lists_of_tests(_: Path) -> None:
@@ -391,7 +396,7 @@ def bounds(_: Path) -> None:
     """Write what the numbers of the feed's messages may be."""
     from hmdwarp.sources.feed.bounds import BOUNDS
 
-    replace("bounds", markdown(("number", "from, to"), [(bound.what, bound.text) for bound in BOUNDS], texts=2))
+    replace("bounds", bullets((bound.what, bound.text) for bound in BOUNDS))
 
 
 def pictures(folder: Path) -> None:
@@ -415,8 +420,8 @@ OWN: Mapping[str, Callable[..., None]] = {
     "thesis": thesis,
     "fill-fronts": fill_fronts,
     "kills": kills,
-    "trace formats": lambda _: replace("trace formats", assumed_table("formats")),
-    "layouts": lambda _: replace("layouts", assumed_table("layouts")),
+    "trace formats": lambda _: replace("trace formats", assumed_list("formats")),
+    "layouts": lambda _: replace("layouts", assumed_list("layouts")),
     "keys": keys,
     "hard-cases": lists_of_tests,
     "trace layouts": lists_of_tests,

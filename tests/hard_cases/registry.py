@@ -51,8 +51,7 @@ def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
 
 
 def markdown() -> str:
-    """The table for docs/hard-cases.md, without cases for which the twin alone says it."""
+    """The list for docs/hard-cases.md."""
     names = {case.name.replace("_", " "): case.wants for case in CASES}
-    lines = [f"| {name} | {wants} |" for name, wants in names.items() if wants != TWIN]
     others = ", ".join(name for name, wants in names.items() if wants == TWIN)
-    return "\n".join(["| case | what must come out |", "| --- | --- |", *lines, "", f"As the twin says: {others}."])
+    return "\n".join([*(f"- {name}: {wants}" for name, wants in names.items() if wants != TWIN), f"- {others}: {TWIN}"])

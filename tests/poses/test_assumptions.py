@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from published_folders import write_colmap
 from recorded_folders import taken
-from regenerate import assumed_table
+from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 
 from hmdwarp.poses import TraceOptions, load_trace
@@ -155,4 +155,4 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
 def test_the_page_has_what_each_format_assumes():
     """`make docs OPTIONS=trace-formats` writes the table."""
     page = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
-    assert assumed_table("formats") in page, "'make docs OPTIONS=trace-formats' writes it"
+    assert assumed_list("formats") in page, "'make docs OPTIONS=trace-formats' writes it"
