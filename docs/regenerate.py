@@ -44,9 +44,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "warper cost": ("docs/measure/warper_cost.py", True),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
     "foveation": ("docs/measure/foveated.py", True),
-    "panels": ("docs/measure/panel_text.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
-    "sweeps": ("docs/measure/sweep_scale.py", True),
 }
 
 
@@ -258,8 +256,11 @@ def strategies(folder: Path, *ready: str) -> None:
 
     command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
-    listed = [(f"`{each.name}`", each.crosses, each.client, each.late) for each in sorted(every, key=lambda s: s.name)]
-    replace("strategies", markdown(("strategy", "crosses the link", "the client", "late"), listed, texts=4))
+    listed = [
+        (f"`{each.name}`", each.crosses, f"the client {each.client}", f"late: {each.late}")
+        for each in sorted(every, key=lambda s: s.name)
+    ]
+    replace("strategies", bullets(listed))
     rows = [row for row in data["rows"] if row["latency_ms"] == 400]
     ran = f"Each run: {ran_text(rows)}.\n\n"
     replace("strategies chosen", ran + chosen_markdown({**data, "rows": rows}, (5,)))
