@@ -256,11 +256,10 @@ def strategies(folder: Path, *ready: str) -> None:
 
     command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
-    listed = [
-        (f"`{each.name}`", each.crosses, f"the client {each.client}", f"late: {each.late}")
-        for each in sorted(every, key=lambda s: s.name)
-    ]
-    replace("strategies", bullets(listed))
+    told = "{0.crosses}. The client {0.client}. Late: {0.late}."
+    replace(
+        "strategies", bullets((f"`{each.name}`", told.format(each)) for each in sorted(every, key=lambda s: s.name))
+    )
     rows = [row for row in data["rows"] if row["latency_ms"] == 400]
     ran = f"Each run: {ran_text(rows)}.\n\n"
     replace("strategies chosen", ran + chosen_markdown({**data, "rows": rows}, (5,)))

@@ -199,6 +199,7 @@ ROOMS = {
     "": (601, 500),  # the modules beside the packages
 }
 TEST_LINES = (91539, 58000)
+DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
 def lines_of(paths: list[Path]) -> int:
@@ -230,6 +231,12 @@ def test_the_tests_keep_within_their_bound():
     bound, budget = TEST_LINES
     lines = lines_of([*(ROOT / "tests").rglob("*.py")])
     assert lines <= bound, f"tests have {lines:,} lines, bound {bound:,} (to become {budget:,}): a test in, a test out"
+
+
+def test_the_docs_keep_within_their_bound():
+    bound, budget = DOC_WORDS
+    words = sum(len(page.read_text(encoding="utf-8").split()) for page in (ROOT / "docs").glob("*.md"))
+    assert words <= bound, f"docs have {words:,} words, bound {bound:,} (to become {budget:,}): say it once"
 
 
 # Registries whose entries are files: an entry is called what it is, in whatever registry it stands.
