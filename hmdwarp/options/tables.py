@@ -306,24 +306,21 @@ class LineFinder:
         if first in "\"'":
             self._skip(_STRING)
         elif first in "[{":
-            self._within(path, "]" if first == "[" else "}")
+            end = "]" if first == "[" else "}"
+            self._at += 1
+            number = 0
+            while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
+                if self._text[self._at] == ",":
+                    self._at += 1
+                elif end == "]":
+                    self._note((*path, number), self._at)
+                    self._value((*path, number))
+                    number += 1
+                else:
+                    self._pair(path)
+            self._at += 1
         else:
             self._skip(_SCALAR)
-
-    def _within(self, path: KeyPath, end: str) -> None:
-        """Scan an array or an inline table."""
-        self._at += 1
-        number = 0
-        while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
-            if self._text[self._at] == ",":
-                self._at += 1
-            elif end == "]":
-                self._note((*path, number), self._at)
-                self._value((*path, number))
-                number += 1
-            else:
-                self._pair(path)
-        self._at += 1
 
     def _skip(self, pattern: re.Pattern[str]) -> int:
         found = pattern.match(self._text, self._at)

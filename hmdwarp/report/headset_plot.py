@@ -30,27 +30,25 @@ def headset_plot_png(headset: Headset) -> bytes:
         about = f"{headset.across_deg:.1f} degrees across, {headset.overlap_deg:.1f} of them with both eyes{lens}"
         figure.suptitle(f"{headset.summary}\n{about}", fontsize=10, x=0.01, ha="left")
         grid = figure.add_gridspec(2 if headset.lens is not None else 1, 2)
-        _draw_views(figure.add_subplot(grid[0, :]), headset)
+        axes = figure.add_subplot(grid[0, :])
+        for eye, (name, colour) in zip(headset.eyes, _EYES, strict=False):
+            left, right, down, up = eye.fov.tangents.tolist()
+            edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)])
+            axes.fill(*_angles(eye, edge).T, color=colour, alpha=0.18, lw=0)
+            axes.plot(*_angles(eye, edge).T, color=colour, lw=1.5, label=name)
+            for polygon in eye.hidden:
+                axes.fill(
+                    *_angles(eye, np.array([*polygon, polygon[0]])).T, color=colour, alpha=0.35, lw=0, hatch="///"
+                )
+            axes.plot(*_angles(eye, np.zeros((1, 2))).T, "+", color=colour, ms=10)
+        axes.set_aspect("equal")
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8)
+        title = "both views, infinitely far; + where an eye's view looks, hatched what is hidden"
+        axes.set(title=title, xlabel="to the right [degrees]", ylabel="up [degrees]")
         for number in range(len(headset.eyes) if headset.lens is not None else 0):
             _draw_lens(figure.add_subplot(grid[1, number]), headset, number)
         return png_of(figure, _DPI)
-
-
-def _draw_views(axes: Axes, headset: Headset) -> None:
-    """Draw the edges of each view, and what is hidden of it."""
-    for eye, (name, colour) in zip(headset.eyes, _EYES, strict=False):
-        left, right, down, up = eye.fov.tangents.tolist()
-        edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)])
-        axes.fill(*_angles(eye, edge).T, color=colour, alpha=0.18, lw=0)
-        axes.plot(*_angles(eye, edge).T, color=colour, lw=1.5, label=name)
-        for polygon in eye.hidden:
-            axes.fill(*_angles(eye, np.array([*polygon, polygon[0]])).T, color=colour, alpha=0.35, lw=0, hatch="///")
-        axes.plot(*_angles(eye, np.zeros((1, 2))).T, "+", color=colour, ms=10)
-    axes.set_aspect("equal")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8)
-    title = "both views, infinitely far; + where an eye's view looks, hatched what is hidden"
-    axes.set(title=title, xlabel="to the right [degrees]", ylabel="up [degrees]")
 
 
 def _angles(eye: HeadsetEye, corners: Array) -> Array:

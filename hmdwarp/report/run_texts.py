@@ -227,9 +227,10 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
         return ["no picture was shown"]
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
     of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
+    judder = miss_texts(summary["miss"])[-1]
     figures = [
         ("shown", _shown(summary)),
-        ("judder", _judder(summary)),
+        ("judder", (f"{judder} deg RMS" if summary["live"]["missed"] else "")),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at hand-over", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
@@ -273,11 +274,6 @@ def waited_text(live: Mapping[str, Any]) -> str:
     if live["missed"] or share < _HARDLY:
         return ""
     return f"this display waits for each picture, and {share:.0%} took longer than a refresh"
-
-
-def _judder(summary: Summary) -> str:
-    judder = miss_texts(summary["miss"])[-1]
-    return f"{judder} deg RMS" if summary["live"]["missed"] else ""
 
 
 def _pair(entry: Mapping[str, float | None], more: str = "") -> str:

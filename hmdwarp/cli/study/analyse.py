@@ -72,7 +72,13 @@ def analyse(said: Said) -> None:
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
     missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
-    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin, missing)
+    text = options.columns
+    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
+    if not all(role and name for role, _, name in pairs):
+        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
+    columns = SourceOptions(
+        {role.strip(): name.strip() for role, _, name in pairs}, options.scale, options.low_is_good, origin, missing
+    )
     with analysis_folder(options.out, force=options.force) as out:
         ratings = ratings_from_all(options.sources, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)
@@ -83,13 +89,6 @@ def analyse(said: Said) -> None:
     if not said["quiet"]:
         _print(data)
         typer.echo(f"report: {page}")
-
-
-def _columns(text: str) -> dict[str, str]:
-    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
-    if not all(role and name for role, _, name in pairs):
-        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
-    return {role.strip(): name.strip() for role, _, name in pairs}
 
 
 def _print(data: dict[str, Any]) -> None:

@@ -100,7 +100,11 @@ class _Runner:
         """Return the rows of a case."""
         machine, options, client = _examined(), work.options, load_client(work.options.client)
         pool = QualityPool(self._processes)
-        chosen, rated = work.batched(machine.most_bytes), _rated_batches(work, machine)
+        seconds, rate_hz = work.options.jod_s, work.options.rate_hz or work.headset.refresh_hz
+        chosen, rated = (
+            work.batched(machine.most_bytes),
+            (work.batched(machine.most_bytes, clip_length(seconds, rate_hz)) if seconds else []),
+        )
         steps = _steps(work.instants * (len(chosen) + len(rated)), step)
         rows: list[tuple[Combination, dict[str, Any]]] = []
         for batch in chosen:
@@ -121,12 +125,6 @@ class _Runner:
 
 def _named(combination: Combination) -> tuple[str, ...]:
     return combination.strategy, combination.warp, combination.fill
-
-
-def _rated_batches(work: BenchCase, machine: _Machine) -> list[list[Combination]]:
-    """Return the combinations whose clips fit in the machine together; none if none are rated."""
-    seconds, rate_hz = work.options.jod_s, work.options.rate_hz or work.headset.refresh_hz
-    return work.batched(machine.most_bytes, clip_length(seconds, rate_hz)) if seconds else []
 
 
 def _steps(total: int, step: Callable[[float], None]) -> Callable[[], None]:

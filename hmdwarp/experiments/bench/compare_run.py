@@ -130,7 +130,10 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
                 raise
             left_out.append({"strategy": text, "why": str(error)})
             continue
-        does = _what_it_does(run, plan)
+        does = (
+            attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
+            attrs.evolve(plan, steps=(), left_out=()),
+        )
         alike = None if options.strategies else next((name for name, same in chosen.items() if same == does), None)
         if alike is None:
             chosen[text] = does
@@ -151,14 +154,6 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         drawn = schedule.count + schedule.age + schedule.ahead
         pictures.append((2 * -(-schedule.count // run.metrics_every), 2 * drawn))
     return runs, left_out, pictures
-
-
-def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
-    """Return what tells two strategies apart on one scene: all but their names and reasons."""
-    return (
-        attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
-        attrs.evolve(plan, steps=(), left_out=()),
-    )
 
 
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:

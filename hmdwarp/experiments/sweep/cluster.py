@@ -50,7 +50,10 @@ def run_on_cluster(
     program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
-    _silence()
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == "distributed":
+            log = logging.getLogger(name)
+            log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
         _check_programs(client)
         sender, waiting = _Sender(client, work), deque(groups_of(cases))
@@ -184,14 +187,6 @@ def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
         client.close()
         if local:
             made.close()
-
-
-def _silence() -> None:
-    """Print nothing of what distributed logs: what matters comes back as an error."""
-    for name in [*logging.root.manager.loggerDict]:
-        if name.partition(".")[0] == "distributed":
-            log = logging.getLogger(name)
-            log.handlers, log.propagate = [logging.NullHandler()], False
 
 
 def _check_programs(client: Any) -> None:

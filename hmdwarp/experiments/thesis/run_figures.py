@@ -38,7 +38,7 @@ from ...run.replay_setup import ReplayRun
 from ...run.side_by_side import refreshes
 from ...run.truth import coverage, shown_picture, true_picture
 from ...scenes import load_scene
-from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
+from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 
 Map = NDArray[Any]
 
@@ -198,7 +198,11 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     ]
     needs = needs_of(combination.plan for combination in combinations)
     with set_up_replay(options, needs) as setup:
-        numbers = _instants(setup, moved, how.instants)
+        eased_s, turn_s = GLIDES[moved.kind].with_(moved.speed, moved.amplitude).steady_s
+        first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
+        from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
+        times_s = [from_s + (k + 0.5) / how.instants * (to_s - from_s) for k in range(how.instants)]
+        numbers = sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
         watchers = [_Watcher(setup, run, each, how) for run, each in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
@@ -227,15 +231,6 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         guard=run.guard,
         against="",
     )
-
-
-def _instants(setup: ReplayRun, motion: Motion, wanted: int) -> list[int]:
-    """Return at most `wanted` refreshes at which the head has moved at full speed for long."""
-    eased_s, turn_s = GLIDES[motion.kind].with_(motion.speed, motion.amplitude).steady_s
-    first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
-    from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
-    times_s = [from_s + (k + 0.5) / wanted * (to_s - from_s) for k in range(wanted)]
-    return sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
 
 
 @attrs.frozen(eq=False)

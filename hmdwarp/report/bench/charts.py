@@ -33,7 +33,6 @@ from .rows import Case, Row, cases, measure_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
@@ -229,7 +228,18 @@ def regions_chart(case: Case) -> str:
         name_rows(left, names)
         for axes in (left, right):
             axes.set_xlim(left=0)
-        _region_key(figure)
+        from matplotlib.legend_handler import HandlerTuple
+        from matplotlib.patches import Patch
+
+        handles = []
+        for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
+            patch = Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5)
+            handles.append((patch, mark(marker=marker, **_dot(colour))))
+        labels = [name.replace("_", " ") for name in REGIONS]
+        legend(
+            figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
+            loc="outside upper left", ncols=len(REGIONS),
+        )  # fmt: skip
         return svg_text(figure)
 
 
@@ -257,18 +267,3 @@ def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
 
 def _dot(colour: str) -> Style:
     return {"color": colour, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none"}
-
-
-def _region_key(figure: Figure) -> None:
-    from matplotlib.legend_handler import HandlerTuple
-    from matplotlib.patches import Patch
-
-    handles = []
-    for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
-        patch = Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5)
-        handles.append((patch, mark(marker=marker, **_dot(colour))))
-    labels = [name.replace("_", " ") for name in REGIONS]
-    legend(
-        figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
-        loc="outside upper left", ncols=len(REGIONS),
-    )  # fmt: skip

@@ -201,7 +201,15 @@ def _choice(choice: Mapping[str, Any] | None) -> Section | None:
     step, more = choice.get("next"), "Nothing measured is more accurate at any time."
     if step:
         named = Markup("The next step up: <b>{} + {}</b>, {:.2f} ms, {} ({}).")
-        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), _gain(choice, step))
+        parts = []
+        if choice.get("flip") and step.get("flip") is not None:
+            parts.append(
+                f"{100 * (1 - step['flip'] / choice['flip']):+.0f} % of the FLIP error removed".replace("+", "")
+            )
+        if choice.get("psnr_db") is not None and step.get("psnr_db") is not None:
+            parts.append(f"{step['psnr_db'] - choice['psnr_db']:+.2f} dB")
+        parts.append(f"{step['total_ms'] - choice['total_ms']:+.2f} ms")
+        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), ", ".join(parts))
     blocks = [
         Text(f"{choice['warp']} + {choice['fill']}", "name"),
         settings and Text(", ".join(f"{name} {value}" for name, value in settings.items()), ""),
@@ -215,16 +223,6 @@ def _choice(choice: Mapping[str, Any] | None) -> Section | None:
 def _figures(entry: Mapping[str, Any]) -> str:
     flip, psnr = (metrics.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
     return f"FLIP {flip}, PSNR {psnr} dB"
-
-
-def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
-    parts = []
-    if choice.get("flip") and step.get("flip") is not None:
-        parts.append(f"{100 * (1 - step['flip'] / choice['flip']):+.0f} % of the FLIP error removed".replace("+", ""))
-    if choice.get("psnr_db") is not None and step.get("psnr_db") is not None:
-        parts.append(f"{step['psnr_db'] - choice['psnr_db']:+.2f} dB")
-    parts.append(f"{step['total_ms'] - choice['total_ms']:+.2f} ms")
-    return ", ".join(parts)
 
 
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:

@@ -41,7 +41,15 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
         axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names])
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
-        legend(figure, _rating_key(bool(pairs)), loc="outside upper left", ncols=4)
+        lines = bool(pairs)
+        key = [
+            mark("one person", marker="o", linestyle="none", markerfacecolor="none"),
+            mark("median (▸ mean)", linewidth=2.2),
+        ]
+        if lines:
+            key.append(mark("rated better than the baseline", color=_BETTER, linewidth=1.2))
+            key.append(mark("worse", color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2))))
+        legend(figure, key, loc="outside upper left", ncols=4)
         return svg_text(figure)
 
 
@@ -56,7 +64,16 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
         figure: Any = axes.get_figure()
         axes.axvline(0, color=PAGE.ink, linewidth=1)
         for y, row in enumerate(shown):
-            _forest_line(axes, y, row)
+            values = np.array(list(row["differences"].values()))
+            dots: Style = {"color": PAGE.ink, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
+            axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
+            bar: Style = {"solid_capstyle": "butt"}
+            if row["low"] is not None:
+                axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, **bar)
+            axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
+            if row["shift_low"] is not None:
+                axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
+            axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
         name_rows(axes, [_comparison_label(row) for row in shown], above=0.7)
         axes.set_xlim(-reach, reach)
         key = [
@@ -164,30 +181,6 @@ def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
     low, high = min([*values, *ends]), max([*values, *ends])
     margin = 0.05 * max(high - low, 1e-9)
     return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
-
-
-def _rating_key(lines: bool) -> list[Any]:
-    key = [
-        mark("one person", marker="o", linestyle="none", markerfacecolor="none"),
-        mark("median (▸ mean)", linewidth=2.2),
-    ]
-    if lines:
-        key.append(mark("rated better than the baseline", color=_BETTER, linewidth=1.2))
-        key.append(mark("worse", color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2))))
-    return key
-
-
-def _forest_line(axes: Axes, y: int, row: Row) -> None:
-    values = np.array(list(row["differences"].values()))
-    dots: Style = {"color": PAGE.ink, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
-    axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
-    bar: Style = {"solid_capstyle": "butt"}
-    if row["low"] is not None:
-        axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, **bar)
-    axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
-    if row["shift_low"] is not None:
-        axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
-    axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
 
 
 def _comparison_label(row: Row) -> str:

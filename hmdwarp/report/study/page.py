@@ -49,6 +49,20 @@ def study_page(data: Row, command: str) -> Page:
         measure = scale["measure"]
         known = f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown"
         facts.append(fact(measure["title"], f"{known}, {'low' if measure['low_is_good'] else 'high'} is good"))
+    parts = data["preferences"]
+    blocks: list[Any] = []
+    for part in parts:
+        rows, compared = part["conditions"], part["comparisons"]
+        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
+        if rows:
+            scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
+            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
+            blocks.append(Table.of("Scores", *score_lines(rows)))
+        if compared:
+            blocks.append(Table.of("Pairs", *preference_lines(compared)))
+        if part["threshold"]:
+            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
+    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
     return Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
@@ -58,7 +72,7 @@ def study_page(data: Row, command: str) -> Page:
         sections=(
             Section("", _tiles(data), style="tiles", label="Main figures"),
             notes_section(data["notes"]),
-            _preferred(data["preferences"]),
+            Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading),
             _shown(data),
             Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
             Section("Did the order matter?", _order(scales), id="order", link="Order"),
@@ -104,23 +118,6 @@ def _answers(parts: Sequence[Row]) -> Tile:
     return Tile(
         "Pairs compared", "", str(sum(part["answers"] for part in parts)), f"{ties} without a difference, {more}"
     )
-
-
-def _preferred(parts: Sequence[Row]) -> Section:
-    blocks: list[Any] = []
-    for part in parts:
-        rows, compared = part["conditions"], part["comparisons"]
-        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
-        if rows:
-            scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
-            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
-            blocks.append(Table.of("Scores", *score_lines(rows)))
-        if compared:
-            blocks.append(Table.of("Pairs", *preference_lines(compared)))
-        if part["threshold"]:
-            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
-    return Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading)
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:

@@ -22,7 +22,6 @@ from .definitions import (
     Design,
     Family,
     Part,
-    Sickness,
     every_scale,
     resolved,
 )
@@ -44,7 +43,15 @@ def head_rows(design: Design) -> Rows:
         settings = ", ".join(_settings(design.practice.settings))
         rows.append(("Practice", f"{design.practice_seconds:g} s first, not scored: {settings}"))
     if design.sickness is not None:
-        rows.append(("Sickness", _sickness(design.sickness)))
+        rule = design.sickness
+        often = "every trial" if rule.every == 1 else f"every {rule.every} trials"
+        ends = []
+        if rule.stop_at is not None:
+            ends.append(f"{rule.stop_at:g} or {'more' if rule.scale.low_is_good else 'less'}")
+        if rule.rise is not None:
+            ends.append(f"{rule.rise:g} worse than at first")
+        ending = f"ends the session at {' or at '.join(ends)}" if ends else "never ends the session"
+        rows.append(("Sickness", f"{rule.scale.name} after {often}; {ending}"))
     if design.consent is not None:
         words = counted(len(design.consent.text.split()), "word")
         rows.append(("Consent", f"text version {design.consent.version}, {words}"))
@@ -65,17 +72,6 @@ def _order(design: Design) -> str:
     if design.order == WILLIAMS:
         return f"Williams design, seed {design.seed}: each session gets the order used least so far{again}"
     return f"random, seed {design.seed}: another one for each participant{again}"
-
-
-def _sickness(rule: Sickness) -> str:
-    often = "every trial" if rule.every == 1 else f"every {rule.every} trials"
-    ends = []
-    if rule.stop_at is not None:
-        ends.append(f"{rule.stop_at:g} or {'more' if rule.scale.low_is_good else 'less'}")
-    if rule.rise is not None:
-        ends.append(f"{rule.rise:g} worse than at first")
-    ending = f"ends the session at {' or at '.join(ends)}" if ends else "never ends the session"
-    return f"{rule.scale.name} after {often}; {ending}"
 
 
 def _settings(settings: Mapping[str, object]) -> list[str]:
@@ -243,16 +239,15 @@ def design_as_json(design: Design) -> dict[str, object]:
             key: None if getattr(design, key) is None else attrs.asdict(getattr(design, key))
             for key in ("instructions", "ready", "thanks")
         },
-        "scales": [_scale_json(scale) for scale in every_scale(design)],
+        "scales": [
+            attrs.asdict(scale) | {"anchors": {f"{value:g}": words for value, words in scale.anchors.items()}}
+            for scale in every_scale(design)
+        ],
         "asked": {key: [scale.name for scale in getattr(design, key)] for key in ("scales", "before", "after")},
         "parts": [_part_json(design, part) for part in design.parts],
         "families": [attrs.asdict(family) for family in design.families],
         "notes": list(notes(design)),
     }
-
-
-def _scale_json(scale: Scale) -> dict[str, object]:
-    return attrs.asdict(scale) | {"anchors": {f"{value:g}": words for value, words in scale.anchors.items()}}
 
 
 def _part_json(design: Design, part: Part) -> dict[str, object]:

@@ -298,7 +298,10 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     scales = scales_of(trial, "scales", folder)
     sickness = sickness_of(data, folder)
     before, after = questionnaires_of(data, folder)
-    _refuse_twice(trial, scales, sickness)
+    if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
+        raise trial.fault(
+            "scales", f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
+        )
     parts = parts_of(data, checker)
     seconds, until_done = length_of(trial)
     return Design(
@@ -337,14 +340,6 @@ def _name(data: Table) -> str:
     if not NAME.fullmatch(name):
         raise data.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
     return name
-
-
-def _refuse_twice(trial: Table, scales: tuple[Scale, ...], sickness: Sickness | None) -> None:
-    """Refuse a scale that comes twice: an answer is known by trial, scale and item."""
-    if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
-        raise trial.fault(
-            "scales", f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
-        )
 
 
 TEMPLATE = Path(__file__).parent / "plan_template.toml"

@@ -279,9 +279,14 @@ class _Tree:
 
     def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
         self._text(f"{self._folder(session)}/{stem}_events.tsv", tsv_text(rows, columns))
+        machine = session.facts.get("machine", {})
+        system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
+        made_by = {"SoftwareName": "hmdwarp", "SoftwareVersion": session.facts.get("hmdwarp", __version__)}
         self._json(
             f"{self._folder(session)}/{stem}_events.json",
-            self._task(session) | self._presented(session) | sidecar(columns),
+            self._task(session)
+            | {"StimulusPresentation": {"OperatingSystem": system or "n/a", **made_by}}
+            | sidecar(columns),
         )
 
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
@@ -343,12 +348,6 @@ class _Tree:
             ),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
-
-    def _presented(self, session: Session) -> dict[str, Any]:
-        machine = session.facts.get("machine", {})
-        system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
-        made_by = {"SoftwareName": "hmdwarp", "SoftwareVersion": session.facts.get("hmdwarp", __version__)}
-        return {"StimulusPresentation": {"OperatingSystem": system or "n/a", **made_by}}
 
     def _folder(self, session: Session) -> str:
         return f"sub-{session.sub}/ses-{session.number:02d}"

@@ -252,7 +252,9 @@ class Simulated:
         if self._leaves(step, shown):
             return Command("stop")
         if isinstance(step, Show):
-            return self._pause(step, elapsed_s) or self._done(step, elapsed_s)
+            return self._pause(step, elapsed_s) or (
+                Command("continue") if step.until_done and elapsed_s >= self._lasts_s(step) else None
+            )
         if elapsed_s < self._model.seconds(self._draw("seconds", step.key)):
             return None
         if isinstance(step, Ask):
@@ -287,10 +289,6 @@ class Simulated:
             self._paused.add(step.key)
             return Command("pause")
         return None
-
-    def _done(self, step: Show, elapsed_s: float) -> Command | None:
-        """End a trial that lasts until the participant is done."""
-        return Command("continue") if step.until_done and elapsed_s >= self._lasts_s(step) else None
 
     def _lasts_s(self, step: Show) -> float:
         if not step.until_done:

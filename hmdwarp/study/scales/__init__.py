@@ -272,26 +272,24 @@ def _items(data: Table, own: bool) -> tuple[Item, ...]:
 def _of_item(table: Table, data: Table) -> dict[str, Any]:
     """Return what an item says of its answers."""
     if "answer" in table:
-        return _own_answers(table)
+        kind = table.word("answer", OWN_ANSWERS)
+        if kind == CHOICE:
+            choices = table.texts("choices")
+            if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
+                raise table.fault(
+                    "choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts"
+                )
+            return {"answer": kind, "choices": tuple(choices)}
+        if kind == NUMBER:
+            least, most = table.number("least"), table.number("most")
+            step = _step(table, least, most) if "step" in table or not most > least else 1.0
+            return {"answer": kind, "least": least, "most": most, "step": step}
+        return {"answer": kind}
     made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
     if "anchors" in table:
         answer = data.table("answer")
         made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
     return made
-
-
-def _own_answers(table: Table) -> dict[str, Any]:
-    kind = table.word("answer", OWN_ANSWERS)
-    if kind == CHOICE:
-        choices = table.texts("choices")
-        if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
-            raise table.fault("choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts")
-        return {"answer": kind, "choices": tuple(choices)}
-    if kind == NUMBER:
-        least, most = table.number("least"), table.number("most")
-        step = _step(table, least, most) if "step" in table or not most > least else 1.0
-        return {"answer": kind, "least": least, "most": most, "step": step}
-    return {"answer": kind}
 
 
 def _step(answer: Table, least: float, most: float) -> float:
@@ -352,7 +350,13 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
         )
     weight = table.number("weight", 1.0)
     if "items" in table:
-        return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
+        numbers = table.numbers("items")
+        known = set(range(1, items + 1))
+        if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
+            raise table.fault(
+                "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
+            )
+        return Score(name, tuple(map(int, numbers)), weight=weight, title=table.line("title"))
     of = table.texts("of")
     for other in of:
         if other not in before:
@@ -361,16 +365,6 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
                 f"names {other!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
             )
     return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
-
-
-def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
-    numbers = table.numbers("items")
-    known = set(range(1, items + 1))
-    if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
-        raise table.fault(
-            "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
-        )
-    return tuple(map(int, numbers))
 
 
 def _tidy(value: float) -> float | int:

@@ -197,7 +197,8 @@ class _Program:
             before_s=store.passed_s(session),
             markers=self.markers,
         )
-        every = self._all_options()
+        practice = [self.design.practice] if self.design.practice is not None else []
+        every = [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
         for options in every:
             self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
         wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
@@ -221,11 +222,6 @@ class _Program:
 
     def _options_of(self, step: Show) -> LiveOptions:
         return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
-
-    def _all_options(self) -> list[LiveOptions]:
-        """Return the options of everything that is shown."""
-        practice = [self.design.practice] if self.design.practice is not None else []
-        return [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
 
 
 @attrs.frozen

@@ -176,7 +176,11 @@ class SessionRunner:
             case Show():
                 self._show(step)
             case Ask():
-                self._ask(step)
+                if step.about and step.about not in self.seen:
+                    self._show(self._show_of(step.about))
+                if step.about:
+                    self.about[step.key] = self.seen[step.about]
+                self._answer(step)
             case Pause():
                 self._rest(step)
                 self._finish(step)
@@ -220,14 +224,6 @@ class SessionRunner:
         self.seen[step.key] = showing
         if handler.head.is_still:
             context.say(f"{step_name(step, context.steps)}: {still_text(handler.head)}")
-
-    def _ask(self, step: Ask) -> None:
-        """Ask a question; a trial not seen in this run of the program is shown again first."""
-        if step.about and step.about not in self.seen:
-            self._show(self._show_of(step.about))
-        if step.about:
-            self.about[step.key] = self.seen[step.about]
-        self._answer(step)
 
     def _show_of(self, key: str) -> Show:
         shown = next(step for step in self.context.steps if step.key == key)
@@ -293,7 +289,14 @@ class SessionRunner:
         if chosen == BREAK:
             self._rest(Pause(REQUESTED_BREAK, 0.0))
         elif chosen == AGAIN:
-            self._ask_again()
+            if self.answered is None:
+                self.context.say("nothing has been answered yet")
+            elif not self._asking_again:
+                self._asking_again = True
+                try:
+                    self._answer(self.answered)
+                finally:
+                    self._asking_again = False
         return chosen
 
     def _menu(self, step: Step) -> str:
@@ -314,16 +317,6 @@ class SessionRunner:
         self.context.break_due = False
         until_ns = self.context.display.now_ns() + round(step.seconds * 1e9)
         self._pursue(lambda: BreakHandler(self.context, step, until_ns))
-
-    def _ask_again(self) -> None:
-        if self.answered is None:
-            self.context.say("nothing has been answered yet")
-        elif not self._asking_again:
-            self._asking_again = True
-            try:
-                self._answer(self.answered)
-            finally:
-                self._asking_again = False
 
     # --- the stop rule ---
 

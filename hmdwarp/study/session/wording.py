@@ -43,7 +43,8 @@ class HeadRange:
         if self._first is None:
             self._first = pose
             return
-        self.turn_deg = max(self.turn_deg, _turn_deg(pose, self._first))
+        near = abs(sum(a * b for a, b in zip(pose.unit_quaternion, self._first.unit_quaternion, strict=True)))
+        self.turn_deg = max(self.turn_deg, math.degrees(2 * math.acos(min(near, 1.0))))
         self.shift_m = max(self.shift_m, math.dist(pose.position_m, self._first.position_m))
 
     @property
@@ -56,11 +57,6 @@ class HeadRange:
         if self._first is None:
             return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
         return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
-
-
-def _turn_deg(one: Pose, other: Pose) -> float:
-    near = abs(sum(a * b for a, b in zip(one.unit_quaternion, other.unit_quaternion, strict=True)))
-    return math.degrees(2 * math.acos(min(near, 1.0)))
 
 
 # Keys of what comes between the steps.
@@ -188,11 +184,7 @@ class ClosingWords:
         """Say them, once everything else is closed."""
         if self.session is None or self.quiet:
             return
-        for line in self._lines(self.session):
-            self._say(line)
-        self._on_end(self.session)
-
-    def _lines(self, session: Session) -> list[str]:
+        session = self.session
         origin = "" if session.origin == PERSON else f" ({session.origin})"
         why = f": {session.why}" if session.why else ""
         lines = [
@@ -205,7 +197,9 @@ class ClosingWords:
             lines.append(f"stored in {self._store.folder}: {count}")
             lines += self._still(session)
         lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
-        return lines
+        for line in lines:
+            self._say(line)
+        self._on_end(self.session)
 
     def _still(self, session: Session) -> list[str]:
         """Say in how many trials the head hardly moved."""

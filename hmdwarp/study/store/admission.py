@@ -44,7 +44,12 @@ def _draw(signs: str, length: int, taken: Callable[[str], bool]) -> str:
 
 def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, new_session: bool) -> int:
     """Return the participant's row, inserted for a new one. Errors: InputError, as Store.begin."""
-    _check_origin(db, origin)
+    other = {PERSON: SIMULATED, SIMULATED: PERSON}.get(origin)
+    if other and db.execute("SELECT 1 FROM participant WHERE origin = ?", (other,)).fetchone():
+        raise InputError(
+            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
+            "folder (--store), or --pilot"
+        )
     if code.lower() == NEW:
         if new_session:
             raise _new_again()
@@ -84,16 +89,6 @@ def _new_again() -> InputError:
 
 def _unknown(code: str) -> InputError:
     return InputError(f"participant {code} is not known here: leave out --new-session, or check the code")
-
-
-def _check_origin(db: sqlite3.Connection, origin: str) -> None:
-    """Refuse to mix simulated ratings with people's."""
-    other = {PERSON: SIMULATED, SIMULATED: PERSON}.get(origin)
-    if other and db.execute("SELECT 1 FROM participant WHERE origin = ?", (other,)).fetchone():
-        raise InputError(
-            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
-            "folder (--store), or --pilot"
-        )
 
 
 def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:

@@ -134,7 +134,13 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
                 _check_schema(db, path)
             _set_up(db, path)
             if new:
-                _make(db, path, study, made_by)
+                with transaction(db, path):
+                    for statement in TABLES.split(";\n"):
+                        db.execute(statement)
+                    db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
+                    db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+                    db.execute(f"PRAGMA user_version = {SCHEMA}")
+                sync(path.parent)
             check(db, path)
             return db
         except BaseException:
@@ -151,17 +157,6 @@ def _set_up(db: sqlite3.Connection, path: Path) -> None:
         )
     for setting in (f"synchronous = {SYNCHRONOUS}", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
-
-
-def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
-    """Create all tables or none."""
-    with transaction(db, path):
-        for statement in TABLES.split(";\n"):
-            db.execute(statement)
-        db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
-        db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        db.execute(f"PRAGMA user_version = {SCHEMA}")
-    sync(path.parent)
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:

@@ -43,22 +43,19 @@ class Lock:
             raise _no_place(error, folder) from error
         try:
             lock(self._file)
-            self._sign(since)
+            self._words = {
+                "pid": os.getpid(),
+                "host": socket.gethostname(),
+                "since": since.astimezone().isoformat(timespec="seconds"),
+                "journal": noted_entries(self.path.parent),
+            }
+            self._write()
         except BaseException as error:
             words = self._holder()
             os.close(self._file)
             if isinstance(error, OSError):
                 raise _refused(error, folder, words) from error
             raise
-
-    def _sign(self, since: datetime) -> None:
-        self._words = {
-            "pid": os.getpid(),
-            "host": socket.gethostname(),
-            "since": since.astimezone().isoformat(timespec="seconds"),
-            "journal": noted_entries(self.path.parent),
-        }
-        self._write()
 
     def note(self, entries: int) -> None:
         """Write how many entries the journal has: a log that is lost later is missed."""

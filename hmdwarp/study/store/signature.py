@@ -21,6 +21,7 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
     change. So may the folder of the file, together with the files beside it.
     """
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
+    rule = design.sickness
     return {
         "conditions": [_condition(condition, folder) for condition in design.part(part).conditions],
         "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
@@ -31,7 +32,11 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
         "practice": None
         if design.practice is None
         else [_condition(design.practice, folder), float(design.practice_seconds)],
-        "sickness": _sickness(design),
+        "sickness": (
+            None
+            if rule is None
+            else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
+        ),
         "before": [_scale(scale) for scale in design.before],
         "after": [_scale(scale) for scale in design.after],
         **_shows(design),
@@ -67,15 +72,6 @@ def _own(item: Item) -> list[Any]:
     if item.anchors:
         return [{f"{value:g}": words for value, words in item.anchors.items()}]
     return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
-
-
-def _sickness(design: Design) -> dict[str, Any] | None:
-    rule = design.sickness
-    return (
-        None
-        if rule is None
-        else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
-    )
 
 
 def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
