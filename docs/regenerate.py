@@ -126,7 +126,7 @@ def read(paths: Iterable[str]) -> list[dict[str, Any]]:
 
 def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
-    from hmdwarp.report.bench.charts import pareto_plot_png
+    from hmdwarp.report.bench.page import pareto_plot_png
 
     later = "--latency 400,600,800 --instants 3 --rounds 1"
     plain = "bench --predict none --size 800x500"
@@ -370,7 +370,7 @@ def keys(_: Path) -> None:
     """Write the keys of a live run and of a question, and the scales, from the program's lists."""
     from hmdwarp.cli.catalogue import entries
     from hmdwarp.display import CONTROLS, MOVING, and_mouse
-    from hmdwarp.study.dialogs.buttons import CONTROLS as ANSWERS
+    from hmdwarp.study.dialogs.dialog_panels import CONTROLS as ANSWERS
 
     live = [(f"`{key}`", what) for key, what in MOVING]
     live += [(f"`{f'{each.key} {each.back}'.strip()}`{and_mouse(each)}", each.what) for each in CONTROLS]

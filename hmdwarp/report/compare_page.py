@@ -12,16 +12,7 @@ from numpy.typing import NDArray
 from ..metrics import PRIMARY, Figure, pareto
 from ..scenes.options import KNOWS
 from .bench.page import suite_section
-from .bench.rows import (
-    RATED,
-    Case,
-    Column,
-    Conditions,
-    by_name,
-    cases,
-    metric_columns,
-    table_of,
-)
+from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
 from .charts import (
     MARKER_PT,
     Drawn,
@@ -54,9 +45,8 @@ from .page import (
     reading_section,
     texts,
 )
-from .run_texts import axes_of_traces, source_facts
+from .run_texts import Table, axes_of_traces, counted, markdown, source_facts, terminal_table
 from .style import PAGE
-from .words import Table, counted, markdown, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable

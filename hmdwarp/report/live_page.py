@@ -15,15 +15,18 @@ from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_se
 from .replay_page import made_with, size_fact, transit_section
 from .run_texts import (
     TIME_FIGURES,
+    Cell,
+    Line,
     Summary,
+    Table,
     budget_rows,
     drawing_text,
     eyes_text,
+    listed,
     miss_texts,
     source_facts,
     waited_text,
 )
-from .words import Cell, Line, Table, listed
 
 Column = Callable[[str], NDArray[np.float64]]
 

@@ -31,17 +31,21 @@ from .page import (
 from .run_texts import (
     QUALITY_FIGURES,
     TIME_FIGURES,
+    Cell,
+    Line,
     Summary,
+    Table,
     coding_rows,
     eyes_text,
     filled_rows,
     frame_rows,
+    listed,
     model_rows,
     response_rows,
     source_facts,
     source_text,
+    terminal_table,
 )
-from .words import Cell, Line, Table, listed, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable

@@ -5,7 +5,7 @@ from __future__ import annotations
 import commands
 import pytest
 
-from hmdwarp.cli._retired import entries
+from hmdwarp.cli._app import entries
 
 TRACE = {"replay", "live", "bench", "compare", "plan"}
 

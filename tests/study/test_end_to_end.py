@@ -17,7 +17,7 @@ import pytest
 
 from hmdwarp.study.design import Comparison, Design, load_design
 from hmdwarp.study.respondents import Cohort, Model, Population, load_model, person_of
-from hmdwarp.study.respondents.response_model import SicknessModel
+from hmdwarp.study.respondents.simulated import SicknessModel
 from hmdwarp.study.store import Contents, Store
 
 from . import tiny

@@ -23,15 +23,7 @@ from ...options.declared import HOW
 from ...options.identity import files_at, hash_of_files, is_place, whole_program_hash
 from ...resources import import_extra
 from .options import LOCAL
-from .sweep_case import (
-    Failure,
-    Result,
-    Say,
-    SweepCase,
-    Work,
-    groups_of,
-    run_group,
-)
+from .sweep_case import Failure, Result, Say, SweepCase, Work, groups_of, run_group
 
 RUN_AGAIN = 2  # times that a case is run again because its worker died
 CONNECT_S = 30.0

@@ -38,7 +38,7 @@ from ...run.replay_setup import ReplayRun
 from ...run.side_by_side import refreshes
 from ...run.truth import coverage, shown_picture, true_picture
 from ...scenes import load_scene
-from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
+from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 
 Map = NDArray[Any]
 

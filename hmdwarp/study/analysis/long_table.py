@@ -22,8 +22,16 @@ from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
-from ..export.export_rows import SessionData, answer_row, declined, of_origin, sessions_of, unconsented
-from ..export.table_columns import CANNOT_SAY, NOT_ASKED
+from ..export.export_rows import (
+    CANNOT_SAY,
+    NOT_ASKED,
+    SessionData,
+    answer_row,
+    declined,
+    of_origin,
+    sessions_of,
+    unconsented,
+)
 from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
 from ..store import DATABASE, PERSON, PILOT, Contents, Store

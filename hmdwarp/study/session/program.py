@@ -19,14 +19,13 @@ from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
 from ..console.line_console import LineConsole
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
-from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
+from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .markers import MarkerStream, load_lsl, marker_stream
-from .runner import Interrupted, SessionRunner
-from .session_context import CommandSources, SessionContext
+from .runner import Interrupted, SessionRunner, TrialRunner, first_picture_wait_s
 from .session_options import SessionOptions
-from .trial_runner import TrialRunner, first_picture_wait_s
+from .step_handlers import CommandSources, SessionContext
 from .wording import ClosingWords, scene_reacts
 
 Say = Callable[[str], None]

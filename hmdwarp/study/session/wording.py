@@ -16,8 +16,7 @@ from ...report import counted
 from ...run import Recorder
 from ...scenes import scenes
 from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
-from ..dialogs.buttons import InputHints
-from ..dialogs.dialog_panels import MessagePanel, message_panel, trial_panel
+from ..dialogs.dialog_panels import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
 from .session_options import SessionOptions
 
@@ -53,7 +52,7 @@ class HeadRange:
         return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
 
     def figures(self) -> dict[str, float | bool | None]:
-        """Return the figures of study/store/records.py; None throughout where no head was seen."""
+        """Return the figures of study/actual.py; None throughout where no head was seen."""
         if self._first is None:
             return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
         return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}

@@ -118,7 +118,7 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
 
     WAL and SYNCHRONOUS: a commit is one append and one fsync, while readers see the state
     before it. study, made_by: of a new database.
-    Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or of
+    Errors: as store_error; InputError for a file that is damaged, of a newer program, or of
     another kind; MachineError for a disk that cannot hold one.
     """
     path = folder / DATABASE

@@ -17,15 +17,23 @@ from hmdwarp.display.desktop import window_view
 from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.study.dialogs.buttons import CONTROLLERS, KEYS, PAD, TEXT, WIDTH, Button, Canvas, width_of, wrapped
 from hmdwarp.study.dialogs.choice_dialogs import ConsentDialog, MenuDialog
 from hmdwarp.study.dialogs.dialog_panels import (
+    CONTROLLERS,
+    KEYS,
+    PAD,
+    TEXT,
+    WIDTH,
+    Button,
+    Canvas,
     LineLayout,
     QuestionPanel,
     ScaleForm,
     layout_of,
     message_panel,
     trial_panel,
+    width_of,
+    wrapped,
 )
 
 from .made_scales import SHIPPED, any_scale, asked_of, place_of, said
