@@ -50,6 +50,8 @@ from .shared_fields import several as several
 from .shared_fields import split_names as split_names
 from .tables import KeyFault as KeyFault
 from .tables import Table as Table
+from .tables import fields_in as fields_in
 from .tables import parsed as parsed
 from .tables import quoted as quoted
+from .tables import read_by as read_by
 from .tables import text_of as text_of

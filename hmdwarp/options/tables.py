@@ -197,6 +197,41 @@ class Table:
         return KeyFault(f"the key {named} is missing{hint}", self._path)
 
 
+_READ = "read"
+
+
+def read_by(
+    get: Callable[..., Any],
+    *limits: Any,
+    default: Any = attrs.NOTHING,
+    at: str = "",
+    required: bool = False,
+    **how: Any,
+) -> Any:
+    """Return an attrs field that is a key of a file, for `fields_in` to read.
+
+    get: the getter of Table; limits, how: what that takes after the key. default: of the field, and
+    of the key unless it is required. at: "table.key", by default the field's name.
+    """
+    return attrs.field(default=default, metadata={_READ: (get, limits, at, required, how)})
+
+
+def fields_in(table: Table, kind: type[attrs.AttrsInstance]) -> dict[str, Any]:
+    """Return the values of a class's fields that are keys, by name, in their order.
+
+    Keys of a table that the file lacks have their defaults. Errors: KeyFault.
+    """
+    found: dict[str, Any] = {}
+    for field in attrs.fields(kind):
+        if _READ in field.metadata:
+            get, limits, at, required, how = field.metadata[_READ]
+            inside, _, name = at.rpartition(".")
+            of = table if not inside else table.table(inside) if inside in table else Table({})
+            default = () if required or field.default is attrs.NOTHING else (field.default,)
+            found[field.name] = get(of, name or field.name, *limits, *default, **how)
+    return found
+
+
 def _named(path: KeyPath) -> str:
     """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))

@@ -19,7 +19,7 @@ from scipy.special import ndtr, stdtrit
 from ...errors import InputError
 from ...metrics import PRIMARY, metrics_in_order
 from ...options import Table as Keys
-from ...options import parsed, text_of
+from ...options import fields_in, parsed, read_by, text_of
 from ...report import counted, listed
 from ...resources import import_extra
 from .. import statistics as st
@@ -580,22 +580,24 @@ _PUBLISHED = (
 class Claim:
     """One published figure."""
 
-    part: str
+    part: str = read_by(Keys.text)
     step: float  # what it was rounded to
-    difference: float | None = None  # mean, positive where `better` was rated better; None: a mere mention
-    latency_ms: float | None = None  # means the comparison at that latency, instead of a pair
-    baseline: str = ""
-    better: str = ""
-    where: str = ""  # in the text
+    # Mean, positive where `better` was rated better; None: a mere mention.
+    difference: float | None = read_by(Keys.number, default=None)
+    # Means the comparison at that latency, instead of a pair.
+    latency_ms: float | None = read_by(Keys.number, default=None)
+    baseline: str = read_by(Keys.text, default="")
+    better: str = read_by(Keys.text, default="")
+    where: str = read_by(Keys.text, default="")  # in the text
 
 
 @attrs.frozen
 class Claims:
     """Figures of one publication."""
 
-    title: str  # of the publication, for sentences
+    title: str = read_by(Keys.text)  # of the publication, for sentences
     claims: tuple[Claim, ...]
-    why_step: str = ""  # how the step is known
+    why_step: str = read_by(Keys.text, default="")  # how the step is known
 
 
 def load_claims(path: Path) -> Claims:
@@ -608,18 +610,17 @@ def load_claims(path: Path) -> Claims:
     def made(data: Keys) -> Claims:
         step, exact = data.number("step", None), tomllib.loads(text, parse_float=Decimal).get("claim", [])
         claims = [_claim(table, raw, step) for table, raw in zip(data.tables("claim"), exact, strict=True)]
-        return Claims(data.text("title"), tuple(claims), data.text("why_step", ""))
+        return Claims(claims=tuple(claims), **fields_in(data, Claims))
 
     return parsed(text, path, made, _EXAMPLE)
 
 
-def _claim(table: Keys, raw: Mapping[str, Any], step: float | None) -> Claim:
-    names: Row = {name: table.text(name, "") for name in ("baseline", "better", "where")}
-    numbers: Row = {name: table.number(name, None) for name in ("difference", "latency_ms")}
-    if numbers["latency_ms"] is None and not (names["baseline"] and names["better"]):
+def _claim(table: Keys, raw: Row, step: float | None) -> Claim:
+    found = fields_in(table, Claim)
+    if found["latency_ms"] is None and not (found["baseline"] and found["better"]):
         raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
     last = float(Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent))  # type: ignore[arg-type]
-    return Claim(table.text("part"), last if step is None else step, **numbers, **names)
+    return Claim(step=last if step is None else step, **found)
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:

@@ -13,13 +13,11 @@ import attrs
 from PIL.Image import Image
 
 from ...errors import InputError, unknown_name
-from ...options import PICTURE_FILE, KeyFault, Table, as_keys, opened, parsed, quoted, text_of
+from ...options import PICTURE_FILE, KeyFault, Table, as_keys, fields_in, opened, parsed, quoted, text_of
 from ...pipeline import SceneKey, Source
 from ...report import refuse_existing, write_text
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from .definitions import (
-    BLIND,
-    BOTH,
     DISPLAY,
     KINDS,
     NAMED_FILES,
@@ -419,8 +417,7 @@ def breaks_of(data: Table) -> Breaks:
     """Return the breaks; none without [breaks]."""
     if "breaks" not in data:
         return Breaks()
-    table = data.table("breaks")
-    return Breaks(table.whole("every", 0, 10_000), table.within("seconds", 0, 3600, 0.0))
+    return Breaks(**fields_in(data.table("breaks"), Breaks))
 
 
 def sickness_of(data: Table, folder: Path) -> Sickness | None:
@@ -450,7 +447,7 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
             f"is {stop_at:g}, the best answer of '{scale.name}': expected a worse one, or every session stops at once",
         )
     rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
-    return Sickness(scale, table.whole("every", 1, 10_000, 1), stop_at, rise)
+    return Sickness(scale, **fields_in(table, Sickness), stop_at=stop_at, rise=rise)
 
 
 def questionnaires_of(data: Table, folder: Path) -> tuple[tuple[Scale, ...], tuple[Scale, ...]]:
@@ -467,10 +464,10 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
     if "consent" not in data:
         return None
     table = data.table("consent")
-    version = table.text("version")
+    version = fields_in(table, Consent)
     if ("text" in table) == ("file" in table):
         raise table.fault(None, "needs either text, or file: a text beside the study file")
-    return Consent(version, table.text("text") if "text" in table else _text_of(table, folder))
+    return Consent(**version, text=table.text("text") if "text" in table else _text_of(table, folder))
 
 
 def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
@@ -572,9 +569,7 @@ def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
 def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
         raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
-    folder = Path(path).parent
-    trial = data.table("trial")
-    shows, order = trial.word("shows", SHOWS, ONE), trial.word("order", ORDERS, WILLIAMS)
+    folder, trial = Path(path).parent, data.table("trial")
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)
     scales = scales_of(trial, "scales", folder)
     sickness = sickness_of(data, folder)
@@ -587,21 +582,13 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     seconds, until_done = length_of(trial)
     return Design(
         name=_name(data),
-        title=data.line("title"),
+        **fields_in(data, Design),
         parts=parts,
         scales=scales,
         families=families_of(data, parts),
         seconds=seconds,
         until_done=until_done,
-        repeats=trial.whole("repeats", 1, 1000, 1),
-        shows=shows,
-        order=order,
-        seed=data.whole("seed", 0, 2**63 - 1, 0),
-        blind=data.word("blind", BLIND, BOTH),
         practice=practice_of(data, checker),
-        practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True)
-        if "practice" in data
-        else 60.0,
         breaks=breaks_of(data),
         sickness=sickness,
         before=before,

@@ -16,7 +16,7 @@ from scipy.special import ndtri
 
 from ...display import Command
 from ...errors import InputError, unknown_name
-from ...options import Table, parsed, text_of
+from ...options import Table, fields_in, parsed, read_by, text_of
 from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, allot, pair_of, rows_for, trials_of
 from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, WORDS, Scale
 from ..statistics import JOD_SPREAD
@@ -53,30 +53,10 @@ Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
 TINY = 2.0**-54
 PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where the question is for a preference
-SHARE, SPREAD, SECONDS, LOG, CARRY = (0, 1), (0, math.inf), (0, 3600, True), (0, 5), (-1, 1)
 
 
-def _number(limits: tuple[float, ...] = (), default: Any = 0.0, key: str = "") -> Any:
-    """Declare a number of the file. limits: as Table.within takes them. key: table and key."""
-    return attrs.field(default=default, metadata={"limits": limits, "key": key})
-
-
-def _numbers(cls: type[attrs.AttrsInstance], tables: Mapping[str, Table]) -> dict[str, float]:
-    """Read the numbers that a class declares. tables: by the first word of a key."""
-    found: dict[str, float] = {}
-    for field in attrs.fields(cls):
-        if "limits" not in field.metadata:
-            continue
-        inside, _, key = field.metadata["key"].rpartition(".")
-        table, key = tables[inside], key or field.name
-        least, most, *above = field.metadata["limits"] or (0, 0)
-        default = () if field.default is attrs.NOTHING else (field.default,)
-        found[field.name] = (
-            table.within(key, least, most, *default, above=bool(above))
-            if field.metadata["limits"]
-            else table.number(key, *default)
-        )
-    return found
+def _within(least: float, most: float, default: Any = 0.0, at: str = "", *, above: bool = False) -> Any:
+    return read_by(Table.within, least, most, default=default, at=at, above=above)
 
 
 @attrs.frozen
@@ -89,14 +69,16 @@ class RatingModel:
 
     # Latent rating by condition, or a table of them by part, where the parts differ.
     means: Mapping[str, object] = attrs.field(factory=dict, hash=False)
-    people_sd: float = _number(SPREAD)  # of a person's own level
-    condition_sd: float = _number(SPREAD)  # of a person's opinion of a condition, beyond that level
-    noise_sd: float = _number(SPREAD)  # from one showing to the next
-    drift: float = _number()  # per trial after the first
+    people_sd: float = _within(0, math.inf)  # of a person's own level
+    condition_sd: float = _within(0, math.inf)  # of a person's opinion of a condition, beyond that level
+    noise_sd: float = _within(0, math.inf)  # from one showing to the next
+    drift: float = read_by(Table.number, default=0.0)  # per trial after the first
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
-    carry_over: float = _number(CARRY)
-    missing: float = _number(SHARE)  # share of trials answered with "cannot say"
-    threshold: float = _number(SPREAD)  # of a preference: a smaller difference is called none, where that is allowed
+    carry_over: float = _within(-1, 1)
+    missing: float = _within(0, 1)  # share of trials answered with "cannot say"
+    threshold: float = _within(
+        0, math.inf
+    )  # of a preference: a smaller difference is called none, where that is allowed
     # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
     # None: an error.
     mean: float | None = None
@@ -142,13 +124,13 @@ class OtherRatings:
     All but `missing` are shares of the scale, from its best (0) to its worst (1).
     """
 
-    mean: float = _number(SHARE, attrs.NOTHING)  # of a condition
-    reference: float = _number(SHARE, attrs.NOTHING)  # of a hidden reference
-    people_sd: float = _number(SPREAD)  # the rest as in RatingModel
-    condition_sd: float = _number(SPREAD)
-    noise_sd: float = _number(SPREAD)
-    drift: float = _number()
-    missing: float = _number(SHARE)
+    mean: float = _within(0, 1, attrs.NOTHING)  # of a condition
+    reference: float = _within(0, 1, attrs.NOTHING)  # of a hidden reference
+    people_sd: float = _within(0, math.inf)  # the rest as in RatingModel
+    condition_sd: float = _within(0, math.inf)
+    noise_sd: float = _within(0, math.inf)
+    drift: float = read_by(Table.number, default=0.0)
+    missing: float = _within(0, 1)
 
     def on(self, scale: Scale) -> RatingModel:
         """Return the model in the unit and the direction of a scale."""
@@ -178,10 +160,10 @@ class OtherRatings:
 class SicknessModel:
     """Model of sickness, as a share of the scale from its best (0) to its worst (1)."""
 
-    start: float = _number(SHARE)  # before the first trial
-    per_trial: float = _number(SHARE)  # increase per trial of the median person
-    people_sd: float = _number(SPREAD)  # of the logarithm of a person's susceptibility
-    noise_sd: float = _number(SPREAD)  # of an answer
+    start: float = _within(0, 1)  # before the first trial
+    per_trial: float = _within(0, 1)  # increase per trial of the median person
+    people_sd: float = _within(0, math.inf)  # of the logarithm of a person's susceptibility
+    noise_sd: float = _within(0, math.inf)  # of an answer
 
     def state(self, trial: ArrayLike, person: ArrayLike) -> Floats:
         """Compute the sickness after that many trials, not cut at 1. person: a uniform draw."""
@@ -197,19 +179,19 @@ class Model:
     """Response model of a study's participants."""
 
     path: str  # its file, or "model NAME" of a shipped one, for messages
-    title: str = ""
+    title: str = read_by(Table.text, default="", required=True)
     ratings: Mapping[str, RatingModel] = attrs.field(factory=dict, hash=False)  # by scale name
     others: OtherRatings | None = None  # of what `ratings` leaves out; None: an error
     sickness: SicknessModel = SicknessModel()
-    dropout: float = _number(SHARE, key="sessions.dropout")  # of leaving after a trial and its questions
-    pause: float = _number(SHARE, key="sessions.pause")  # probability of a pause in a trial
-    again: float = _number(SHARE, key="sessions.again")  # of repeating the last question of a trial
+    dropout: float = _within(0, 1, at="sessions.dropout")  # of leaving after a trial and its questions
+    pause: float = _within(0, 1, at="sessions.pause")  # probability of a pause in a trial
+    again: float = _within(0, 1, at="sessions.again")  # of repeating the last question of a trial
     # Time to an answer, log-normal: its median, and the standard deviation of its logarithm.
-    median_s: float = _number(SECONDS, 2.0, "answers.median_s")
-    spread_s: float = _number(LOG, 0.5, "answers.spread_s")
+    median_s: float = _within(0, 3600, 2.0, "answers.median_s", above=True)
+    spread_s: float = _within(0, 5, 0.5, "answers.spread_s")
     # Time in a trial that the participant ends, log-normal too.
-    look_median_s: float = _number(SECONDS, 20.0, "looks.median_s")
-    look_spread_s: float = _number(LOG, 0.5, "looks.spread_s")
+    look_median_s: float = _within(0, 3600, 20.0, "looks.median_s", above=True)
+    look_spread_s: float = _within(0, 5, 0.5, "looks.spread_s")
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
@@ -281,21 +263,16 @@ def model_from_text(text: str, path: str) -> Model:
 def _model(data: Table, path: str) -> Model:
     if data.raw("schema") != SCHEMA:
         raise data.fault("schema", f"is {data.raw('schema')!r}: expected {SCHEMA}, which this version of hmdwarp reads")
-    ratings = data.table("rating")
-    tables = {key: data.table(key) if key in data else Table({}) for key in ("sessions", "answers", "looks")}
+    ratings, sickness = data.table("rating"), data.table("sickness") if "sickness" in data else Table({})
     scales = {name: ratings.table(name) for name in ratings.keys()}  # noqa: SIM118  (a Table is no dict)
     return Model(
         path=path,
-        title=data.text("title"),
         ratings={
-            name: RatingModel(means=_means(of.table("means")), **_numbers(RatingModel, {"": of}))
-            for name, of in scales.items()
+            name: RatingModel(_means(of.table("means")), **fields_in(of, RatingModel)) for name, of in scales.items()
         },
-        others=OtherRatings(**_numbers(OtherRatings, {"": data.table("others")})) if "others" in data else None,
-        sickness=SicknessModel(
-            **_numbers(SicknessModel, {"": data.table("sickness") if "sickness" in data else Table({})})
-        ),
-        **_numbers(Model, tables),
+        others=OtherRatings(**fields_in(data.table("others"), OtherRatings)) if "others" in data else None,
+        sickness=SicknessModel(**fields_in(sickness, SicknessModel)),
+        **fields_in(data, Model),
     )
 
 
