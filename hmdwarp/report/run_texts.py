@@ -390,15 +390,17 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
     of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
     judder = miss_texts(summary["miss"])[-1]
+    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
+    holes = "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"
     figures = [
         ("shown", _shown(summary)),
-        ("judder", (f"{judder} deg RMS" if summary["live"]["missed"] else "")),
+        ("judder", f"{judder} deg RMS" if live["missed"] else ""),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at hand-over", _pair(live["pose_age_ms"])),
         ("from picture to picture", _pair(live["period_ms"])),
         ("time per eye", _per_eye(summary)),
         (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
-        ("holes before the fill", _holes(summary)),
+        ("holes before the fill", holes),
     ]
     lines = [f"{label:<24}{text}" for label, text in figures if text]
     lines += [f"note: {note}" for note in summary["notes"]]
@@ -453,8 +455,3 @@ def _per_eye(summary: Summary) -> str:
     ]
     clock = "" if summary["clock"] == "gpu" else ", by the wall clock"
     return f"{_pair(times['total'])}: {', '.join(parts) or 'no pass ran'}{clock}"
-
-
-def _holes(summary: Summary) -> str:
-    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
-    return "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"

@@ -14,7 +14,6 @@ import os
 import platform
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +25,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import Gpu
 from ...gpu.timers import check_clocks
 from ...headsets import Headset
-from ...metrics import BOUND, MeasuringProcesses, QualityPool, blocks_apart, check_rating, clip_length, worker_count
+from ...metrics import BOUND, MeasuringProcesses, QualityPool, blocks_apart, check_rating, clip_length
 from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
@@ -46,7 +45,7 @@ from ...run.replay_setup import set_up_replay
 from ...run.run_summary import machine_of
 from ...run.side_by_side import Comparison, rate_clips
 from ...sources.sequences.readers import readers
-from ..sweep import MOST_SHOWN, ExperimentResult, Result, SweepCase, experiment
+from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment
 from .bench_rows import (
     LONG,
     NAMES,
@@ -78,33 +77,9 @@ from .suites import cost_text, suites
 ROWS = "rows"
 
 
-@attrs.frozen
-class BenchWork:
-    """Runs the cases of a bench."""
-
-    # Measuring processes, as the option.
-    workers: int | None
-
-    @contextmanager
-    def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
-        """Open what cases share: the measuring processes."""
-        with MeasuringProcesses(worker_count(self.workers)) as processes:
-            yield _Runner(processes)
-
-
-@attrs.frozen(eq=False)
-class _Machine:
-    """What a bench says of the machine that it runs on."""
-
-    # The keys of bench.json.
-    about: dict[str, Any]
-    # For the compensators of one batch.
-    most_bytes: float
-
-
 @functools.cache
-def _examined() -> _Machine:
-    """Return what this machine is, measured once in each process."""
+def _examined() -> tuple[dict[str, Any], float]:
+    """Return what bench.json says of this machine, and most_bytes: once in each process."""
     with Gpu() as gpu:
         clocks = check_clocks(gpu.gl, gpu.timer.clock)
         about = {
@@ -112,7 +87,7 @@ def _examined() -> _Machine:
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
         }
-        return _Machine(about, most_bytes(gpu))
+        return about, most_bytes(gpu)
 
 
 def most_bytes(gpu: Gpu) -> float:
@@ -131,55 +106,37 @@ def check_room(works: Sequence[BenchCase]) -> None:
                 check_held(gpu, run, needs_of(c.plan for c in batch), sizes, run.rate_hz or headset.refresh_hz)
 
 
-class _Runner:
-    """Runs one case after the other."""
+def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
+    """Time and measure all combinations of a case; return the machine and ROWS."""
+    work: BenchCase = prepared(case.what)
+    options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
+    about, most = _examined()
+    seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
+    chosen = work.batched(most)
+    rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
+    shares = (done / (work.instants * (len(chosen) + len(rated))) for done in itertools.count(1))
 
-    def __init__(self, processes: MeasuringProcesses) -> None:
-        self._processes = processes
+    def steps() -> None:
+        step(next(shares))
 
-    def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
-        try:
-            rows = self.rows(prepared(case.what), step)
-        except BaseException:
-            self._processes.close()  # what failed is not measured any further
-            raise
-        return Result({**_examined().about, ROWS: rows})
-
-    def rows(self, work: BenchCase, step: Callable[[float], None]) -> list[dict[str, Any]]:
-        """Return the rows of a case."""
-        machine, options, client = _examined(), work.options, load_client(work.options.client)
-        pool = QualityPool(self._processes)
-        seconds, rate_hz = work.options.jod_s, work.options.rate_hz or work.headset.refresh_hz
-        chosen, rated = (
-            work.batched(machine.most_bytes),
-            (work.batched(machine.most_bytes, clip_length(seconds, rate_hz)) if seconds else []),
-        )
-        steps = _steps(work.instants * (len(chosen) + len(rated)), step)
-        rows: list[tuple[Combination, dict[str, Any]]] = []
-        for batch in chosen:
-            with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
-                comparison = Comparison(setup, work.case, batch, pool, options.rounds)
-                comparison.run(options.instants, steps)
-                pool.wait()
-                for each in comparison.measured:
-                    row = row_of(setup, work.case, each, pool, client)
-                    rows.append((each.combination, row))
-        ratings: dict[tuple[str, ...], dict[str, Any]] = {}
-        for batch in rated:  # after all times: no timed run has these refreshes between its own
-            with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
-                found = rate_clips(setup, batch, options.instants, steps)
-            ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
-        return [{**row, **ratings.get(_named(c), {}), "machine": machine.about["machine"]} for c, row in rows]
+    rows: list[tuple[Combination, dict[str, Any]]] = []
+    for batch in chosen:
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+            comparison.run(options.instants, steps)
+            pool.wait()
+            rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
+    ratings: dict[tuple[str, ...], dict[str, Any]] = {}
+    for batch in rated:  # after all times: no timed run has these refreshes between its own
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+            found = rate_clips(setup, batch, options.instants, steps)
+        ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
+    measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
+    return Result({**about, ROWS: measured})
 
 
 def _named(combination: Combination) -> tuple[str, ...]:
     return combination.strategy, combination.warp, combination.fill
-
-
-def _steps(total: int, step: Callable[[float], None]) -> Callable[[], None]:
-    """Return what counts the finished steps of a case."""
-    shares = (done / total for done in itertools.count(1))
-    return lambda: step(next(shares))
 
 
 _FILE = Path(__file__).with_name("further.toml")
@@ -299,7 +256,7 @@ def bench(
     if options.suite:
         pictures = [case.instants * len(case.combinations) for case in works]
         say(cost_text(options.suite, [case.case.size for case in works], pictures, options.workers))
-    work = BenchWork(options.sweep.measuring(options.workers))
+    work = Measuring(run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         first = next(result for _, result in swept.results())
@@ -409,7 +366,28 @@ def merge(options: MergeOptions) -> ExperimentResult:
     if options.parquet:
         check_parquet()
     try:
-        return _merged(options, [_read(folder) for folder in options.folders])
+        benches = [_read(folder) for folder in options.folders]
+        folders = options.folders
+        for folder, bench in zip(folders, benches, strict=True):
+            if bench["program"] != benches[0]["program"]:
+                raise InputError(
+                    f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
+                    f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
+                )
+        _tell_apart(benches)
+        rows = _joined([row for bench in benches for row in bench["rows"]])
+        machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
+        data = {
+            **benches[0],
+            "command": options.command,
+            "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
+            "rows": rows,
+            "choice": None,
+            "seconds": sum(bench["seconds"] for bench in benches),
+        }
+        with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
+            write_bench(out, data, options)
+        return ExperimentResult(options.out, data, options.out / "bench.html")
     except HmdwarpError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -417,24 +395,6 @@ def merge(options: MergeOptions) -> ExperimentResult:
         said = " ".join(f"{type(error).__name__}: {error}".split())[:200]
         found = " and ".join(map(str, options.folders))
         raise InputError(f"{found}: what one of them says is damaged ({said}): run that bench again") from error
-
-
-def _merged(options: MergeOptions, benches: Sequence[dict[str, Any]]) -> ExperimentResult:
-    _check_programs(options.folders, benches)
-    _tell_apart(benches)
-    rows = _joined([row for bench in benches for row in bench["rows"]])
-    machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
-    data = {
-        **benches[0],
-        "command": options.command,
-        "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
-        "rows": rows,
-        "choice": None,
-        "seconds": sum(bench["seconds"] for bench in benches),
-    }
-    with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
-        write_bench(out, data, options)
-    return ExperimentResult(options.out, data, options.out / "bench.html")
 
 
 def read(folder: str | os.PathLike[str]) -> Rows:
@@ -456,15 +416,6 @@ def _read(folder: Path) -> dict[str, Any]:
     if any("blocks" not in row or "host" not in row["machine"] for row in rows) or "program" not in data:
         raise InputError(f"{path}: of an older hmdwarp, which did not say what merge compares: run that bench again")
     return data
-
-
-def _check_programs(folders: Sequence[Path], benches: Sequence[Mapping[str, Any]]) -> None:
-    for folder, bench in zip(folders, benches, strict=True):
-        if bench["program"] != benches[0]["program"]:
-            raise InputError(
-                f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
-                f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
-            )
 
 
 def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:

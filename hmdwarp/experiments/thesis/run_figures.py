@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ...client.capability import lacking
 from ...client.classes import load_client
-from ...client.compensator import EyeResult
 from ...client.plan import needs_of
 from ...client.strategies import strategies
 from ...colour import picture_from_linear
@@ -276,20 +275,10 @@ class _Watcher:
         if seen.truth_inverse_depth is None:
             self._before = now
             return
-        self._figures.append(self._measured(seen, seen.truth_inverse_depth, result, now))
-        self._before = None
-        self._first = self._first or (now.shown, seen.truth)
-        for _ in range(self._rounds):
-            self._compensator.run(inputs)
-            stages = self._setup.target.gpu.timer.collect()
-            names = dict.fromkeys(name for name, _ in stages)
-            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
-
-    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray[Any], result: EyeResult, now: Compared) -> Figures:
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
         rendered = seen.refresh.frame.eyes[seen.eye].view
-        kinds = holes_of(covered, truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
+        kinds = holes_of(covered, seen.truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr_db(now.shown, now.truth),
@@ -309,7 +298,14 @@ class _Watcher:
         if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
             found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
-        return found
+        self._figures.append(found)
+        self._before = None
+        self._first = self._first or (now.shown, seen.truth)
+        for _ in range(self._rounds):
+            self._compensator.run(inputs)
+            stages = self._setup.target.gpu.timer.collect()
+            names = dict.fromkeys(name for name, _ in stages)
+            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
 
     def result(self) -> Looked:
         """Return means over the instants, and medians of the times for one eye."""

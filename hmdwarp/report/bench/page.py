@@ -256,7 +256,13 @@ def regions_chart(case: Case) -> str:
         if not measured:
             not_measured(left)
             return svg_text(figure)
-        _stack(left, [[added for added, _ in parts] for _, parts in measured])
+        values = np.array([[added for added, _ in parts] for _, parts in measured])
+        starts = np.cumsum(values, axis=1) - values
+        for number in range(len(REGIONS)):
+            left.barh(
+                range(len(values)), values[:, number], left=starts[:, number], height=0.66, color=PAGE.regions[number],
+                hatch=HATCHES[number], edgecolor=PAGE.ink, linewidth=0.5,
+            )  # fmt: skip
         _dots(right, [[flip for _, flip in parts] for _, parts in measured])
         name_rows(left, names)
         for axes in (left, right):
@@ -274,16 +280,6 @@ def regions_chart(case: Case) -> str:
             loc="outside upper left", ncols=len(REGIONS),
         )  # fmt: skip
         return svg_text(figure)
-
-
-def _stack(axes: Axes, added: Sequence[Sequence[float]]) -> None:
-    values = np.array(added)
-    starts = np.cumsum(values, axis=1) - values
-    for number in range(len(REGIONS)):
-        axes.barh(
-            range(len(values)), values[:, number], left=starts[:, number], height=0.66, color=PAGE.regions[number],
-            hatch=HATCHES[number], edgecolor=PAGE.ink, linewidth=0.5,
-        )  # fmt: skip
 
 
 def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
@@ -319,6 +315,13 @@ def bench_page(data: Mapping[str, Any]) -> Page:
     clock_note = (data.get("clocks") or {}).get("note")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
+    rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
+    for row in rows:
+        for note in row.get("notes") or ():
+            rows_of.setdefault(str(note), []).append(f"{row_name(row)}, {row['trace']}, {row['latency_ms']:g} ms")
+    where = {
+        note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
+    }
     return Page(
         kind="bench",
         title=f"hmdwarp bench: {' '.join(title)}",
@@ -329,7 +332,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             _choice(data.get("choice")),
             Section("", _tiles(data, rows), style="tiles", label="What was run"),
             Section("", [clock_note and Text(clock_note)], style="after"),
-            notes_section(_notes(data, rows)),
+            notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
@@ -427,18 +430,6 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
         Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), CLOCK_NAMES.get(clock, "")),
         Tile("One pass, two clocks", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
     ]
-
-
-def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
-    """Return each note once, the bench's first; a row's note with its rows, or their number."""
-    rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
-    for row in rows:
-        for note in row.get("notes") or ():
-            rows_of.setdefault(str(note), []).append(f"{row_name(row)}, {row['trace']}, {row['latency_ms']:g} ms")
-    where = {
-        note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
-    }
-    return [f"{note} ({names})" if names else note for note, names in where.items()]
 
 
 def _choice(choice: Mapping[str, Any] | None) -> Section | None:

@@ -306,16 +306,6 @@ def least_participants(comparisons: int) -> int:
 
 def notes(design: Design) -> tuple[str, ...]:
     """Return hints to consider before the study begins; none of them is an error."""
-    return (
-        *_of_order(design),
-        *(note for part in design.parts for note in _of_part(design, part)),
-        *_of_comparisons(design),
-        *_of_people(design),
-        *design.scene_notes,
-    )
-
-
-def _of_order(design: Design) -> list[str]:
     out = []
     if design.order == FIXED:
         out.append(
@@ -333,7 +323,13 @@ def _of_order(design: Design) -> list[str]:
                 f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would "
                 f"need {count + 1}"
             )
-    return out
+    return (
+        *out,
+        *(note for part in design.parts for note in _of_part(design, part)),
+        *_of_comparisons(design),
+        *_of_people(design),
+        *design.scene_notes,
+    )
 
 
 def _of_part(design: Design, part: Part) -> list[str]:

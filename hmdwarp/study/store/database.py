@@ -237,28 +237,26 @@ def check(db: sqlite3.Connection, path: Path) -> None:
     noted = noted_entries(path.parent)  # first: another program may be writing
     db.execute("BEGIN")
     try:
-        _check(db, path, noted)
+        wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
+        wrong = wrong or [
+            f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
+        ]
+        if wrong:
+            raise damaged(path, wrong[0].splitlines()[-1])
+        for table, own in columns().items():
+            for row in db.execute(f"SELECT * FROM {table}"):  # SQLite itself checks no text
+                for name, value in zip(own, row, strict=True):
+                    if name in _JSON:
+                        dict_in(value)
+                    elif name == "order_names":
+                        from_json(value)
+        if (missing := noted - entries_of(db)) > 0:
+            raise damaged(
+                path, f"the last {missing} of {noted} entries of its journal are not there: was its log lost?"
+            )
     finally:
         if db.in_transaction:
             db.execute("ROLLBACK")
-
-
-def _check(db: sqlite3.Connection, path: Path, noted: int) -> None:
-    wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
-    wrong = wrong or [
-        f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
-    ]
-    if wrong:
-        raise damaged(path, wrong[0].splitlines()[-1])
-    for table, own in columns().items():
-        for row in db.execute(f"SELECT * FROM {table}"):  # SQLite itself checks no text
-            for name, value in zip(own, row, strict=True):
-                if name in _JSON:
-                    dict_in(value)
-                elif name == "order_names":
-                    from_json(value)
-    if (missing := noted - entries_of(db)) > 0:
-        raise damaged(path, f"the last {missing} of {noted} entries of its journal are not there: was its log lost?")
 
 
 _JSON = ("facts", "settings", "actual", "measured", "data", "meaning")

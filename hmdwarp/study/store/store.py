@@ -165,11 +165,6 @@ class StoreConnection:
         self._tidy()
         return True
 
-    def _free_lock(self) -> None:
-        """Free the lock and go on reading."""
-        self.close()
-        self._open = database.open_to_read(self.folder)
-
     def _tidy(self) -> None:
         """Mark sessions of dead programs as interrupted, and finish interrupted withdrawals.
 
@@ -503,7 +498,8 @@ class Store(StoreConnection):
                     raise KeyError(showing_id)
         finally:
             if locked:
-                self._free_lock()
+                self.close()
+                self._open = database.open_to_read(self.folder)
 
     def holdings(self, code: str) -> Holdings:
         """Return the amount of data to erase.
