@@ -127,14 +127,10 @@ def test_words_do_not_overlap():
                     (button.x - w, button.x + w)
                     for button in layout._placed
                     if button.row == row
-                    for w in [_half(button)]
+                    for w in [max(width_of(line, 24) for line in button.lines) / 2]
                 ]
                 assert all(after[0] - before[1] > 4 for before, after in zip(ends, ends[1:], strict=False))
             assert {button.value for button in layout._placed} == set(scale.anchors)
-
-
-def _half(one) -> float:
-    return max(width_of(line, 24) for line in one.lines) / 2
 
 
 def test_the_buttons_of_a_panel_are_where_they_are_drawn():
