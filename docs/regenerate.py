@@ -116,7 +116,7 @@ def read(paths: Iterable[str]) -> list[dict[str, Any]]:
 
 def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
-    from hmdwarp.report.bench.charts import pareto_plot_png
+    from hmdwarp.report.bench.page import pareto_plot_png
 
     later = "--latency 400,600,800 --instants 3 --rounds 1"
     plain = "bench --predict none --size 800x500"

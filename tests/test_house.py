@@ -71,7 +71,7 @@ CLOCK_READERS = {
     "pipeline/remote.py",
     "cli/doctor.py",
     "study/session/markers.py",
-    "study/store/store_connection.py",
+    "study/store/store.py",
 }
 # Display: its clock is the one all live times are on.
 CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/")
@@ -261,7 +261,6 @@ COMMANDS = "cli"  # a command's file carries the name of the command
 # Names of modules or packages that stand in several places, with the reason.
 SAME_NAME = {
     "bench": "the package, and its pages in the report",
-    "charts": "of each kind of page",
     "library": "the entries of a registry: metrics, scenes",
     "link": "the package and its class",
     "options": "those of each package; the package that declares them",

@@ -24,7 +24,7 @@ from .page import (
     minutes,
     reading_section,
 )
-from .words import Table, markdown, plain
+from .run_texts import Table, markdown, plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.

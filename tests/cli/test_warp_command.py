@@ -183,13 +183,16 @@ def test_where_it_cannot_be_written(out, warp, tmp_path):
 def test_files_of_other_kinds(command, tmp_path):
     frame, pose = write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
     whole = frame.read_bytes()
+    array = np.zeros(3)
+    file = io.BytesIO()
+    np.save(file, array)
     others = {
         "missing.npz": None,
         "empty.npz": b"",
         "cut.npz": whole[: len(whole) // 2],
         "text.npz": b"hello",
         "tail.npz": whole[200:],
-        "array.npz": npy_bytes(np.zeros(3)),
+        "array.npz": file.getvalue(),
         "pickle.npz": b"\x80\x04N.",
         "zip.npz": zip_bytes({"readme.txt": b"hello"}),
         "odd.npz": zip_bytes({"colour": b"no array"}),
@@ -217,12 +220,6 @@ def test_files_of_other_kinds(command, tmp_path):
             path.write_bytes(data)
         command("warp", frame, "--to", path, "--out", tmp_path / "o.npz").refused(str(path))
     assert not (tmp_path / "o.npz").exists()
-
-
-def npy_bytes(array: np.ndarray) -> bytes:
-    file = io.BytesIO()
-    np.save(file, array)
-    return file.getvalue()
 
 
 def zip_bytes(members: dict[str, bytes]) -> bytes:

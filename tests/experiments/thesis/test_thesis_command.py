@@ -10,9 +10,8 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.experiments.sweep import KeptOptions, run_cases
-from hmdwarp.experiments.thesis.experiment import experiments
+from hmdwarp.experiments.thesis.experiment import Motion, PictureRun, Verdict, experiments
 from hmdwarp.experiments.thesis.run_figures import Thoroughness
-from hmdwarp.experiments.thesis.run_kinds import Motion, PictureRun, Verdict
 from hmdwarp.experiments.thesis.thesis_run import ThesisWork, cases_of
 from hmdwarp.report import summary_markdown
 from hmdwarp.study.analysis.full_analysis import published_ratings

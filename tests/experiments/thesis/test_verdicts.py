@@ -8,19 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis.experiment import experiments, experiments_named
-from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
-from hmdwarp.experiments.thesis.run_kinds import (
+from hmdwarp.experiments.thesis.experiment import (
     Finding,
     Motion,
     PictureRun,
     Rule,
     Verdict,
+    experiments,
+    experiments_named,
     number_of,
     settings_text,
     share_text,
     verdict_of,
 )
+from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
 from hmdwarp.experiments.thesis.thesis_run import cases_of, csv_rows, figures_by_run, judge
 from hmdwarp.report import summary_markdown
 

@@ -11,7 +11,7 @@ from together import together
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import design_from_text
 from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store
-from hmdwarp.study.store.signature import plan_signature, signature_changes
+from hmdwarp.study.store.admission import plan_signature, signature_changes
 
 from .sessions import TEXT, begun, design, whole
 
