@@ -183,7 +183,10 @@ def test_unknown_commands_and_options(arguments, command):
         ("--trace-rate", "-5", "rate -5"), ("--segment", "0", "segment 0"), ("--segment", "7", "segment 7"),
         ("--size", "8000x8000 --guard 8", "guard 8 .*this GPU's limit"),
         ("--headset", "flat-90 --lens radial", "flat-90.* no lens.*--lens none"),
-        ("--size", "7x7 --video", "14x7.*16x16"),
+        ("--size", "7x7 --video", "14x7.*16x16"), ("--latency", "٢", "'٢'"), ("--guard", "٢", "'٢'"),
+        ("--size", "٦٤x٤٨", "'٦٤x٤٨'"), ("--warp", "mesh:grid=٦٤", "grid is '٦٤'"),
+        ("--require", "psnr_db.mean>=٣", "psnr_db.mean>=٣"), ("--tolerance", "psnr_db=٣ --baseline .", "found '٣'"),
+        ("--response", "sum:render=٣", "'sum:render=٣'"),
     ],
 )  # fmt: skip
 def test_impossible_values_are_refused(option, value, told, command, quick, kept):
