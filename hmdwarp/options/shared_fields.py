@@ -161,7 +161,7 @@ def parse_guard(text: str) -> Guard | str:
     if text.strip() == AUTO:
         return AUTO
     try:
-        x, *y = map(float, re.split("[xX]", text))
+        x, *y = map(float, re.split(b"[xX]", text.encode("ascii")))
     except ValueError as error:
         raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
     if len(y) > 1:

@@ -190,20 +190,9 @@ def test_arrays_and_matrices_are_written_as_the_formulas_have_them(gpu, shaders)
     )
     program.uniforms.set(whole_pair=np.array([-3, -4]), whole=-5, big=np.uint32(2**31))
     wanted = [
-        square[0, 1],
-        square[2, 0],
-        tall[0, 2],
-        tall[1, 0],
-        2,
-        3,
-        squares[1, 1, 0],
-        squares[0, 0, 1],
-        7,
-        9,
-        -4,
-        -5,
+        square[0, 1], square[2, 0], tall[0, 2], tall[1, 0], 2, 3, squares[1, 1, 0], squares[0, 0, 1], 7, 9, -4, -5,
         2.0**31,
-    ]
+    ]  # fmt: skip
     assert results(gpu, program, 13).tolist() == wanted
 
 

@@ -220,10 +220,8 @@ def test_no_lens_is_allowed(tmp_path):
         ("refresh_hz = 60", "refresh_hz = nan", r"panel\.refresh_hz is nan: expected a finite number"),
         ("refresh_hz = 60", "refresh_hz = true", "refresh_hz is True"),
         ("refresh_hz = 60", f"refresh_hz = {10**400}", "refresh_hz is 1000"),
-        ("ipd_m = 0.064", "ipd_m = -0.064", "ipd_m is -0.064"),
-        ("ipd_m = 0.064", "ipd_m = inf", "ipd_m is inf"),
-        ("left = -47.5287", "left = 47.5287", "left < right"),
-        ("up = 53.0458", "up = 90", "no field of view"),
+        ("ipd_m = 0.064", "ipd_m = -0.064", "ipd_m is -0.064"), ("ipd_m = 0.064", "ipd_m = inf", "ipd_m is inf"),
+        ("left = -47.5287", "left = 47.5287", "left < right"), ("up = 53.0458", "up = 90", "no field of view"),
         ("unit_m = 0.03744", "unit_m = 0", "unit_m is 0"),
         ("unit_m = 0.03744", "unit_m = -0.03744", "unit_m is -0.03744"),
         ("tangent_per_unit = 0.913170731707", "tangent_per_unit = 0", "tangent_per_unit is 0"),
@@ -233,15 +231,13 @@ def test_no_lens_is_allowed(tmp_path):
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, nan]", r"lens\.green is \[1\.0, nan\]"),
         ("green = [1.0, 0.22, 0.24]", "green = [1.0, -0.3]", "green folds back at r = 1.054"),
         ("green = [1.0, 0.22, 0.24]", "green = [0.0, 1.0]", "green folds back at r = 0"),
-        ('name = "rift-dk1"', 'name = ""', "name is ''"),
-        ('name = "rift-dk1"', "name = 3", "name is 3"),
+        ('name = "rift-dk1"', 'name = ""', "name is ''"), ('name = "rift-dk1"', "name = 3", "name is 3"),
         ("[eyes]\nipd_m = 0.064", "", "the key eyes is missing"),
         ("[eyes]\nipd_m = 0.064", "[[eyes]]\nipd_m = 0.064", "eyes is .* expected a table"),
-        ("[panel]", "[panel", r"^\d+: this is no TOML"),
-        ("[lens]", "[lenss]", "unknown key lenss"),
+        ("[panel]", "[panel", r"^\d+: this is no TOML"), ("[lens]", "[lenss]", "unknown key lenss"),
         ("refresh_hz = 60", "refresh_hz = 60\nrefreshed = 1", "unknown key panel.refreshed"),
     ],
-)
+)  # fmt: skip
 def test_a_bad_value_is_named(tmp_path, found, put, says):
     assert found in DK1 and re.search(says, refusal(tmp_path, DK1.replace(found, put)))
 

@@ -29,7 +29,7 @@ def store(tmp_path):
         yield made
 
 
-NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1"]
+NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1", "-P1", "P٣"]
 MENDED = TEXT.replace('name = "late"', 'name = "later"')
 REFUSED = [  # what is asked of a store with one whole session, that of P01; what is said
     *((lambda store, code=code: begun(store, code), "must not be a name") for code in NAMES),
