@@ -157,7 +157,7 @@ def _draw_lens(axes: Axes, headset: Headset, number: int) -> None:
                 np.stack([along, np.full_like(along, line)], 1),
             ):
                 axes.plot(*headset.through_lens(number, places, colour).T, color=shade, lw=0.7, alpha=0.8)
-    left, right, down, up = (_AROUND * headset.fov(number).tangents).tolist()
+    left, right, down, up = (_AROUND * headset.eyes[number].fov.tangents).tolist()
     edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)]) / _AROUND
     axes.plot(*edge.T, color="#11161d", lw=1.5)
     title = f"{_EYES[number][0]}: the panel through the lens, by colour; black: the view"

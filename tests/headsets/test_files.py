@@ -49,7 +49,7 @@ def test_the_numbers_are_sane(name):
             # A panel's pixels are square to a few per cent.
             per_metre = np.array(headset.eye_size_px) / eye.panel_m
             assert per_metre[0] == pytest.approx(per_metre[1], rel=0.05)
-    assert 5 <= headset.left_fov.pixels_per_degree(headset.eye_size_px) <= 60
+    assert 5 <= headset.eyes[0].fov.pixels_per_degree(headset.eye_size_px) <= 60
 
 
 @pytest.mark.parametrize("name", [n for n in SHIPPED if load_headset(n).lens])
@@ -70,7 +70,7 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
         / lens.unit_m
     )
     shown = tangent_from_lens(lens, edges, "green")[[0, 1, 2, 3], [0, 0, 1, 1]]
-    ratio = shown / headset.left_fov.tangents
+    ratio = shown / headset.eyes[0].fov.tangents
     assert (ratio > 0.9).all()
     assert (ratio < 2).all()
 
@@ -103,7 +103,7 @@ def test_the_page_names_every_headset():
 
 def test_known_numbers_of_the_dk1():
     headset = load_headset("rift-dk1")
-    assert headset.left_fov.tangents == pytest.approx([-1.0924, 1.0587, -1.3293, 1.3293], abs=1e-4)
+    assert headset.eyes[0].fov.tangents == pytest.approx([-1.0924, 1.0587, -1.3293, 1.3293], abs=1e-4)
     # LibOVR 0.2.5: screen 149.76 x 93.6 mm, lens separation 63.5 mm, eye to screen 41 mm.
     assert headset.eyes[0].panel_m == pytest.approx((0.14976 / 2, 0.0936))
     assert headset.lens.axis_from_centre_m[0] == pytest.approx((0.14976 / 2 - 0.0635) / 2)
@@ -131,7 +131,7 @@ MIRRORED = [name for name in SHIPPED if "right" not in tomllib.loads((FOLDER / f
 @pytest.mark.parametrize("name", MIRRORED)
 def test_the_right_eye_mirrors_the_left(name):
     headset = load_headset(name)
-    left, right = headset.fov(0).tangents, headset.fov(1).tangents
+    left, right = headset.eyes[0].fov.tangents, headset.eyes[1].fov.tangents
     assert right == pytest.approx([-left[1], -left[0], left[2], left[3]], abs=1e-15)
     if headset.lens is None:
         return
@@ -161,7 +161,7 @@ def test_the_eyes_are_side_by_side_and_turn_with_the_head(world_from_head):
     assert apart == pytest.approx(world_from_head.rotation.as_matrix()[:, 0] * headset.ipd_m, abs=1e-13)
     assert (left.pose.position_m + right.pose.position_m) / 2 == pytest.approx(world_from_head.position_m, abs=1e-13)
     for eye, view in enumerate((left, right)):
-        assert view.fov == headset.fov(eye)
+        assert view.fov == headset.eyes[eye].fov
         assert (view.pose.inverse() @ world_from_head).rotation.magnitude() <= 1e-12
 
 
