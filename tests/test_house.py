@@ -64,7 +64,7 @@ APART = {
     "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
-    "client/arriving_scene.py",
+    "client/drawn_scenes.py",
     "gpu/timers.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",

@@ -147,7 +147,7 @@ def names_effects(tree: ast.AST) -> list[int]:
 def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
     """A test for a name elsewhere would be a second opinion of what is to be done."""
     root = folder("shaders").parent / "hmdwarp"
-    own = ("client/effects/", "client/effect_passes/", "scenes/library/", "client/strategies/")
+    own = ("client/effects/", "scenes/library/", "client/strategies/")
     found = [
         f"{path.relative_to(root)}:{line}"
         for path in sorted(root.rglob("*.py"))

@@ -19,8 +19,8 @@ from eyes import with_eyes
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.expand import ExpandPass
 from hmdwarp.geometry import Fovea
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset

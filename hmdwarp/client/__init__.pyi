@@ -1,4 +1,3 @@
-from .arriving_scene import ArrivingScene as ArrivingScene
 from .carry import Carry as Carry
 from .carry import ShownDepth as ShownDepth
 from .carry import images_read as images_read
@@ -9,6 +8,7 @@ from .client_scene import receiver_of as receiver_of
 from .compensator import Compensator as Compensator
 from .compensator import EyeResult as EyeResult
 from .compensator import Stages as Stages
+from .drawn_scenes import ArrivingScene as ArrivingScene
 from .drawn_scenes import ReducedModel as ReducedModel
 from .drawn_scenes import Surfaces as Surfaces
 from .drawn_scenes import WholeScene as WholeScene

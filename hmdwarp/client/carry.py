@@ -89,27 +89,26 @@ class ShownDepth:
         """Write r32f: -1 where the warp left a hole, and everywhere if it cannot carry."""
         if self._carry.works:
             free = iter(self._rendered)
-            self._carry.along(inputs, lambda image: self._seen_from_here(image, inputs, next(free)), self._carried)
+
+            def seen_from_here(image: EyeImage) -> moderngl.Texture:
+                forward, here = view_map(image.view, image.size, inputs.shown, self._size), next(free)
+                image.inverse_depth.bind_to_image(0, read=True, write=False)
+                here.bind_to_image(1, read=False, write=True)
+                named = {"rendered_inverse_depth": 0, "here": 1, "rendered_size": image.size}
+                self._here.uniforms.set(**named, H=forward.H, e=forward.e)
+                self._here.run(*image.size)
+                self._gpu.barrier()
+                return here
+
+            self._carry.along(inputs, seen_from_here, self._carried)
         else:
             self._carried.clear()
-        self._barrier()
+        self._gpu.barrier()
         self._carried.texture.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)
         self._take.uniforms.set(carried=0, shown_inverse_depth=1, shown_size=self._size)
         self._take.run(*self._size)
-        self._barrier()
-
-    def _seen_from_here(self, image: EyeImage, inputs: PassInputs, into: moderngl.Texture) -> moderngl.Texture:
-        forward = view_map(image.view, image.size, inputs.shown, self._size)
-        image.inverse_depth.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=False, write=True)
-        self._here.uniforms.set(rendered_inverse_depth=0, here=1, rendered_size=image.size, H=forward.H, e=forward.e)
-        self._here.run(*image.size)
-        self._barrier()
-        return into
-
-    def _barrier(self) -> None:
-        self._gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self._gpu.barrier()
 
     def close(self) -> None:
         """Free its textures."""

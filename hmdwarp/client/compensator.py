@@ -14,9 +14,9 @@ from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
-from .effect_passes.expand import ExpandPass
-from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
+from .effects.text import HeldPanel, PanelsPass, held_panels
+from .expand import ExpandPass
 from .inputs import PassInputs, ShownPicture
 from .lens import SeenPanel
 from .plan import SHOWN_DEPTH, Plan
@@ -177,16 +177,24 @@ class Compensator:
                 self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stages["warp"]:
-            self._run_warp(inputs, made)
+            warped = made.warped
+            if warped is None or warped.inverse_depth is None or self._depth is not None:
+                self._warp.run(inputs, made.panel if warped is None else warped.colour)
+            else:
+                self._warp.run_with_depth(inputs, warped.colour, warped.inverse_depth)
             if inputs.shown.hidden is not None or made.warped is None:
                 self._hide(inputs.shown, inputs.eye, made)
-        panels = self._panels(inputs) if self.plan.hands_panels_on else ()
-        if made.warped is None:
+        panels: tuple[HeldPanel, ...] = ()
+        if self.plan.hands_panels_on:  # without those that ask to be hidden, if a pass can
+            hides = any(isinstance(shown, PanelsPass) for shown in self._shown)
+            found = held_panels(inputs, self._geometry)
+            panels = tuple(each for each in found if not (hides and each.panel.occluded))
+        if warped is None:
             for shown in self._shown:
                 with self._stages["effects"]:
                     shown.run_through_lens(inputs, made.panel)
             return EyeResult(inputs.middle, None, None, made.panel)
-        return self._finish(inputs, made, made.warped, panels)
+        return self._finish(inputs, made, warped, panels)
 
     def learn(self, inputs: PassInputs) -> None:
         """Let fills that remember learn from a rendered picture as run() does; show nothing."""
@@ -205,12 +213,6 @@ class Compensator:
             with self._stages["effects"]:
                 inputs = taker.take_out(inputs)
         return inputs
-
-    def _panels(self, inputs: PassInputs) -> tuple[HeldPanel, ...]:
-        """Return the panels for the display: of those that ask to be hidden none, if a pass can."""
-        hides = any(isinstance(shown, PanelsPass) for shown in self._shown)
-        found = held_panels(inputs, self._geometry)
-        return tuple(each for each in found if not (hides and each.panel.occluded))
 
     def _hide(self, view: View, eye: int, made: _Canvases) -> None:
         """Blacken what the lens hides in the warped picture, and once in those that follow.
@@ -247,15 +249,6 @@ class Compensator:
         if (seen := self.gpu.shaders.hidden.views.get("panel")) is not None:
             self.gpu.barrier()
             self.gpu.shaders.hidden.hide(seen, panel, None, "edge")
-
-    def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
-        warped = made.warped
-        if warped is None:
-            self._warp.run(inputs, made.panel)
-        elif warped.inverse_depth is None or self._depth is not None:
-            self._warp.run(inputs, warped.colour)
-        else:
-            self._warp.run_with_depth(inputs, warped.colour, warped.inverse_depth)
 
     def _finish(
         self, inputs: PassInputs, made: _Canvases, warped: ShownPicture, panels: tuple[HeldPanel, ...]

@@ -17,8 +17,8 @@ from ..frames.layers import PICTURE, layers, readable, readable_names
 from ..geometry import Fovea
 from ..options import Choice
 from ..scenes import CONVERGED
-from .effect_passes.expand import EXPANDED, ExpandPass
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
+from .expand import EXPANDED, ExpandPass
 from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .variants import fill_text, lit_by, parse_fills, parse_warp

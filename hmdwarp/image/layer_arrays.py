@@ -10,8 +10,8 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..client.effect_passes.panels_pass import HeldPanel, panel_texture
 from ..client.effects import effects as every_effect
+from ..client.effects.text import HeldPanel, panel_texture
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..frames import Needs, Surface

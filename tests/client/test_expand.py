@@ -18,8 +18,8 @@ from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.client import PassInputs, build_plan, parse_warp
-from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.expand import ExpandPass
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes

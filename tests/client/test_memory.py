@@ -226,8 +226,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
     frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
     monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
-    for module_name in ("hmdwarp.client.fill_parts.keeper", "hmdwarp.client.fill_parts.hole_pieces"):
-        monkeypatch.setattr(f"{module_name}.allocate", refuse)
+    monkeypatch.setattr("hmdwarp.client.fill_parts.allocate", refuse)
     for rendered in frames:
         for _ in range(2):
             client.sees(rendered, rendered.view)

@@ -11,9 +11,8 @@ from reference.picture import GPU_SAMPLER_PIXELS
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effect_passes import MirroredPass
-from hmdwarp.client.effect_passes.mirrored_pass import PLANES
 from hmdwarp.client.effects import effects
+from hmdwarp.client.effects.mirrors import PLANES, MirroredPass
 from hmdwarp.frames import EyeImage, Others
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, allocate

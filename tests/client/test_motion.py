@@ -14,9 +14,8 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effect_passes import MotionPass
-from hmdwarp.client.effect_passes.motion_pass import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.effects.motion import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, MotionPass
 from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs

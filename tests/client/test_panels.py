@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 from worlds import read
 
 from hmdwarp.client import PassInputs, ShownPicture
-from hmdwarp.client.effect_passes import PanelsPass
-from hmdwarp.client.effect_passes.panels_pass import NEARER, HeldPanel, box_of, panel_from_shown, panel_texture
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.effects.text import NEARER, HeldPanel, PanelsPass, box_of, panel_from_shown, panel_texture
 from hmdwarp.client.lens import lenses
 from hmdwarp.errors import SceneError
 from hmdwarp.frames import EyeImage

@@ -12,8 +12,8 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effect_passes import Closing
 from hmdwarp.client.effects import effects
+from hmdwarp.client.effects.mirrors import Closing
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
 from hmdwarp.gpu import COLOUR, allocate

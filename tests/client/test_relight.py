@@ -14,7 +14,7 @@ from worlds import read
 from hmdwarp.client import ClientScene, ReducedModel
 from hmdwarp.client import fill_parts as settings
 from hmdwarp.client.fill_parts import sample_offsets
-from hmdwarp.client.fills.relight import MODEL_WEIGHT
+from hmdwarp.client.fills.model import MODEL_WEIGHT
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Scene, load_scene

@@ -17,7 +17,7 @@ from hmdwarp.client.classes import load_client
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.effects.soft_bodies import SAME, STEEPEST
 from hmdwarp.client.fill_parts import BLOCK, NEAR, OFF_PLANE, SAME_DEPTH, SAME_SURFACE, sample_offsets
-from hmdwarp.client.fills.relight import MODEL_WEIGHT, RelightSettings
+from hmdwarp.client.fills.model import MODEL_WEIGHT, RelightSettings
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View

@@ -10,8 +10,8 @@ import typing
 import attrs
 import pytest
 
-from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import effects
+from hmdwarp.client.expand import ExpandPass
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError

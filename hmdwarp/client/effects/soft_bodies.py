@@ -19,7 +19,7 @@ from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_m
 from ..client_scene import ClientScene, Store
 from ..drawn_scenes import whole_weight
 from ..fill_parts import NEAR, OFF_PLANE, BlockLights
-from ..fills.relight import MODEL_WEIGHT, RelightSettings
+from ..fills.model import MODEL_WEIGHT, RelightSettings
 from ..inputs import PassInputs, ShownPicture
 from . import effects
 from ._base import Effect, ShownPass

@@ -4,7 +4,10 @@ from ...registry import Registry
 from ._base import Fill
 
 fills: Registry[type[Fill]] = Registry(
-    "fill", __name__, columns="reads settings=Settings leaves_no_hole=complete source"
+    "fill",
+    __name__,
+    modules=dict.fromkeys(("model", "relight"), "model"),
+    columns="reads settings=Settings leaves_no_hole=complete source",
 )
 
 __all__ = ["Fill", "fills"]

@@ -1,4 +1,4 @@
-"""Lens models on the GPU: one file each, registered by name.
+"""Lens models on the GPU, registered by name.
 
 Their coefficients belong to the headsets.
 """
@@ -157,20 +157,23 @@ class ResampledLens(LensPass):
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))
         if known != fov:
-            uniforms = {**self._of_view(fov, eye), **self.of_lens(self.eye_lenses[eye])}
+            left, right, down, up = fov.tangents
+            span = np.array([right - left, up - down])
+            scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
+            uniforms = {
+                "lens_from_panel": (*scale, *offset),
+                "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
+                **self.of_lens(self.eye_lenses[eye]),
+            }
             self._uniforms_by_eye[eye] = fov, uniforms
         return uniforms
 
-    def _of_view(self, fov: Fov, eye: int) -> dict[str, object]:
-        left, right, down, up = fov.tangents
-        span = np.array([right - left, up - down])
-        scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
-        return {
-            "lens_from_panel": (*scale, *offset),
-            "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
-        }
 
-
-lenses: Registry[type[LensPass]] = Registry("lens", __name__, columns="source")
+lenses: Registry[type[LensPass]] = Registry(
+    "lens",
+    __name__,
+    modules=dict.fromkeys(("none", "radial", "table", "vive", "mesh"), "models"),
+    columns="source",
+)
 
 __all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "ResampledLens", "bind_texels", "lenses"]

@@ -69,7 +69,10 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Strategy]:
     return type(name, (Strategy,), {**table, "name": name, "classes": tuple(table["classes"])})
 
 
-strategies: Registry[type[Strategy]] = Registry("strategy", __name__, of_table=_of_table, columns="crosses client late")
+_CHECKED = dict.fromkeys(("depth_image", "proxy", "views"), "checked")
+strategies: Registry[type[Strategy]] = Registry(
+    "strategy", __name__, of_table=_of_table, modules=_CHECKED, columns="crosses client late"
+)
 
 
 def options_of_strategy(text: str) -> dict[str, Any]:

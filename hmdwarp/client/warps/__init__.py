@@ -1,4 +1,4 @@
-"""Warps: one file each, registered by name.
+"""Warps, registered by name; those of one family share a file.
 
 Each has a shader of the same stem, or shares a sibling's where only the numbers differ.
 """
@@ -9,6 +9,11 @@ from ._base import KEY_BYTES, Output, Warp
 warps: Registry[type[Warp]] = Registry(
     "warp",
     __name__,
+    modules={
+        **dict.fromkeys(("none", "rotation", "planar", "similarity", "shift"), "planes"),
+        **dict.fromkeys(("mesh", "mesh_adaptive"), "mesh"),
+        **dict.fromkeys(("layered", "multi"), "multi"),
+    },
     columns="kind reads settings=Settings fused_with_the_lens=fuses follows_scanout=scans_out exact_when gets_wrong",
 )
 

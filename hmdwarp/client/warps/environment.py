@@ -54,19 +54,15 @@ class Environment(GatherWarp):
         return cube
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
-        cube = inputs.rendered["cube"]
-        chosen = moderngl.NEAREST if self._looks_along_a_face(inputs) else moderngl.LINEAR
+        cube, shown, chosen = inputs.rendered["cube"], inputs.shown, moderngl.LINEAR
+        if self.output.lens is None and not self.output.scanout and np.abs(shown.fov.tangents).max() <= 1 + 1e-9:
+            here = View(Pose(shown.pose.position_m, inputs.rendered.view.pose.orientation_xyzw), shown.fov)
+            side = cube.size[0] // 3
+            of_faces = (view_map(shown, self.shown_size, face, (side, side)) for face in face_views(here, side))
+            if any(each.moves_whole_pixels() for each in of_faces):  # each pixel is one of one face
+                chosen = moderngl.NEAREST
         cube.filter = (chosen, chosen)
         cube.use(unit)
-
-    def _looks_along_a_face(self, inputs: PassInputs) -> bool:
-        """Return whether each shown pixel is exactly a pixel of one face: none is resampled."""
-        shown, side = inputs.shown, inputs.rendered["cube"].size[0] // 3
-        if self.output.lens is not None or self.output.scanout or np.abs(shown.fov.tangents).max() > 1 + 1e-9:
-            return False
-        here = View(Pose(shown.pose.position_m, inputs.rendered.view.pose.orientation_xyzw), shown.fov)
-        faces = face_views(here, side)
-        return any(view_map(shown, self.shown_size, face, (side, side)).moves_whole_pixels() for face in faces)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         cube = inputs.rendered.get("cube")

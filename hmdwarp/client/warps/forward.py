@@ -8,7 +8,6 @@ import attrs
 
 from ...errors import InputError, MachineError
 from ...geometry import WarpMap
-from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
@@ -51,7 +50,13 @@ class Forward(ScatterWarp):
                 f"a rendered picture of {self.rendered_size[0]}x{self.rendered_size[1]}: 'forward' takes at most "
                 f"{MOST_PIXELS} pixels"
             )
-        self._path: _OnePass | _Portable = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
+        path, missing = self.settings.path, [name for name in ATOMIC64 if name not in self.gpu.gl.extensions]
+        if path == "atomic64" and missing:
+            raise MachineError(
+                f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {self.gpu.renderer} lacks: use "
+                "path=auto"
+            )
+        self._path: _OnePass | _Portable = (_Portable if path == "portable" or missing else _OnePass)(self)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)
@@ -66,15 +71,6 @@ class Forward(ScatterWarp):
     def close(self) -> None:
         super().close()
         self._path.close()
-
-
-def _one_pass(gpu: Gpu, path: str) -> bool:
-    missing = [name for name in ATOMIC64 if name not in gpu.gl.extensions]
-    if path == "atomic64" and missing:
-        raise MachineError(
-            f"warp 'forward:path=atomic64' needs {' and '.join(missing)}, which {gpu.renderer} lacks: use path=auto"
-        )
-    return path != "portable" and not missing
 
 
 class _Portable:

@@ -56,10 +56,17 @@ class ForwardOrdered(OrderedScatter):
     def order(self, inputs: PassInputs) -> dict[str, object]:
         backward = view_map(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
         pixel, sense = epipole_pixel(backward.e, self.rendered_size)
+        # The origin of the ranks: the greatest distance, or minus the least if running away.
+        to_low, to_high = -pixel, np.array(self.rendered_size) - 1 - pixel
+        greatest = np.maximum(np.abs(to_low), np.abs(to_high))
+        least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
+        if self.settings.sheets == "rings":
+            greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
+        start = tuple((greatest if sense > 0 else -least).tolist())
         return {
             "epipole": tuple(pixel),
             "sense": sense,
-            "start": _start(pixel, sense, self.rendered_size, self.settings.sheets == "rings"),
+            "start": start,
         }
 
 
@@ -81,14 +88,3 @@ def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
         offset = offset / depth
     # An epipole on the border between two pixels counts to the upper one, despite rounding.
     return np.floor(middle + offset + 1e-6).astype(np.int64), sense
-
-
-def _start(pixel: NDArray[np.int64], sense: int, size: tuple[int, int], rings: bool) -> tuple[int, int]:
-    """Return the origin of the ranks: the greatest distance, or minus the least if running away."""
-    to_low, to_high = -pixel, np.array(size) - 1 - pixel
-    greatest = np.maximum(np.abs(to_low), np.abs(to_high))
-    least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
-    if rings:
-        greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
-    x, y = greatest if sense > 0 else -least
-    return int(x), int(y)

@@ -10,9 +10,8 @@ import moderngl
 from ...frames import Needs
 from ...frames.layers.scene_parts import Delivery, Simplified
 from ...gpu.textures import Canvas
-from ..arriving_scene import ArrivingScene
 from ..client_scene import ClientScene
-from ..drawn_scenes import WholeScene, share_of
+from ..drawn_scenes import ArrivingScene, WholeScene, share_of
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps

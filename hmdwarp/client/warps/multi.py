@@ -1,4 +1,4 @@
-"""Several rendered pictures: the other eye's and older ones show what the newest cannot see."""
+"""Composites of several pictures, and of the layers of one."""
 
 from __future__ import annotations
 
@@ -8,11 +8,56 @@ from typing import Any, Literal
 import attrs
 import numpy as np
 
+from ...errors import PlanError
 from ...frames import Needs, Others
 from ...geometry import WarpMap, view_map
 from ..inputs import PassInputs
 from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
+
+MOST_LAYERS = 4
+
+
+@attrs.frozen
+class LayeredSettings:
+    layers: int = 3  # Depth layers, the visible one included, 2 to 4.
+
+    def __attrs_post_init__(self) -> None:
+        if not 2 <= self.layers <= MOST_LAYERS:
+            raise ValueError(f"layers is {self.layers}: expected 2 to {MOST_LAYERS}, the visible one included")
+
+
+@warps.register
+class Layered(CompositeWarp):
+    """Warp all layers together, the nearest surface wins: real content behind edges."""
+
+    name = "layered"
+    summary = "warps two to four depth layers of the server together: real content behind edges"
+    reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
+    exact_when = "always, up to one bilinear resample, where a layer holds the surface"
+    gets_wrong = (
+        "what no layer holds or the rendered field of view did not; the server draws the scene once more per layer"
+    )
+    source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
+    Settings = LayeredSettings
+
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        return Needs(peeled=settings.layers - 1)
+
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
+        inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
+        return {"front_inverse_depth": 3}
+
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+        rendered, behind = inputs.rendered, self.settings.layers - 1
+        peeled = rendered.get("peeled", ())
+        if len(peeled) < behind:
+            raise PlanError(
+                f"warp 'layered' needs {behind} layers behind the visible one, this frame has {len(peeled)}"
+            )
+        return [DepthPicture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]
+
 
 MOST_FRAMES, MOST_VIEWS = 8, 4
 _CHOSEN = "rendered.views"
@@ -69,11 +114,12 @@ class Multi(CompositeWarp):
 
         The newest alone for an eye that has not moved and sees no more than before.
         """
-        rendered = inputs.rendered
+        rendered, others = inputs.rendered, inputs.others
         back = self._newest(inputs)
-        others = (
-            () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, rendered.size) else inputs.others
-        )
+        if back.moves_whole_pixels():
+            low = np.round(back.H[:2, 2])
+            if (low >= 0).all() and (low + self.shown_size <= rendered.size).all():
+                others = ()
         return [DepthPicture(image.colour, image.inverse_depth, image.view) for image in (rendered, *others)]
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
@@ -88,9 +134,3 @@ class Multi(CompositeWarp):
 
     def _newest(self, inputs: PassInputs) -> WarpMap:
         return view_map(inputs.shown, self.shown_size, inputs.rendered.view, inputs.rendered.size)
-
-
-def _lies_within(back: WarpMap, shown_size: tuple[int, int], rendered_size: tuple[int, int]) -> bool:
-    """Return whether a map that only shifts by whole pixels stays inside the rendered picture."""
-    low = np.round(back.H[:2, 2])
-    return bool((low >= 0).all() and (low + shown_size <= rendered_size).all())

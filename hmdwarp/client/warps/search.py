@@ -68,7 +68,12 @@ class Search(GatherWarp):
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         self._bounds.bind_to_storage_buffer(0)
         levels = {"level_first": self._first, "level_width": tuple(w for w, _ in self._sizes[1:])}
-        self._build_pyramid(levels)
+        for level in range(1, LEVELS + 1):
+            program, (below, blocks) = self._build[min(level, 2) - 1], self._sizes[level - 1 : level + 1]
+            own = {"rendered_inverse_depth": 1, "rendered_size": self.rendered_size} if level == 1 else {}
+            program.uniforms.set(level=level, blocks=blocks, below=below, **levels, **own)
+            program.run(*blocks)
+            self.gpu.barrier()
         wide, high = self.rendered_size
         chosen = self.settings
         surface = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
@@ -76,16 +81,6 @@ class Search(GatherWarp):
         self.run_gather(
             self._program, inputs, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
         )
-
-    def _build_pyramid(self, levels: dict[str, tuple[int, ...]]) -> None:
-        for level in range(1, LEVELS + 1):
-            program = self._build[min(level, 2) - 1]
-            below, blocks = self._sizes[level - 1 : level + 1]
-            program.uniforms.set(level=level, blocks=blocks, below=below, **levels)
-            if level == 1:
-                program.uniforms.set(rendered_inverse_depth=1, rendered_size=self.rendered_size)
-            program.run(*blocks)
-            self.gpu.barrier()
 
     def close(self) -> None:
         super().close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from ...geometry import WarpMap, view_map
+from ...geometry import view_map
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, depth_limits
@@ -63,20 +63,12 @@ class Splat(ScatterWarp):
         passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
         for program, warp_map, size in passes:
             self.gpu.barrier()
-            H, e = _exact(warp_map)
+            H, e = warp_map.H, warp_map.e
+            if warp_map.moves_whole_pixels():  # each is then fetched from its very centre
+                H, e = np.round(H), np.zeros(3)
             self.set(program, H=H, e=e, **limits)
             program.run(*size)
 
     def close(self) -> None:
         super().close()
         self._keys.release()
-
-
-def _exact(warp_map: WarpMap) -> tuple[np.ndarray, np.ndarray]:
-    """Return H and e, free of rounding errors for a map that moves whole pixels.
-
-    So each pixel is fetched from its very centre.
-    """
-    if not warp_map.moves_whole_pixels():
-        return warp_map.H, warp_map.e
-    return np.round(warp_map.H), np.zeros(3)

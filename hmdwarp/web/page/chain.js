@@ -6,7 +6,7 @@ const TOLD = { size: [768, 192], metres: [0.6, 0.15], pose: { position: [0, 0, -
 
 // As IterativeSettings and DEPTH_LIMITS of hmdwarp have them.
 const LIMITS = { depth_tolerance: 0.03, depth_floor: 0.02 }, SHEET = 1, CONVERGED = 0.75;
-const NEARER = 1 + 2 ** -10, EDGE_ON_M = 1e-6; // as effect_passes/panels_pass.py has them
+const NEARER = 1 + 2 ** -10, EDGE_ON_M = 1e-6; // as client/effects/text.py has them
 const GRID = 64; // cells a side, as CloudXR.js draws
 const LEAST_SIDE = 4; // pixels of the pyramid's top
 const MOST_PYRAMIDS = 2; // sizes of shown pictures: the window's and the headset's

@@ -12,7 +12,7 @@ from client_scene import ClientScene
 from replays import small
 from serving import Serving
 
-from hmdwarp.client.effect_passes.panels_pass import KeptPanels
+from hmdwarp.client.effects.text import KeptPanels
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Frame, Needs
 from hmdwarp.frames.layers.panels import PanelDelivery, Panels, things_of

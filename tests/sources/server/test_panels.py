@@ -13,9 +13,8 @@ from client_scene import ClientScene
 from worlds import read
 
 from hmdwarp.client import PassInputs, ShownPicture
-from hmdwarp.client.effect_passes import PanelsPass
-from hmdwarp.client.effect_passes.panels_pass import KeptPanels
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.effects.text import KeptPanels, PanelsPass
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.panels import PanelDelivery

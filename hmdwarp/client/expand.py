@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import attrs
-import moderngl
 
-from ...frames import EyeImage
-from ...frames.layers import readable
-from ...frames.layers.foveated import FoveatedPicture
-from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
-from ..effects import RenderedPass
-from ..inputs import PassInputs
+from ..frames import EyeImage
+from ..frames.layers import readable
+from ..gpu.textures import COLOUR, SCALAR, allocate, release_all
+from .effects import RenderedPass
+from .inputs import PassInputs
 
 # By the layer: the picture that it stands for, and its kind of texture.
 _PICTURES = {"foveated": ("colour", COLOUR), "foveated_depth": ("inverse_depth", SCALAR)}
@@ -47,22 +45,19 @@ class ExpandPass(RenderedPass):
     def _expanded(self, image: EyeImage, number: int) -> EyeImage:
         """Return the image with its whole picture; the same object where it came whole."""
         found = {layer: image[layer] for layer in self._programs if layer in image}
-        pictures: dict[str, Any] = {
-            _PICTURES[layer][0]: self._expand(layer, one, number) for layer, one in found.items()
-        }
         if not found:
             return image
+        pictures: dict[str, Any] = {}
+        for layer, picture in found.items():
+            program, into = self._programs[layer], self._pictures[layer][number]
+            picture.texture.bind_to_image(0, read=True, write=False)
+            into.bind_to_image(1, read=False, write=True)
+            program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
+            program.run(*picture.grid.small)
+            pictures[_PICTURES[layer][0]] = into
         self.gpu.barrier()
         came = {EXPANDED[layer] for layer in found}
         return attrs.evolve(image, **pictures, left_out=image.left_out - came)
-
-    def _expand(self, layer: str, picture: FoveatedPicture, number: int) -> moderngl.Texture:
-        program, into = self._programs[layer], self._pictures[layer][number]
-        picture.texture.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=False, write=True)
-        program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
-        program.run(*picture.grid.small)
-        return into
 
     def close(self) -> None:
         release_all(*(texture for several in self._pictures.values() for texture in several))
