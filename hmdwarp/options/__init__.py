@@ -54,4 +54,5 @@ from .tables import fields_in as fields_in
 from .tables import parsed as parsed
 from .tables import quoted as quoted
 from .tables import read_by as read_by
+from .tables import reads as reads
 from .tables import text_of as text_of
