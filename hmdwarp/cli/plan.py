@@ -77,7 +77,7 @@ def plan(said: Said) -> None:
         paragraph(f"note: {note}")
 
 
-def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
+def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, Any]]:
     """Return the driver's options, and what it tells the plan.
 
     Errors: InputError for an unknown source.
