@@ -6,10 +6,6 @@ made from the declarations. A message about an option names it as the command li
 module that declares options imports anything heavy.
 """
 
-from .choice import Choice as Choice
-from .choice import NoSettings as NoSettings
-from .choice import parse_choice as parse_choice
-from .choice import parse_settings as parse_settings
 from .declared import CONDITION as CONDITION
 from .declared import DISPLAY as DISPLAY
 from .declared import PICTURE as PICTURE
@@ -35,14 +31,18 @@ from .shared_fields import DEFAULT_GUARD as DEFAULT_GUARD
 from .shared_fields import FORCE as FORCE
 from .shared_fields import PAPER as PAPER
 from .shared_fields import PAPER_TABLES as PAPER_TABLES
+from .shared_fields import Choice as Choice
 from .shared_fields import Guard as Guard
+from .shared_fields import NoSettings as NoSettings
 from .shared_fields import PaperOptions as PaperOptions
 from .shared_fields import check_one_guard as check_one_guard
 from .shared_fields import force_field as force_field
 from .shared_fields import guard_band as guard_band
 from .shared_fields import guard_field as guard_field
 from .shared_fields import out_field as out_field
+from .shared_fields import parse_choice as parse_choice
 from .shared_fields import parse_guard as parse_guard
+from .shared_fields import parse_settings as parse_settings
 from .shared_fields import parse_size as parse_size
 from .shared_fields import path_of as path_of
 from .shared_fields import rendered_size_field as rendered_size_field
@@ -54,4 +54,5 @@ from .tables import fields_in as fields_in
 from .tables import parsed as parsed
 from .tables import quoted as quoted
 from .tables import read_by as read_by
+from .tables import reads as reads
 from .tables import text_of as text_of

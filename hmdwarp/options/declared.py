@@ -140,15 +140,7 @@ _KEY, _GROUP = "options", "group"
 _UNITS = ("ms", "s", "Hz", "deg", "mm")  # at the end of a field's name
 _KINDS = {kind.__name__: kind for kind in (str, float, int, bool, Path)}
 # Fields that say where results go and how they are made, but not what they are.
-HOW = (
-    "out",
-    "force",
-    "command",
-    "workers",
-    "parquet",
-    "paper",
-    "sweep",
-)
+HOW = ("out", "force", "command", "workers", "parquet", "paper", "sweep")
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
+import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_type_hints
 
 import attrs
 
 from .. import geometry
-from ..errors import InputError, listed
+from ..errors import InputError, in_brief, listed
+from ..registry import Registry
 from .declared import CONDITION, Declared, Number, Option, as_path, one_of, option, option_of
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
@@ -216,11 +219,9 @@ def guard_band(options: HasGuard) -> geometry.GuardBand:
     """Return the guard band of the options. Errors: InputError while it is "auto"."""
     if isinstance(options.guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
-    return (
-        geometry.GuardBand.of(options.guard)
-        if options.rendered_size is None
-        else geometry.GuardBand(size=options.rendered_size)
-    )
+    if options.rendered_size is not None:
+        return geometry.GuardBand(size=options.rendered_size)
+    return geometry.GuardBand.of(options.guard)
 
 
 PAPER_TABLES, PLOTS = {"latex": "tex", "csv": "csv", "markdown": "md"}, ("svg", "pdf")
@@ -253,3 +254,91 @@ class PaperOptions(Declared):
     def is_wanted(self) -> bool:
         """Whether anything is."""
         return bool(self.tables or self.plots)
+
+
+_WANTED = {int: "a whole number", float: "a number"}
+
+
+@attrs.frozen
+class NoSettings:
+    """No settings."""
+
+
+class HasSettings(Protocol):
+    """An entry of a registry that can be set."""
+
+    name: ClassVar[str]
+    Settings: ClassVar[type]  # An attrs class; each field has a default.
+
+
+Entry = TypeVar("Entry", bound=HasSettings)
+
+
+@attrs.frozen
+class Choice(Generic[Entry]):
+    """An entry and its settings.
+
+    str() is the shortest equivalent text: settings at their defaults are left out.
+    """
+
+    entry: type[Entry]
+    settings: Any
+
+    def __str__(self) -> str:
+        default = self.entry.Settings()
+        changed = [
+            f"{field.name}={getattr(self.settings, field.name)}"
+            for field in attrs.fields(self.entry.Settings)
+            if getattr(self.settings, field.name) != getattr(default, field.name)
+        ]
+        return f"{self.entry.name}:{','.join(changed)}" if changed else self.entry.name
+
+
+def parse_choice(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
+    """Parse 'name' or 'name:key=value,key=value'.
+
+    Errors: UnknownNameError for the name; InputError for a setting that it lacks, or a bad value.
+    """
+    if not isinstance(text, str):
+        raise InputError(f"{registry.kind} {in_brief(text)}: expected a name: {', '.join(registry.names())}")
+    name, _, rest = text.partition(":")
+    entry = registry.get(name)
+    return Choice(entry, parse_settings(entry.Settings, entry.name, f"{registry.kind} '{text}'", rest))
+
+
+def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
+    """Return the settings of a kind from 'key=value,key=value'.
+
+    name: of what they belong to. named: that with its settings, as messages call it. Errors:
+    InputError for a setting that it lacks, or a bad value.
+    """
+    fields = {field.name: field for field in attrs.fields(kind)}
+    kinds = get_type_hints(kind)
+    values = {}
+    for part in filter(None, (piece.strip() for piece in text.split(","))):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if key not in fields or not equals:
+            known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
+            raise InputError(f"{named}: '{part}' is no setting of '{name}'; its settings and their defaults: {known}")
+        if key in values:
+            raise InputError(f"{named}: {key} is given twice; give it once")
+        values[key] = _converted(named, key, value, kinds[key])
+    try:
+        return kind(**values)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{named}: {error}") from error
+
+
+def _converted(named: str, key: str, value: str, kind: Any) -> Any:
+    if typing.get_origin(kind) is typing.Literal:
+        words = {str(word): word for word in typing.get_args(kind)}
+        if value not in words:
+            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
+        return words[value]
+    try:
+        number = kind(value.encode("ascii") if kind in (int, float) else value)
+    except ValueError as error:
+        raise InputError(f"{named}: {key} is '{value}': expected {_WANTED.get(kind, kind.__name__)}") from error
+    if kind is float and not math.isfinite(number):
+        raise InputError(f"{named}: {key} is '{value}': expected a finite number")
+    return number

@@ -200,20 +200,18 @@ class Table:
 _READ = "read"
 
 
-def read_by(
-    get: Callable[..., Any],
-    *limits: Any,
-    default: Any = attrs.NOTHING,
-    at: str = "",
-    required: bool = False,
-    **how: Any,
-) -> Any:
-    """Return an attrs field that is a key of a file, for `fields_in` to read.
+def reads(get: Callable[..., Any], *limits: Any, at: str = "", required: bool = False, **how: Any) -> dict[str, Any]:
+    """Return the metadata of an attrs field that is a key of a file, for `fields_in` to read.
 
-    get: the getter of Table; limits, how: what that takes after the key. default: of the field, and
-    of the key unless it is required. at: "table.key", by default the field's name.
+    get: the getter of Table; limits, how: what that takes after the key. at: "table.key", by
+    default the field's name. required: whether the file has it although the field has a default.
     """
-    return attrs.field(default=default, metadata={_READ: (get, limits, at, required, how)})
+    return {_READ: (get, limits, at, required, how)}
+
+
+def read_by(get: Callable[..., Any], *limits: Any, default: Any, **how: Any) -> Any:
+    """Return such a field with a default, which an optional key has too."""
+    return attrs.field(default=default, metadata=reads(get, *limits, **how))
 
 
 def fields_in(table: Table, kind: type[attrs.AttrsInstance]) -> dict[str, Any]:

@@ -22,7 +22,6 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
-from .live_page import render_live_report as render_live_report
 from .output import FRAME_COLUMNS as FRAME_COLUMNS
 from .output import POSE_PARTS as POSE_PARTS
 from .output import SCHEMA as SCHEMA
@@ -35,6 +34,7 @@ from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
 from .replay_page import panels_of as panels_of
+from .replay_page import render_live_report as render_live_report
 from .replay_page import render_report as render_report
 from .replay_page import summary_html as summary_html
 from .replay_page import summary_table as summary_table

@@ -19,7 +19,7 @@ from scipy.special import ndtr, stdtrit
 from ...errors import InputError
 from ...metrics import PRIMARY, metrics_in_order
 from ...options import Table as Keys
-from ...options import fields_in, parsed, read_by, text_of
+from ...options import fields_in, parsed, read_by, reads, text_of
 from ...report import counted, listed
 from ...resources import import_extra
 from .. import statistics as st
@@ -580,7 +580,7 @@ _PUBLISHED = (
 class Claim:
     """One published figure."""
 
-    part: str = read_by(Keys.text)
+    part: str = attrs.field(metadata=reads(Keys.text))
     step: float  # what it was rounded to
     # Mean, positive where `better` was rated better; None: a mere mention.
     difference: float | None = read_by(Keys.number, default=None)
@@ -595,7 +595,7 @@ class Claim:
 class Claims:
     """Figures of one publication."""
 
-    title: str = read_by(Keys.text)  # of the publication, for sentences
+    title: str = attrs.field(metadata=reads(Keys.text))  # of the publication, for sentences
     claims: tuple[Claim, ...]
     why_step: str = read_by(Keys.text, default="")  # how the step is known
 

@@ -164,11 +164,6 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"
 
 
-def answers_text(question: Question) -> str:
-    """Return which answers there are."""
-    return "in words" if question.in_words else range_text(question)
-
-
 def checked_answer(text: str, question: Question) -> float | str:
     """Return the typed answer; a comma may stand for the point of a number.
 
@@ -392,5 +387,6 @@ def news(before: ConsoleState, now: ConsoleState) -> list[str]:
     if question is not None and subject_of(now) != subject_of(before):
         anchors = ", ".join(f"{value:g} {words}" for value, words in question.anchors)
         asked = ": ".join(filter(None, ("asked", question.scale, question.text)))
-        lines.append(f"{asked} ({answers_text(question)}{'; ' + anchors if anchors else ''})")
+        answers = "in words" if question.in_words else range_text(question)
+        lines.append(f"{asked} ({answers}{'; ' + anchors if anchors else ''})")
     return lines

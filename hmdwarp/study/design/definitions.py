@@ -16,7 +16,7 @@ from ...headsets import FILE_ENDINGS as HEADSET_FILES
 from ...headsets import load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...options import Table, keep_inside, options_of, quoted, read_by
+from ...options import Table, keep_inside, options_of, quoted, read_by, reads
 from ...pipeline import SceneKey, Source, guarded_size
 from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen
 from ...scenes import FILE_ENDINGS as SCENE_FILES
@@ -73,7 +73,7 @@ class Sickness:
 class Consent:
     """Text that participants read before anything else; the store keeps its hash."""
 
-    version: str = read_by(Table.text)  # kept with each session
+    version: str = attrs.field(metadata=reads(Table.text))  # kept with each session
     text: str
 
 
@@ -108,7 +108,7 @@ class Design:
     """A study."""
 
     name: str
-    title: str = read_by(Table.line)
+    title: str = attrs.field(metadata=reads(Table.line))
     parts: tuple[Part, ...]
     scales: tuple[Scale, ...]  # asked after each trial, in this order
     families: tuple[Family, ...] = ()

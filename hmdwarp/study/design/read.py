@@ -413,13 +413,6 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     return Condition(PRACTICE, settings)
 
 
-def breaks_of(data: Table) -> Breaks:
-    """Return the breaks; none without [breaks]."""
-    if "breaks" not in data:
-        return Breaks()
-    return Breaks(**fields_in(data.table("breaks"), Breaks))
-
-
 def sickness_of(data: Table, folder: Path) -> Sickness | None:
     """Return the sickness rule, None without [sickness].
 
@@ -448,15 +441,6 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
         )
     rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
     return Sickness(scale, **fields_in(table, Sickness), stop_at=stop_at, rise=rise)
-
-
-def questionnaires_of(data: Table, folder: Path) -> tuple[tuple[Scale, ...], tuple[Scale, ...]]:
-    """Return the questionnaires before and after the session."""
-    if "questionnaires" not in data:
-        return (), ()
-    table = data.table("questionnaires")
-    before, after = (scales_of(table, key, folder, questionnaires=True) for key in ("before", "after"))
-    return before, after
 
 
 def consent_of(data: Table, folder: Path) -> Consent | None:
@@ -573,7 +557,8 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)
     scales = scales_of(trial, "scales", folder)
     sickness = sickness_of(data, folder)
-    before, after = questionnaires_of(data, folder)
+    asked = data.table("questionnaires") if "questionnaires" in data else Table({})
+    before, after = (scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
     if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
         raise trial.fault(
             "scales", f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
@@ -589,7 +574,7 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         seconds=seconds,
         until_done=until_done,
         practice=practice_of(data, checker),
-        breaks=breaks_of(data),
+        breaks=Breaks(**fields_in(data.table("breaks"), Breaks)) if "breaks" in data else Breaks(),
         sickness=sickness,
         before=before,
         after=after,

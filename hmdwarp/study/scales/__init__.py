@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self
 import attrs
 
 from ...errors import InputError, unknown_name
-from ...options import Table, fields_in, parsed, quoted, read_by, text_of
+from ...options import Table, fields_in, parsed, quoted, read_by, reads, text_of
 
 KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
 # Answers to a preference, and so the numbers of its choices.
@@ -26,7 +26,7 @@ class Item:
     """One question of a scale."""
 
     key: str  # its name in tables
-    text: str = read_by(Table.line)  # the question in words
+    text: str = attrs.field(metadata=reads(Table.line))  # the question in words
     # One of OWN_ANSWERS, for a question of a questionnaire that has answers of its own; "" for
     # those of its scale.
     answer: str = ""
@@ -62,8 +62,8 @@ class Scale:
     """Rating, sickness scale, questionnaire or preference; its fields are what its file says."""
 
     name: str  # the stem of its file
-    title: str = read_by(Table.line)
-    kind: str = read_by(Table.word, KINDS)
+    title: str = attrs.field(metadata=reads(Table.line))
+    kind: str = attrs.field(metadata=reads(Table.word, KINDS))
     items: tuple[Item, ...]  # exactly one for a rating or a preference
     least: float  # lowest answer
     most: float  # highest answer

@@ -1,8 +1,4 @@
-from .power import JOD_SPREAD as JOD_SPREAD
-from .power import people_for_sign as people_for_sign
-from .power import people_for_signed_rank as people_for_signed_rank
-from .power import sign_power as sign_power
-from .power import signed_rank_power as signed_rank_power
+from .rank_tests import JOD_SPREAD as JOD_SPREAD
 from .rank_tests import MOST_PAIRS as MOST_PAIRS
 from .rank_tests import RESAMPLES as RESAMPLES
 from .rank_tests import SEED as SEED
@@ -14,7 +10,11 @@ from .rank_tests import hodges_lehmann as hodges_lehmann
 from .rank_tests import holm as holm
 from .rank_tests import is_degenerate as is_degenerate
 from .rank_tests import kendalls_w as kendalls_w
+from .rank_tests import people_for_sign as people_for_sign
+from .rank_tests import people_for_signed_rank as people_for_signed_rank
 from .rank_tests import rank_biserial as rank_biserial
+from .rank_tests import sign_power as sign_power
+from .rank_tests import signed_rank_power as signed_rank_power
 from .rank_tests import smallest_p as smallest_p
 from .rank_tests import wilcoxon_exact as wilcoxon_exact
 from .thurstone import Scores as Scores

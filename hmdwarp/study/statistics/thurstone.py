@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import log_ndtr, ndtr, stdtrit
 
-from .power import JOD_SPREAD
-from .rank_tests import bca_shares
+from .rank_tests import JOD_SPREAD, bca_shares
 
 Array = NDArray[np.float64]
 

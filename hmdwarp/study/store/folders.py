@@ -97,11 +97,11 @@ def noted_entries(folder: Path) -> int:
     return 0
 
 
-def _no_place(error: OSError, folder: Path) -> HmdwarpError:
+def _no_place(error: OSError, folder: Path, what: str = "write") -> HmdwarpError:
     why = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
         return MachineError(f"{folder}: cannot write ({why}): make room, or choose another folder (--store)")
-    return InputError(f"{folder}: cannot write ({why}): choose another folder for the study's data (--store)")
+    return InputError(f"{folder}: cannot {what} ({why}): choose another folder for the study's data (--store)")
 
 
 def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:
@@ -175,14 +175,7 @@ def make_folders(folder: Path) -> None:
         (folder / TRACES).mkdir(mode=0o700, exist_ok=True)
         sync(folder)
     except OSError as error:
-        why = error.strerror or str(error)
-        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
-            raise MachineError(
-                f"{folder}: cannot write ({why}): make room, or choose another folder (--store)"
-            ) from error
-        raise InputError(
-            f"{folder}: cannot be created ({why}): choose another folder for the study's data (--store)"
-        ) from error
+        raise _no_place(error, folder, "be created") from error
 
 
 def check_place(folder: Path) -> None:

@@ -83,11 +83,6 @@ def text_of(instant: datetime) -> str:
     return instant.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
-def seconds_back(before: str, now: str) -> float:
-    """Return by how much `now` lies before `before`; negative where it does not."""
-    return (datetime.fromisoformat(before) - datetime.fromisoformat(now)).total_seconds()
-
-
 BACK_S = 1.0  # less is the network correcting the clock, and no order depends on it
 NOTHING = "holds no data of a study"
 
@@ -528,10 +523,12 @@ class Store:
         now, mono_ns = self._now(), self._clock.mono_ns()
         latest = self._db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
-        if latest is not None and (back_s := seconds_back(latest[0], now)) >= BACK_S:
+        before = now if latest is None else latest[0]
+        back_s = (datetime.fromisoformat(before) - datetime.fromisoformat(now)).total_seconds()
+        if back_s >= BACK_S:
             # No time of another session: this entry stays when that session's participant
             # withdraws.
-            noted = {"before": latest[0], "back_s": back_s} if latest[1] == session.id else {}
+            noted = {"before": before, "back_s": back_s} if latest[1] == session.id else {}
             self._db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(noted)))
             self._say(
                 f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does "
