@@ -116,18 +116,9 @@ def made_up(rng: random.Random) -> bytes:
     )
     sign = rng.choice([b",", b";", b" ", b"\t", b", "])
     fields = [
-        *NUMBERS,
-        *WORDS[:6],
-        b"12:34:56.7",
-        b"2020-01-01T00:00:00",
-        b"0,5",
-        b"HMD",
-        b'"1"',
-        b"0x1",
-        b"1",
-        b"2",
+        *NUMBERS, *WORDS[:6], b"12:34:56.7", b"2020-01-01T00:00:00", b"0,5", b"HMD", b'"1"', b"0x1", b"1", b"2",
         b"3",
-    ]
+    ]  # fmt: skip
     rows = [sign.join(rng.choices(fields, k=rng.randrange(4, 9))) for _ in range(rng.randrange(8))]
     return b"\n".join([names, *rows])
 
@@ -185,20 +176,9 @@ def damaged_npy(data: bytes, rng: random.Random) -> bytes:
     head, body = data[begin:end], data[end:]
     if rng.random() < 0.6:
         types = [
-            b"<f4",
-            b"<f8",
-            b"<f2",
-            b"|u1",
-            b"<u2",
-            b"<i8",
-            b"<c8",
-            b"|O",
-            b"<U4",
-            b"|b1",
-            b"|V4",
-            b"<M8[ns]",
+            b"<f4", b"<f8", b"<f2", b"|u1", b"<u2", b"<i8", b"<c8", b"|O", b"<U4", b"|b1", b"|V4", b"<M8[ns]",
             b">f8",
-        ]
+        ]  # fmt: skip
         if rng.random() < 0.5:
             head = re.sub(rb"'descr': '[^']*'", b"'descr': '" + rng.choice(types) + b"'", head)
         else:

@@ -46,15 +46,7 @@ CALLS: dict[type, tuple[str, ...]] = {
     moderngl.Sampler: ("use", "clear", "release"),
     moderngl.Scope: ("__enter__", "__exit__", "release"),
     moderngl.Texture: (
-        "read",
-        "read_into",
-        "write",
-        "build_mipmaps",
-        "use",
-        "bind_to_image",
-        "release",
-        "filter",
-        "repeat_x",
+        "read", "read_into", "write", "build_mipmaps", "use", "bind_to_image", "release", "filter", "repeat_x",
         "repeat_y",
     ),
     moderngl.VertexArray: ("render", "render_indirect", "transform", "release"),
@@ -83,7 +75,7 @@ CALLS: dict[type, tuple[str, ...]] = {
         *("detect_framebuffer", "error", "__enter__", "__exit__"),
     ),
     _moderngl.Uniform: ("write", "read"),
-}
+}  # fmt: skip
 # What makes something that lives on the GPU. A scope is none, but moderngl keeps each one until the
 # context goes.
 MAKERS = (

@@ -66,9 +66,7 @@ _WAIT_MS = 200  # between looks at whether to stop
 
 
 def serve(
-    options: ServeOptions,
-    say: Callable[[str], None] = lambda text: None,
-    goes_on: Callable[[], bool] = lambda: True,
+    options: ServeOptions, say: Callable[[str], None] = lambda text: None, goes_on: Callable[[], bool] = lambda: True
 ) -> None:
     """Draw for clients until interrupted, or until goes_on() says no.
 
@@ -108,6 +106,7 @@ def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callabl
         if asked is not None:
             _answer_or_refuse(sessions, coders, asked)
             server.take_back()
+        if asked is not None or not listener.clients:  # what was drawn for those who have left is freed
             server.trim()
 
 
@@ -157,7 +156,7 @@ def _door(
         door = web.Door(
             options.web, listener.address, about | {"reports": logs is not None}, traces, lock=lock,
             certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin,
-            places=listener.places, say=say,
+            places=listener.places, say=say
         )  # fmt: skip
         opened.enter_context(closing(door))
         say(f"for a browser: open {door.address}")

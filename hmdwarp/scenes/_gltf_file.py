@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, SceneError
 from ..options.documents import DocumentError, parse_json
-from ..options.named_files import GLTF, SCENE, content_of
+from ..options.named_files import GLTF, SCENE, content_of, most_unpacked
 from ..resources import install_line
 from ._notes import Notes, read_beside, rgba_of
 
@@ -267,28 +267,10 @@ def is_mirror(material: dict[str, Any]) -> bool:
     return isinstance(metallic, int | float) and isinstance(rough, int | float) and metallic >= 0.95 and rough <= 0.05
 
 
-POINTER, DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
-    "KHR_animation_pointer",
-    "KHR_draco_mesh_compression",
-    "EXT_mesh_gpu_instancing",
-    "KHR_lights_punctual",
-    "KHR_texture_basisu",
-    "KHR_node_visibility",
-)
-READ = {
-    POINTER,
-    DRACO,
-    INSTANCING,
-    LIGHTS,
-    SPECULAR,
-    VISIBILITY,
-    "EXT_texture_webp",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-}
+POINTER, DRACO, INSTANCING = "KHR_animation_pointer", "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
+LIGHTS, KTX2, VISIBILITY = "KHR_lights_punctual", "KHR_texture_basisu", "KHR_node_visibility"
+READ = {POINTER, DRACO, INSTANCING, LIGHTS, SPECULAR, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization"}
+READ |= {f"KHR_materials_{name}" for name in ("emissive_strength", "transmission", "unlit")} | {"KHR_texture_transform"}
 _COPY = "gltf-transform copy"
 _TOOLS = {
     DRACO: _COPY,
@@ -355,9 +337,11 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
         return
     import DracoPy
 
-    view = file.item("bufferViews", packed.get("bufferView"), user)
+    data_in = file.view(file.item("bufferViews", packed.get("bufferView"), user))
     try:
-        mesh = DracoPy.decode(file.view(view))
+        if (size := _draco_bytes(data_in)) > (most := 8 * most_unpacked(len(data_in))):  # planes pack 330:1
+            raise file.error(f"{user}: {size} bytes, unpacked, of Draco; expected at most {most}: export it without")
+        mesh = DracoPy.decode(data_in)
         data = {part["unique_id"]: np.asarray(part["data"]) for part in mesh.attributes}
         for name, number in packed["attributes"].items():
             rows = data[number]
@@ -370,6 +354,22 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
         raise file.error(
             f"{user}: its Draco data cannot be decoded ({type(error).__name__}); export it again"
         ) from error
+
+
+def _draco_bytes(data: bytes) -> int:
+    """Return what a packed mesh (Draco's bitstream 2.2, sections 3 and 4) says that it takes."""
+    magic, version, kind, method, flags = data[:5], data[5:7], data[7], data[8], data[9] | data[10] << 8
+    if magic != b"DRACO" or version != b"\x02\x02" or kind != 1 or method > 1 or flags & 1 << 15:
+        raise ValueError("expected a mesh of version 2.2 without metadata")
+    found, at = [0, 0], 11 + method  # varints: faces and points, or where edges are followed points and faces
+    for which in (0, 1):
+        for shift in range(0, 64, 7):
+            found[which] |= (data[at] & 127) << shift
+            at += 1
+            if data[at - 1] < 128:
+                break
+    faces, points = found if method == 0 else found[::-1]
+    return 12 * faces + 32 * points  # three indices, eight numbers
 
 
 def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray | None:

@@ -294,13 +294,7 @@ class Looks:
         return ways != {_CLAMP}
 
     def _add(
-        self,
-        name: str,
-        image: NDArray[np.uint8] | None,
-        *,
-        srgb: bool,
-        repeat: bool,
-        emission: Emission | None = None,
+        self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool, repeat: bool, emission: Emission | None = None
     ) -> int:
         if image is None and emission is None:
             return -1

@@ -89,7 +89,7 @@ class Nodes:
     """
 
     def __init__(self, file: GltfFile, notes: Notes, animation: str | None = None) -> None:
-        self._file, self._nodes = file, file.items("nodes")
+        self._file, self._nodes, self.error = file, file.items("nodes"), file.error
         # 4x4, world_from_file: what it takes to metres with +y up, and to where the viewer stands.
         self.root = np.eye(4)
         self.parents = self._parents_of()
@@ -97,6 +97,7 @@ class Nodes:
         self._matrices: dict[int, Array] = {}  # of nodes at rest, see _local
         # By the root and the time, what `at` found for each node: the last few times.
         self._found: dict[tuple[int, float], tuple[Array, dict[int, tuple[Array, Array]]]] = {}
+        self.placed, self._keys = 0, sum(map(len, file.buffers))  # times that nodes were placed; keys that may come
         self.curves: dict[int, dict[str, Curve]] = {}
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
@@ -175,6 +176,7 @@ class Nodes:
             (placed, moving), (local, change) = found[self.parents[below]], self._local(below, seconds)
             found[below] = placed @ local, moving @ local + placed @ change
             node = below
+        self.placed += len(way)
         return found[node]
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
@@ -264,6 +266,9 @@ class Nodes:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
+        self._keys -= self._file.count(sampler, "input")
+        if self._keys < 0:
+            raise error(f"{name}: more keys in all than the file has bytes; export it with fewer")
         times = self._file.numbers(sampler.get("input"), name, 1)[:, 0].astype(np.float64)
         values = self._file.numbers(sampler.get("output"), name, _WIDTH[path])
         if values.dtype.kind != "f":
@@ -294,6 +299,7 @@ def _matrix(parts: dict[str, Array]) -> Array:
     return out
 
 
+MOST_PLACED = 1_000_000  # of nodes at instants, to know which chains are rigid: two or three minutes
 # A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by
 # 1e-7 each.
 RIGID = 1e-5
@@ -331,10 +337,12 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
     start = nodes.at(node, 0)[0][:3, :3]
     if abs(np.linalg.det(start)) < 1e-12:
         return False
-    keys = np.unique(
-        [s for parent in nodes.line(node) for c in nodes.curves.get(parent, {}).values() for s in c.times_s]
-    )
+    curves = [curve.times_s for parent in nodes.line(node) for curve in nodes.curves.get(parent, {}).values()]
+    keys = np.unique(np.concatenate(curves))
     for seconds in np.union1d(keys, (keys[1:] + keys[:-1]) / 2):
+        if nodes.placed > MOST_PLACED:
+            what = f"node {node}: its chains of nodes move at too many instants: {MOST_PLACED:,} places were looked at"
+            raise nodes.error(f"{what}; export fewer keys, or a chain that is less deep")
         turn = nodes.at(node, round(seconds * 1e9))[0][:3, :3] @ np.linalg.inv(start)
         if np.abs(turn.T @ turn - np.eye(3)).max() > RIGID or np.linalg.det(turn) < 0:
             return False

@@ -35,13 +35,7 @@ class GltfContent:
     Errors: SceneError, one line, naming the file and the broken animation, skin or mesh.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        units: Array,
-        animation: str | None,
-        notes: Notes,
-    ) -> None:
+    def __init__(self, path: Path, units: Array, animation: str | None, notes: Notes) -> None:
         self.notes = notes
         self.bodies: list[Body] = []
         self._body_numbers: dict[int, int] = {}  # by node
@@ -180,6 +174,9 @@ class GltfContent:
         mesh = self._file.item("meshes", node["mesh"], user)
         for target, weight in zip(targets, node.get("weights", mesh.get("weights", [])), strict=False):
             if weight and "POSITION" in target:
+                self._left -= self._file.count(target, "POSITION") // 3
+                if self._left < 0:
+                    raise self._file.error(f"more than {3 * MOST_TRIANGLES} vertices of morph targets; export fewer")
                 change = self._file.numbers(target["POSITION"], user, 3)
                 if len(change) != len(rest):
                     raise self._file.error(f"{user}: {len(rest)} positions, {len(change)} of a morph target")

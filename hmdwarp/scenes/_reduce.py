@@ -33,12 +33,7 @@ Triangles = list[NDArray[np.uint32]]
 
 
 def reduced(
-    scene: Scene,
-    share: float,
-    *,
-    texture: float = 1.0,
-    least: int = LEAST_TRIANGLES,
-    matt: bool = True,
+    scene: Scene, share: float, *, texture: float = 1.0, least: int = LEAST_TRIANGLES, matt: bool = True
 ) -> Scene:
     """Return the scene's surfaces with about `share` of their triangles, and baked light.
 

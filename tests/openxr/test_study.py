@@ -48,17 +48,9 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
     lines = text[: text.index("[[family]]")].splitlines()
     study.write_text("\n".join(line for line in lines if '"late"' not in line and '"turned"' not in line))
     command = [
-        sys.executable,
-        "-m",
-        "hmdwarp",
-        "study",
-        "run",
-        str(study),
-        "--participant",
-        "one",
-        "--simulate",
+        sys.executable, "-m", "hmdwarp", "study", "run", str(study), "--participant", "one", "--simulate",
         str(model),
-    ]
+    ]  # fmt: skip
     command += ["--source", "openxr", "--console", "none"]
     monado = runtime(WOBBLING, UNSEEN)
     monado.start()

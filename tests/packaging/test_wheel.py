@@ -46,17 +46,9 @@ def installed(wheel, tmp_path_factory) -> Path:
     venv.create(place / "env", with_pip=False)
     bin_folder = place / "env" / "bin"
     install = [
-        sys.executable,
-        "-m",
-        "pip",
-        "--python",
-        bin_folder / "python",
-        "install",
-        "--no-index",
-        "--no-deps",
-        "--quiet",
-        wheel,
-    ]
+        sys.executable, "-m", "pip", "--python", bin_folder / "python", "install", "--no-index", "--no-deps",
+        "--quiet", wheel,
+    ]  # fmt: skip
     done = run(*install, cwd=place)
     assert done.returncode == 0, done.stdout + done.stderr
     # A .pth only appends to sys.path: the packages there are seen, but the .pth of the editable

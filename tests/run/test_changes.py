@@ -80,19 +80,9 @@ def test_a_value_is_taken_as_it_is(name, value):
 
 
 REFUSED = [
-    ("latency", -1),
-    ("latency", 1e9),
-    ("latency", math.nan),
-    ("latency", "fast"),
-    ("guard", 0.5),
-    ("guard", 3.5),
-    ("guard", "auto"),
-    ("view", "sideways"),
-    ("view", True),
-    ("warp", 3),
-    ("quit", None),
-    ("speed", 1),
-]
+    ("latency", -1), ("latency", 1e9), ("latency", math.nan), ("latency", "fast"), ("guard", 0.5), ("guard", 3.5),
+    ("guard", "auto"), ("view", "sideways"), ("view", True), ("warp", 3), ("quit", None), ("speed", 1),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "value"), REFUSED)

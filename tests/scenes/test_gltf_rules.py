@@ -15,7 +15,7 @@ from hmdwarp.cloudlight.points import PointCells
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import load_scene, only_light, partial_scene, reduced, unlit
+from hmdwarp.scenes import _gltf_nodes, load_scene, only_light, partial_scene, reduced, unlit
 from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, SQUARE, Glb, boxes, cube
@@ -320,6 +320,25 @@ def test_a_long_chain_of_nodes_stands_where_its_steps_lead(tmp_path):
     scene, glb.header["nodes"] = glb.load(tmp_path), [{"mesh": 0, "translation": [0, 0, -count * 1e-3]}]
     wanted = glb.load(tmp_path, "one.glb")
     np.testing.assert_allclose(scene.meshes[0].positions, wanted.meshes[0].positions, atol=1e-5)
+
+
+def test_keys_of_animations_and_places_of_chains_are_bounded(tmp_path, monkeypatch):
+    """Neither many channels of one list of keys, nor a deep chain that moves at many instants."""
+    glb, count = Glb(), 200
+    glb.header["nodes"] = [{"children": [n + 1], "mesh": 0} for n in range(count)] + [{"mesh": 0}]
+    for node in range(count):
+        glb.animate("translation", [node / 100, node / 100 + 1], [[0, 0, 0], [0, 0, 1]], node=node)
+    monkeypatch.setattr(_gltf_nodes, "MOST_PLACED", 10_000)
+    with pytest.raises(SceneError, match="move at too many instants: 10,000 places were looked at"):
+        glb.load(tmp_path)
+    glb.header["nodes"] = [{"mesh": 0} for n in range(count)]
+    glb.load(tmp_path)
+    (walk,) = glb.header["animations"]
+    walk["channels"] = [channel | {"sampler": 0} for channel in walk["channels"]]
+    times, places = np.arange(1000) / 60, np.zeros((1000, 3))
+    walk["samplers"] = [{"input": glb.numbers(times), "output": glb.numbers(places)}]
+    with pytest.raises(SceneError, match="more keys in all than the file has bytes"):
+        glb.load(tmp_path)
 
 
 @pytest.mark.parametrize("what", ["positions", "indices", "instances of a mesh"])

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import _gltf_scene, load_scene
 
 from .glb import IN_PLACE, SQUARE, Glb
 
@@ -67,6 +68,19 @@ def test_draco_is_unpacked(tmp_path):
 def test_damaged_draco_data_are_refused(tmp_path):
     with pytest.raises(SceneError, match="Draco data cannot be decoded"):
         packed(SQUARE, np.array([(0, 1, 2)]), b"DRACO but not really").load(tmp_path)
+
+
+@pytest.mark.parametrize("level", [0, 1, 7])
+def test_draco_data_are_refused_by_what_they_say_that_they_unpack_to(tmp_path, level):
+    """Nothing of 4 points and 2 faces is unpacked once they say that they are 30 million."""
+    draco, count = pytest.importorskip("DracoPy", reason="the extra 'draco' is not installed"), b"\x80\x87\xa7\x0e"
+    faces = np.array([(0, 1, 2), (0, 2, 3)])
+    data = draco.encode(SQUARE, faces.astype(np.uint32), quantization_bits=16, compression_level=level)
+    for number, at in enumerate((11, 12) if level == 0 else (13, 12)):
+        assert data[at] == (2, 4)[number]
+        said = (12, 32)[number] * 30_000_000 + (4 * 32, 2 * 12)[number]
+        with pytest.raises(SceneError, match=f"{said} bytes, unpacked, of Draco; expected at most 134217728"):
+            packed(SQUARE, faces, data[:at] + count + data[at + 1 :]).load(tmp_path)
 
 
 def test_without_the_library_draco_is_refused_with_the_extra_to_install(tmp_path, monkeypatch):
@@ -194,6 +208,16 @@ def test_sparse_numbers_stand_in_their_places(tmp_path):
     expected = SQUARE.copy()
     expected[2] = values
     assert np.allclose(world(glb.load(tmp_path)), expected + (0, 1, -3))
+
+
+def test_vertices_of_morph_targets_count_as_the_scene_s(tmp_path, monkeypatch):
+    """Many may share one list of numbers."""
+    glb, change = Glb(), {"POSITION": 0}
+    monkeypatch.setattr(_gltf_scene, "MOST_TRIANGLES", 20)
+    for count, refuses in ((20, False), (21, True)):
+        glb.primitive["targets"], glb.header["meshes"][0]["weights"] = [change] * count, [1.0] * count
+        with pytest.raises(SceneError, match="vertices of morph targets") if refuses else nullcontext():
+            glb.load(tmp_path)
 
 
 def test_morph_targets_stand_at_their_weights_and_do_not_move(tmp_path):

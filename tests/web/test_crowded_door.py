@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import socket
 import struct
@@ -49,16 +50,19 @@ def place(serving) -> tuple[str, int]:
     return host, int(port)
 
 
-def answer(serving, request: bytes) -> bytes:
-    """What comes back until the door closes."""
+def answer(serving, *pieces: bytes) -> bytes:
+    """What comes back until the door closes, which may be before all is sent."""
     with socket.create_connection(place(serving)) as one:
-        one.sendall(request)
-        one.shutdown(socket.SHUT_WR)
+        one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         found = b""
         try:
+            for piece in pieces:
+                one.sendall(piece)
+                time.sleep(0.002 * (len(pieces) > 1))
+            one.shutdown(socket.SHUT_WR)
             while more := one.recv(1 << 16):
                 found += more
-        except ConnectionError:
+        except OSError:  # cut, or so when it is to be shut
             pass
         return found
 
@@ -96,11 +100,29 @@ HEADS = st.builds(
 
 
 @KINDS
-@given(HEADS | st.binary(max_size=300))
-def test_any_request_is_refused_without_a_traceback(serving, request_):
-    found = answer(serving, request_)
+@given(HEADS | st.binary(max_size=300), st.lists(st.integers(0, 400), max_size=4), st.integers(0, 3))
+def test_any_request_is_refused_without_a_traceback(serving, request_, cuts, stopped):
+    """Whole or in pieces, each on its way before the next; others stop within meanwhile."""
+    ends = sorted({min(cut, len(request_)) for cut in cuts})
+    pieces = [request_[first:last] for first, last in itertools.pairwise([0, *ends, len(request_)])]
+    with ExitStack() as stack:
+        for _ in range(stopped):
+            stack.enter_context(socket.create_connection(place(serving))).sendall(pieces[0])
+        found = answer(serving, *pieces)
     assert not found or int(found.split()[1]) in range(400, 432), found[:200]
     assert "Traceback" not in "".join(serving._said)
+
+
+@KINDS
+@given(st.lists(st.binary(min_size=2, max_size=200), max_size=4))
+def test_any_bytes_behind_the_handshake_leave_the_next_page_its_frame(serving, pieces):
+    head = (
+        f"GET /feed HTTP/1.1\r\nHost: {serving.door.split('/')[2]}\r\nCookie: {serving.cookie}\r\nConnection: Upgrade"
+    )
+    head += "\r\nUpgrade: websocket\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+    answer(serving, head.encode(), *pieces)
+    assert isinstance(asyncio.run(_spoken(serving, [])), FrameMessage)
+    assert not any("internal error" in line or "Traceback" in line for line in serving._said)
 
 
 NUMBERS = st.floats(width=64) | st.integers(-(2**70), 2**70) | st.sampled_from([1e-320, 1e20, 10**400])

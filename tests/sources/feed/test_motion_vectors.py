@@ -145,18 +145,10 @@ def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of(top, end
 @pytest.mark.parametrize(
     "change",
     [
-        (8, 0.0),
-        (8, -1.0),
-        (8, np.nan),
-        (6, -0.1),
-        (6, 0.0),
-        (6, 100.0),
-        (7, np.nan),
-        (0, np.inf),
-        (23, 3.0),
+        (8, 0.0), (8, -1.0), (8, np.nan), (6, -0.1), (6, 0.0), (6, 100.0), (7, np.nan), (0, np.inf), (23, 3.0),
         (12, np.nan),
     ],
-)
+)  # fmt: skip
 def test_numbers_that_are_none_are_refused(change):
     depth, _, vectors = scene(0.1, 100.0)
     numbers = told(0.1, 100.0)
