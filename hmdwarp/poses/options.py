@@ -15,7 +15,8 @@ MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, s
 PREDICTORS = {"cautious": "cautious", "cav": "steady", "constant_velocity": "steady", "none": "steady"}
 PREDICTORS["on"] = "cautious"
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
-TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
+FRAMES = "frames"
+TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
 QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
@@ -93,10 +94,11 @@ class TraceOptions(Declared):
         unit="Hz",
         valid=Number(least=1e-3, most=1e6),
     )
-    # A key of `reading.times.UNITS_NS`.
+    # A key of `reading.times.UNITS_NS`, or FRAMES.
     time_unit: str | None = option(
         None,
-        "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed.",
+        "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; by default as the file says, or "
+        "guessed.",
         valid=one_of(*TIME_UNITS),
     )
     # See `load.StatedColumns`.

@@ -10,18 +10,19 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError, counted
+from ...errors import TraceError, are_digits, counted
 from .. import quaternions
 from ..assumptions import Assumption, By, Defect, Layout, unstated
-from ..options import TraceOptions
+from ..options import FRAMES, TraceOptions
 from ..track import PoseTrack, gap_limit_ns
+from . import times
 from .axes import AXES, UP, WRAP
 from .columns import head_rank
 from .file_head import Head
 from .judged_axes import JudgedAxes, is_inverse
-from .plausibility import find_jumps, inverted, rate_fault
+from .plausibility import IMPOSSIBLE_HZ, find_jumps, inverted, rate_fault
 from .rows import Rows
-from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps, absurd_rows, guess_unit, midnights, to_ns, wraps_of
+from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps
 
 COARSE_NORM = 1e-2
 WORST_NORM = 0.5
@@ -215,7 +216,7 @@ class Cleaner:
         if stated is None:
             tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
             lost = [not tracked[device == name].any() for name in names]
-            order = [float(t) for t in texts] if all(_is_index(t) for t in texts) else first.tolist()
+            order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
             taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
         else:
             taken = texts.index(stated)
@@ -248,20 +249,29 @@ class Cleaner:
             raise TraceError(
                 f"{self.where}: {n} rows at a rate of {rate:g} Hz last over 146 years; give a higher --trace-rate"
             )
+        if self.layout.unit == FRAMES:
+            return None, "the file numbers its frames", "these numbers", rate
         self.rows.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
-        return None, "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time", rate
+        aside = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
+        return None, aside, "row numbers", rate
 
     def midnights(self) -> Found:
-        found = midnights(self.stamps)
+        found = times.midnights(self.stamps)
         return None if found is None else self.count_on(found, "the clock passes midnight {}")
 
+    def counted_fractions(self) -> Found:
+        if (found := times.as_counts(self.stamps)) is None:
+            return None
+        self.rows.stamps = found[0]
+        return None, found[1]
+
     def absurd_stamps(self) -> Found:
-        bad = absurd_rows(self.stamps)
+        bad = times.absurd_rows(self.stamps)
         return (bad, counted(len(bad), "row"), self.stamps[bad[:1]].text()) if len(bad) else None
 
     def wraps(self) -> Found:
-        found = wraps_of(self.stamps, self.rows.orientation)
+        found = times.wraps_of(self.stamps, self.rows.orientation)
         return None if found is None else self.count_on(found, f"the clock wraps {{}}, at {found.what}")
 
     def reversed_rows(self) -> Found:
@@ -279,6 +289,11 @@ class Cleaner:
 
     def find_unit(self) -> Found:
         steps = self.stamps.steps()
+        if self.layout.unit == FRAMES:
+            step_ns, first = BILLION / (self.options.rate or 1), int(self.stamps.whole[0])
+            counted_ns = np.rint((self.stamps.whole - first) * step_ns).astype(np.int64) + round(first * step_ns)
+            self.rows.stamps, self.unit = Stamps(counted_ns, np.zeros(len(steps) + 1, np.int64)), "ns"
+            return None
         self.unit = "s" if self.stamps.clock else self.options.time_unit or self.layout.unit or ""
         if self.unit:
             return None
@@ -288,14 +303,27 @@ class Cleaner:
                 "instead"
             )
         step = float(np.median(steps[steps > 0]))
-        self.unit = guess_unit(self.stamps, step)
+        if 2 * np.count_nonzero(steps == 0) > len(steps):  # a clock so coarse that most rows share a stamp
+            step = float(steps[steps >= 0].mean())
+        self.unit = times.guess_unit(self.stamps, step)
         self.layout = attrs.evolve(self.layout, unit=self.unit, unit_by=By.NOBODY)
         return None, UNIT_NAMES[self.unit], BILLION / (step * UNITS_NS[self.unit])
 
+    def clock_changes(self) -> Found:
+        """Count on where the clock changes under a head that moves on; refuse another unit."""
+        if (row := times.unit_change(self.stamps)) is not None:
+            raise TraceError(f"{self.where}: its clock changes its unit in line {self.line(row)}: cut the file there")
+        found = times.clock_changes(self.stamps, self.unit, self.rows.orientation)
+        if found is None:
+            return None
+        self.rows.stamps = found.stamps
+        return found.rows, counted(len(found.rows), "time"), found.what
+
     def find_segments(self) -> Found:
-        """Split where time decreases, never sorting; choose the longest recording."""
-        stamps = self.stamps
-        falls = np.flatnonzero(stamps.steps() < 0) + 1
+        """Split where time decreases or leaps by years, never sorting; choose the longest part."""
+        stamps, years = self.stamps, times.YEARS_S * BILLION / UNITS_NS[self.unit]
+        steps = stamps.steps()
+        falls = np.flatnonzero((steps < 0) | (steps > years)) + 1
         starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
         first, last = stamps[starts], stamps[ends - 1]
         span = (last.whole - first.whole) + (last.billionths - first.billionths) / BILLION
@@ -321,13 +349,10 @@ class Cleaner:
         self.keep(slice(bounds[taken - 1], bounds[taken]))
 
     def read_times(self) -> Found:
-        """Convert stamps to nanoseconds since the segment's first row; find a rate of no tracker.
-
-        That row's time is subtracted before anything is scaled.
-        """
+        """Convert stamps to ns since the segment's first row, subtracted before scaling."""
         unit, stamps = self.unit, self.stamps
         try:
-            self.time_ns, self.epoch_ns = to_ns(stamps, unit)
+            self.time_ns, self.epoch_ns = times.to_ns(stamps, unit)
         except OverflowError as error:
             raise TraceError(
                 f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
@@ -335,14 +360,36 @@ class Cleaner:
         self.rows.stamps = None
         self.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[unit]
         if self.options.rate is not None:
-            self.time_unit = f"row numbers at {self.options.rate:g} Hz"
+            what = "frame" if self.layout.unit == FRAMES else "row"
+            self.time_unit = f"{what} numbers at {self.options.rate:g} Hz"
+        return None
+
+    def coarse_clock(self) -> Found:
+        """Find a clock of few ticks, and space the rows evenly where that fits every stamp."""
+        found = None if self.options.rate is not None else times.coarse_clock(self.time_ns, self.rows.orientation)
+        if found is None:
             return None
+        done = "kept, and so are speeds and predictions that err as much"
+        if found.even_ns is not None:
+            self.epoch_ns += int(found.even_ns[0])
+            self.time_ns = found.even_ns - found.even_ns[0]
+            rate = BILLION / float(np.median(np.diff(self.time_ns)))
+            done = f"rows taken evenly at {rate:.4g} Hz, which fits every stamp"
+        return found.jittering, found.tick_ns / 1e6, np.degrees(found.error_rad), done
+
+    def odd_rate(self) -> Found:
+        """Find a rate of no tracker. Errors: TraceError for one that no recording can have."""
         steps = np.diff(self.time_ns)
-        if len(steps) < 2 or not (steps > 0).any():
+        if self.options.rate is not None or len(steps) < 2 or not (steps > 0).any():
             return None
         step_ns = float(np.median(steps[steps > 0]))
-        remedy = rate_fault(step_ns, unit)
-        return (None, UNIT_NAMES[unit], BILLION / step_ns, remedy) if remedy else None
+        rate_hz, remedy = BILLION / step_ns, rate_fault(step_ns, self.unit)
+        if not IMPOSSIBLE_HZ[0] <= rate_hz <= IMPOSSIBLE_HZ[1]:
+            raise TraceError(
+                f"{self.where}: its clock, read as {UNIT_NAMES[self.unit]}, makes {rate_hz:.4g} Hz, which no recording "
+                f"has: {remedy}"
+            )
+        return (None, UNIT_NAMES[self.unit], rate_hz, remedy) if remedy else None
 
     def invert(self) -> Found:
         if is_inverse(self.layout, self.options):
@@ -364,6 +411,21 @@ class Cleaner:
         if not len(find_jumps(self.time_ns[change], q[change], metres)):
             return None
         return np.arange(run), f"{run} rows hold" if run > 1 else "row holds"
+
+    def default_rows(self) -> Found:
+        """Find rows of no turn, or exactly at the origin, that the head jumps to and from."""
+        q, p = self.rows.orientation, self.rows.position
+        default = ~(q[:, :3].any(axis=1))
+        if p is not None:
+            default |= ~p.any(axis=1)
+        if default.all() or not default.any():
+            return None
+        jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
+        jumps[[0, -1]] = True
+        jumps[find_jumps(self.time_ns, q, None if p is None else p * self.judged.scale()) + 1] = True
+        starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
+        lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
+        return (np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time")) if lost else None
 
     def trim(self, at: NDArray[np.intp]) -> None:
         run = len(at)
@@ -464,10 +526,3 @@ class Cleaner:
     def tilt(self) -> Found:
         self.judged.report_tilt(self.rows.orientation)
         return None
-
-
-def _is_index(text: str) -> bool:
-    try:
-        return abs(float(text)) < 1e9
-    except ValueError:
-        return False

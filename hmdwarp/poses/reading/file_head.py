@@ -198,7 +198,7 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
     if start.startswith(BAGS):
         return BagPoses(path).table()
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
-        return table_of_json(_whole(path, file))
+        return table_of_json(path, _whole(path, file))
     if MARK in start[:200]:
         return table_of_colmap(path, _whole(path, file))
     export = export_reader(path, start)

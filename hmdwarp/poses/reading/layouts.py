@@ -15,9 +15,10 @@ from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
 from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
-from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices
+from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices, owner_rank
 from .file_head import Head, is_number
 from .pose_messages import COLUMNS as MESSAGES
+from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(
     "order-assumed",
@@ -47,14 +48,10 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
 
-    def values(clock: tuple[int, str | None]) -> int:
-        return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
-
-    # Of several clocks the one that takes the most values over the first rows.
-    time, unit = max(found.clocks, key=values, default=(None, None))
-    facts = {
-        **{"time": time, "unit": unit, "unit_by": By.FORMAT if "unit" in known else By.FILE},
-        **{"nanoseconds": found.nanoseconds, "position": found.position, "device": column_of_devices(head)},
+    clock, told = _clock(head, found)
+    facts = clock | {
+        **{"unit_by": By.FORMAT if "unit" in known else By.FILE},
+        **{"position": found.position, "device": column_of_devices(head)},
         **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.NOBODY},
     }
     if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
@@ -63,8 +60,34 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     turn = _turn(head, found, options, known)
     if (said := direction_of([head.names[c] for c in turn["orientation"]])) is not None:
         facts |= {"inverse": said == INVERSE, "direction_by": By.FILE}
-    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
+    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()), *told)
     return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
+
+
+def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
+    """Return which columns are the time, as fields of Layout, and a note on other clocks."""
+    names = head.names or []
+
+    def cells(column: int) -> list[str]:
+        return [row[column] for row in head.rows if len(row) > column and row[column]]
+
+    for whole, rest, unit in sorted(found.pairs, key=lambda pair: owner_rank(names[pair[0]])):
+        counts = [cell for cell in cells(rest) if are_digits(cell) and int(cell) < BILLION // UNITS_NS[unit]]
+        if len(counts) == len(cells(rest)) and all(map(are_digits, cells(whole))):
+            return {"time": whole, "unit": "s", "rest": rest, "rest_unit": unit}, ()
+    if not found.clocks:
+        return {"time": None}, ()
+    values = {column: len(set(cells(column))) for column, _ in found.clocks}
+    # Of several clocks those that take the most values over the first rows, then the pose's own.
+    fine = [clock for clock in found.clocks if 10 * values[clock[0]] > 9 * max(values.values())]
+    time, said = min(fine, key=lambda clock: owner_rank(names[clock[0]]))
+    others = ", ".join(names[column] for column, _ in found.clocks if column != time)
+    done = f"{names[time]} taken; --time-column takes another"
+    note = Defect("clocks-several", f"its rows have other clocks as well ({others})", done)
+    hours, days = cells(time), [] if found.date is None else cells(found.date)
+    dated = days and all(map(DATE.match, days)) and all(re.match("[0-9]{1,2}:", hour) for hour in hours)
+    dates = {"rest": found.date, "rest_unit": "date"} if dated else {}
+    return {"time": time, "unit": said, **dates}, (note,) if others else ()
 
 
 def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
@@ -176,7 +199,7 @@ def columns_read(head: Head, layout: Layout, device: str) -> str:
     """
     names = head.names or []
     parts: dict[str, tuple[int | None, ...]] = {
-        **{"time": (layout.time, layout.nanoseconds), "device": (layout.device,)},
+        **{"time": (layout.time, layout.rest), "device": (layout.device,)},
         **{"position": layout.position or (), "orientation": layout.orientation, "gaze": layout.gaze},
     }
     words = {
@@ -272,19 +295,6 @@ def _holds(numbers: NDArray[np.float64], order: str) -> bool:
 # `TraceFormat.sniff`), and how it is read.
 
 
-def _sniff_named(head: Head) -> int:
-    return 10 if head.names is not None else 0
-
-
-def _sniff_json(head: Head) -> int:
-    return 20 if head.source.kind == "json" and head.names is not None else 0
-
-
-def _sniff_ros2(head: Head) -> int:
-    whole = head.names is not None and find_columns(head.names).nanoseconds is not None
-    return 50 if whole and any("header" in name.lower() for name in head.names or ()) else 0
-
-
 def _sniff_ticks(head: Head) -> int:
     """Recognise stamps of 18 digits."""
     time = head.column("timestamp") if head.names else 0
@@ -306,11 +316,6 @@ def _sniff_frames(head: Head) -> int:
     frames = [int(r[1]) for r in rows]
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
     return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
-
-
-def _sniff_matrices(head: Head) -> int:
-    alone = head.names is None and head.width >= 12 and sum(map(is_number, head.rows[0])) >= 12
-    return 50 if alone and _bare_matrix(head) else 0
 
 
 def _bare_matrix(head: Head) -> Cells | None:
@@ -351,12 +356,6 @@ def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layo
     return Layout(time=0, orientation=turn, columns_by=By.FORMAT, order_by=by, unit_by=By.FORMAT, **facts)
 
 
-def _of_ticks(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
-    return (
-        named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
-    )
-
-
 def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     if {"yaw", "pitch", "roll"} <= set(head.names or ()) and head.column("w") is None:
         raise TraceError(
@@ -364,10 +363,6 @@ def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any])
             "read the twin of this file that holds quaternions"
         )
     return named_layout(head, options, **facts)
-
-
-def _of_colmap(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
-    return Layout(time=None, orientation=(1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts)
 
 
 def _of_messages(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
@@ -400,11 +395,26 @@ def refuse_hanging(head: Head, track: PoseTrack) -> None:
         )
 
 
+def _has_nanoseconds(head: Head) -> bool:
+    pairs = find_columns(head.names or []).pairs
+    return any(unit == "ns" for *_, unit in pairs) and any("header" in name.lower() for name in head.names or ())
+
+
 SNIFFS: dict[str, Callable[[Head], int]] = {
-    **{"named": _sniff_named, "json": _sniff_json, "ros2": _sniff_ros2, "ticks": _sniff_ticks},
-    **{"frames": _sniff_frames, "matrices": _sniff_matrices},
-}
+    "named": lambda head: 10 * (head.names is not None),
+    "json": lambda head: 20 * (head.source.kind == "json" and head.names is not None),
+    "ros2": lambda head: 50 * _has_nanoseconds(head),
+    "matrices": lambda head: 50 * (
+        head.names is None and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
+    ),
+    **{"ticks": _sniff_ticks, "frames": _sniff_frames},
+}  # fmt: skip
 LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
-    **{"matrices": _of_matrices, "frames": _of_frames, "ticks": _of_ticks, "multiviewpoint": _of_multiviewpoint},
-    **{"colmap": _of_colmap, "messages": _of_messages},
-}
+    **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint, "messages": _of_messages},
+    "colmap": lambda head, options, facts: Layout(
+        None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts
+    ),
+    "ticks": lambda head, options, facts: (
+        named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
+    ),
+}  # fmt: skip

@@ -222,6 +222,7 @@ def _right_handed(reading: Reading) -> Axes:
 
 # What heads do: rates of trackers, how far from the origin of a tracked place, how fast.
 RATES_HZ = (10.0, 2000.0)
+IMPOSSIBLE_HZ = (0.01, 1e6)  # below and above this a clock was misread
 FARTHEST_M = 50.0
 _FASTEST_WALK_M_S = 12.0
 _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
