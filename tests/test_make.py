@@ -20,10 +20,8 @@ class Small:
     """How a target is run here."""
 
     settings: dict[str, str] = attrs.field(factory=dict)
-    # What it prints, among other things.
-    prints: str = ""
-    # A file below OUT, and what it says, among other things.
-    leaves: tuple[str, str] | None = None
+    prints: str = ""  # what it prints, among other things
+    leaves: tuple[str, str] | None = None  # a file below OUT, and what it says, among other things
 
 
 SMALL = {

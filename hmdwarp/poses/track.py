@@ -48,8 +48,7 @@ class PoseSample:
     # How often the space of a live source's poses has changed, by a recentre for instance. No head
     # moves from one to the next.
     space: int = 0
-    # Unit direction in the head's axes in which the eyes look; None where that is not known.
-    gaze: Gaze | None = None
+    gaze: Gaze | None = None  # unit direction in the head's axes in which the eyes look; None where that is not known
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
@@ -58,9 +57,7 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
     100 ms, or four median steps where that is more (slow recordings). Recorded heads turn at up to
     300 deg/s: 100 ms is 30 degrees, about the longest arc that interpolation can be trusted for.
     """
-    if len(time_ns) < 2:
-        return SHORTEST_GAP_NS
-    return max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
+    return SHORTEST_GAP_NS if len(time_ns) < 2 else max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
 
 
 def _times(value: ArrayLike) -> NDArray[np.int64]:
@@ -199,9 +196,7 @@ class PoseTrack:
         time_ns, times = operator.index(time_ns), self.time_ns
         if time_ns < times[0]:
             return -1
-        if time_ns >= times[-1]:
-            return len(times) - 1
-        return int(times.searchsorted(time_ns, side="right")) - 1
+        return len(times) - 1 if time_ns >= times[-1] else int(times.searchsorted(time_ns, side="right")) - 1
 
     def pose(self, index: int) -> Pose:
         """Return the pose of one sample."""

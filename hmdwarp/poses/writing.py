@@ -126,5 +126,5 @@ def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
 
 
 WRITERS: dict[str, Callable[[PoseTrack, IO[Any]], None]] = {
-    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap},
+    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap}
 }

@@ -57,9 +57,7 @@ class Source:
         if self.kind != "text":
             return io.BytesIO(self.made.text)
         file = opened(path, TRACE)
-        if not self.packed:
-            return file
-        return cast("BinaryIO", io.BufferedReader(_Unpacked(path, file), 1 << 18))
+        return file if not self.packed else cast("BinaryIO", io.BufferedReader(_Unpacked(path, file), 1 << 18))
 
 
 class _Unpacked(io.RawIOBase):

@@ -17,8 +17,7 @@ _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
 # IWER's frames hold time, position, quaternion, then a list for each input.
 _IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
-# A head in a line of session.jsonl, behind the name of its session.
-_BROWSER = ("device", *_IWER)
+_BROWSER = ("device", *_IWER)  # a head in a line of session.jsonl, behind the name of its session
 
 
 def table_of_json(path: Path, raw: bytes) -> Made | None:

@@ -16,8 +16,7 @@ TURN = (0.0, 0.0, 0.0, 1.0)
 HEAD = (0.0, 1.6, 0.0)
 ANGLES = (-0.7, 0.7, -0.6, 0.6)
 SENT = ("velocity", "ids", "overlay", "transparent", "peeled", "reflection", "cube")
-# How much there may be of layers of which there is more than 1.
-MOST = {"peeled": 16, "reflection": 3}
+MOST = {"peeled": 16, "reflection": 3}  # how much there may be of layers of which there is more than 1
 # What docs/feed.md allows, at its ends and between.
 COORDINATES = (0.0, 1.6, -3.0, 1e-300, -5e-324, 1e3, -1e6, 12345.678, 1e9, -1e9)
 INSTANTS = (0, 1, -1, 10**9, 10**12, -(10**18), 2**62, -(2**62))
