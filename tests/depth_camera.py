@@ -74,12 +74,9 @@ class DepthCamera:
                     colour[rows] = download(eye.colour)[rows, :, :3]
                 server.pool(eye.size).release(eye.colour)
         return CameraFrame(
-            srgb8_from_linear(colour),
-            self.measured(inverse, rng),
-            View(world_from_eye_at(time_ns), self.fov),
-            time_ns,
+            srgb8_from_linear(colour), self.measured(inverse, rng), View(world_from_eye_at(time_ns), self.fov), time_ns,
             metres_from_inverse_depth(truth),
-        )
+        )  # fmt: skip
 
     def _depth_fov(self) -> Fov:
         """Return the field of view whose picture is that of the colour, shifted."""

@@ -65,12 +65,9 @@ def first_stated(*values: T | None) -> tuple[T | None, By]:
 
 # Who says what axes a file has, in words.
 AXES_BY = {
-    By.USER: "as --axes or --up says",
-    By.FILE: "stated by the file",
-    By.FORMAT: "by the format",
-    By.MOTION: "by --axes auto, from the motion",
-    By.NOBODY: "assumed",
-}
+    By.USER: "as --axes or --up says", By.FILE: "stated by the file", By.FORMAT: "by the format",
+    By.MOTION: "by --axes auto, from the motion", By.NOBODY: "assumed",
+}  # fmt: skip
 
 
 @attrs.frozen

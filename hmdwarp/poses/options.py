@@ -88,12 +88,9 @@ class TraceOptions(Declared):
     )
     # Samples per second.
     rate: float | None = option(
-        None,
-        "Samples per second, in place of the file's clock.",
-        name="trace_rate",
-        unit="Hz",
+        None, "Samples per second, in place of the file's clock.", name="trace_rate", unit="Hz",
         valid=Number(least=1e-3, most=1e6),
-    )
+    )  # fmt: skip
     # A key of `reading.times.UNITS_NS`, or FRAMES.
     time_unit: str | None = option(
         None,
@@ -131,10 +128,8 @@ class TraceOptions(Declared):
     )
     # Share of all rows.
     lost_rows: float = option(
-        0.2,
-        "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.",
-        kind=float,
+        0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float,
         valid=Number(most=0.999),
-    )
+    )  # fmt: skip
     # Number of the recording, from 1.
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", valid=Number(least=1))

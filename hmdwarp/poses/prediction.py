@@ -226,18 +226,13 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
     duration_s = track.duration_ns / 1e9
     angular, linear = speeds(motion)
     return Analysis(
-        samples=len(track),
-        duration_s=duration_s,
-        rate_hz=track.rate_hz,
-        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0,
-        repeated_share=1 - len(motion) / len(track),
-        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps],
-        jumps=len(track.jumps),
+        samples=len(track), duration_s=duration_s, rate_hz=track.rate_hz,
+        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0, repeated_share=1 - len(motion) / len(track),
+        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps], jumps=len(track.jumps),
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
-        errors=[error_row(motion, latency) for latency in latencies_ms],
-        gaze=gaze_facts(track),
-    )
+        errors=[error_row(motion, latency) for latency in latencies_ms], gaze=gaze_facts(track),
+    )  # fmt: skip
 
 
 def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

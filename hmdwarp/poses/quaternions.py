@@ -132,11 +132,9 @@ def turned(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float,
     factor = math.sin(angle / 2) / angle if angle > 0 else 0.5
     ax, ay, az, aw = factor * x, factor * y, factor * z, math.cos(angle / 2)
     return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
+        aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz,
+    )  # fmt: skip
 
 
 def slerp_many(a: Array, b: Array, share: Array) -> Array:

@@ -283,11 +283,9 @@ class PoseTrack:
         # A jump after sample i moves to the next pose that is kept.
         jumps = set(np.searchsorted(keep, np.asarray(self.jumps, dtype=np.int64), side="right") - 1) - {len(keep) - 1}
         return self.evolve(
-            time_ns=self.time_ns[keep],
-            position_m=self.position_m[keep],
-            orientation_xyzw=self.orientation_xyzw[keep],
+            time_ns=self.time_ns[keep], position_m=self.position_m[keep], orientation_xyzw=self.orientation_xyzw[keep],
             jumps=sorted(jumps),
-        )
+        )  # fmt: skip
 
     def evolve(self, **changes: Any) -> PoseTrack:
         """Return a copy with changes; the gap limit follows new times unless passed too.

@@ -189,11 +189,9 @@ def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -
 
     turned = quaternions.from_rotation_vector(turns_ns(ahead_ns) / WINDOW_NS * _trusted(turn, known))
     return Samples(
-        now_ns + ahead_ns,
-        p[:, 0] + min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(move, known),
-        quaternions.multiply(turned, q[:, 0]),
-        np.full(len(now_ns), Origin.PREDICTED, np.int8),
-    )
+        now_ns + ahead_ns, p[:, 0] + min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(move, known),
+        quaternions.multiply(turned, q[:, 0]), np.full(len(now_ns), Origin.PREDICTED, np.int8),
+    )  # fmt: skip
 
 
 def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> Array:

@@ -122,17 +122,10 @@ class Cleaner:
                     getattr(self, step["mend"])(at)
         rows, judged = self.rows, self.judged
         track = PoseTrack(
-            self.time_ns - self.time_ns[0],
-            rows.position if rows.position is not None else np.zeros((len(rows), 3)),
-            rows.orientation,
-            name=self.path.stem,
-            origin=origin,
-            axes=judged.words(),
-            notes=[str(d) for d in self.defects],
-            epoch_ns=self.epoch_ns,
-            jumps=self.jumps.tolist(),
-            gaze=rows.gaze,
-        )
+            self.time_ns - self.time_ns[0], rows.position if rows.position is not None else np.zeros((len(rows), 3)),
+            rows.orientation, name=self.path.stem, origin=origin, axes=judged.words(),
+            notes=[str(d) for d in self.defects], epoch_ns=self.epoch_ns, jumps=self.jumps.tolist(), gaze=rows.gaze,
+        )  # fmt: skip
         facts = judged.assumptions(self.layout, self.time_unit, rows.position is not None)
         facts += (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
         assumed = judged.axes_by is By.NOBODY

@@ -138,16 +138,12 @@ def find_columns(names: list[str]) -> Columns:
         clocks=_find_clocks(told),
         pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
         date=next((i for i, parts in told if set(parts) & _DATES), None),
-        orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]),
-        numbered=numbered,
-        position=xyz(position_key),
-        length_m=None if position_key is None else lengths.get(position_key),
+        orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
+        position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        euler=_find_euler(names, split, groups),
-        angles=_find_angles(split, groups),
-        vector=_find_vector(groups, split),
+        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), vector=_find_vector(groups, split),
         gravity=xyz(down),
-    )
+    )  # fmt: skip
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:

@@ -11,7 +11,8 @@ from collections import deque
 import attrs
 
 KEPT = 256
-MOST_DRIFT = 500e-6  # a quartz is within this; what lies further apart is a clock that was set, or another machine's
+# A quartz is within this; what lies further apart is a clock that was set, or another machine's.
+MOST_DRIFT = 500e-6
 
 
 @attrs.frozen

@@ -33,7 +33,8 @@ from . import EXTRA
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):([0-9]+|\*)")
-MOST_UNREAD = 1 << 20  # wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz
+# Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
+MOST_UNREAD = 1 << 20
 # Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
 MOST_OF_CLIENT = 256 << 20
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
@@ -173,11 +174,13 @@ class Connection:
     """A connection to a server, by the system's count."""
 
     wire: Wire
-    address: str  # the peer's host, or its /64 of IPv6
+    # The peer's host, or its /64 of IPv6.
+    address: str
     # When it came, or was last heard with a valid request.
     heard_ns: int
     asks: bool = False
-    taken: int = 0  # wire bytes that came out as messages
+    # Wire bytes that came out as messages.
+    taken: int = 0
 
     def is_idle(self, listened_ns: int) -> bool:
         """Return whether another may have its place, by when all that had come was taken."""
@@ -197,7 +200,8 @@ class Places:
     per_address: int = MOST_OF_ADDRESS
     # The pages' addresses, by the local port from which the web's door speaks for each.
     guests: dict[int, str] = attrs.field(factory=dict)
-    visitors: int = 0  # connections to the web's door beside those of pages
+    # Connections to the web's door beside those of pages.
+    visitors: int = 0
 
 
 class Connections:
@@ -324,7 +328,8 @@ class Hearing:
     looked_ns: int
     received: int = 0
     silent_ns: int = 0
-    taken: int = 0  # bytes of the messages that were taken
+    # Bytes of the messages that were taken.
+    taken: int = 0
 
     def is_silent(self, now_ns: int, patience: int) -> bool:
         """Look whether anything has come since the last look; return whether nothing has too long.

@@ -28,7 +28,8 @@ class EdgesSettings(SurfaceSettings):
 
     # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
     most: int = attrs.field(default=6, validator=_check_whole)
-    evidence: float = 5.0  # standard deviations by which the best offset must stand out from the others
+    # Standard deviations by which the best offset must stand out from the others.
+    evidence: float = 5.0
 
     def __attrs_post_init__(self) -> None:
         if not self.evidence >= 0:

@@ -25,7 +25,8 @@ from .passes import ScenePasses
 MOST_SETTINGS = 8
 K = TypeVar("K")
 V = TypeVar("V")
-IDLE_AFTER = 2048  # after so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz
+# After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
+IDLE_AFTER = 2048
 # What trim() leaves of each kind of memory that the last frame did not need.
 MOST_IDLE_BYTES, MOST_IDLE = 16 << 20, 64
 
@@ -73,8 +74,10 @@ _NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 class Target:
     """The textures that one eye is drawn into."""
 
-    colour: moderngl.Texture  # rgba16f, or the format of its pool
-    depth: moderngl.Texture | None = None  # r32f of the same size, None where only colour is kept
+    # rgba16f, or the format of its pool.
+    colour: moderngl.Texture
+    # r32f of the same size, None where only colour is kept.
+    depth: moderngl.Texture | None = None
 
     @property
     def inverse_depth(self) -> moderngl.Texture:

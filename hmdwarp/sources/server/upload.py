@@ -229,15 +229,19 @@ STAYS.flags.writeable = False
 class Place:
     """An eye in the space that positions are relative to."""
 
-    eye_from_here: NDArray[np.float64]  # 4x4
-    eye: NDArray[np.float64]  # (3,) metres
+    # 4x4.
+    eye_from_here: NDArray[np.float64]
+    # (3,) metres.
+    eye: NDArray[np.float64]
 
 
 class Moving(ABC):
     """One thing that moves."""
 
-    layer: ClassVar[str]  # the layer that describes its motion: the client of a frame with that layer moves it
-    buffers: SceneBuffers  # its triangles
+    # The layer that describes its motion: the client of a frame with that layer moves it.
+    layer: ClassVar[str]
+    # Its triangles.
+    buffers: SceneBuffers
 
     @abstractmethod
     def set_time(self, time_ns: int) -> None:

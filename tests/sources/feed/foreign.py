@@ -162,22 +162,14 @@ def any_request(rng: random.Random, number: int, pixels: int = 1 << 12) -> bytes
         # A cube is as dense as the shown picture, so this is what its size follows from.
         more |= {"shown": any_size(rng, 64), "shown_angles": any_angles(rng, 0.1)}
     return request(
-        number,
-        size=any_size(rng, pixels),
-        eyes=tuple(one_eye() for _ in range(rng.randint(1, 2))),
+        number, size=any_size(rng, pixels), eyes=tuple(one_eye() for _ in range(rng.randint(1, 2))),
         formats=(rng.choice((0, 0, 1, 2, 3, 4, 5, 6, 9, 255)), rng.choice((0, 5, 1, 2, 3, 9))),
-        quality=rng.choice((0, 1, 27, 52)),
-        anew=rng.choice((0, 1, 255)),
-        rate=rng.choice(RATES),
-        mbit=rng.choice(BIT_RATES),
-        step=rng.choice(STEPS),
-        sent=rng.choice((None, *INSTANTS)),
-        instants=(rng.choice(INSTANTS), rng.choice(INSTANTS)),
-        received=rng.choice((0, number - 1, 2**64 - 1)),
-        head=pose(place(), any_turn(rng)),
-        inputs=tuple(any_input(rng) for _ in range(rng.choice((0, 0, 1, 3)))),
+        quality=rng.choice((0, 1, 27, 52)), anew=rng.choice((0, 1, 255)), rate=rng.choice(RATES),
+        mbit=rng.choice(BIT_RATES), step=rng.choice(STEPS), sent=rng.choice((None, *INSTANTS)),
+        instants=(rng.choice(INSTANTS), rng.choice(INSTANTS)), received=rng.choice((0, number - 1, 2**64 - 1)),
+        head=pose(place(), any_turn(rng)), inputs=tuple(any_input(rng) for _ in range(rng.choice((0, 0, 1, 3)))),
         **more,
-    )
+    )  # fmt: skip
 
 
 def any_input(rng: random.Random) -> bytes:
