@@ -362,7 +362,7 @@ class Cleaner:
         found = None if self.options.rate is not None else times.coarse_clock(self.time_ns, self.rows.orientation)
         if found is None:
             return None
-        done = "kept, and so are speeds and predictions that err as much"
+        done = "kept: speeds and predictions are off by as much"
         if found.even_ns is not None:
             self.epoch_ns += int(found.even_ns[0])
             self.time_ns = found.even_ns - found.even_ns[0]
