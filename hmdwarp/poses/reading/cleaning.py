@@ -35,6 +35,7 @@ _SHUFFLED, _REVERSED = 0.2, 0.9
 _LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
+_LEAST_RUN = 3  # rows of one pose at the start
 _LARGEST_NORM = 2.0
 _WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
@@ -124,7 +125,8 @@ class Cleaner:
         track = PoseTrack(
             self.time_ns - self.time_ns[0], rows.position if rows.position is not None else np.zeros((len(rows), 3)),
             rows.orientation, name=self.path.stem, origin=origin, axes=judged.words(),
-            notes=[str(d) for d in self.defects], epoch_ns=self.epoch_ns, jumps=self.jumps.tolist(), gaze=rows.gaze,
+            notes=[str(d) for d in self.defects], epoch_ns=self.epoch_ns + int(self.time_ns[0]),
+            jumps=self.jumps.tolist(), gaze=rows.gaze,
         )  # fmt: skip
         facts = judged.assumptions(self.layout, self.time_unit, rows.position is not None)
         facts += (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
@@ -389,28 +391,14 @@ class Cleaner:
             self.rows.orientation, self.rows.position = inverted(self.rows.orientation, self.rows.position)
         return None
 
-    def default_start(self) -> Found:
-        """Find the default pose that some recorders write until tracking starts."""
-        q, p = self.rows.orientation, self.rows.position
-        differs = (q != q[0]).any(axis=1)
-        if p is not None:
-            differs |= (p != p[0]).any(axis=1)
-        run = int(differs.argmax())
-        default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
-        if not run or not (default or run >= 3):
-            return None
-        change = slice(run - 1, run + 1)
-        metres = None if p is None else p[change] * self.judged.scale()
-        if not len(find_jumps(self.time_ns[change], q[change], metres)):
-            return None
-        return np.arange(run), f"{run} rows hold" if run > 1 else "row holds"
-
     def default_rows(self) -> Found:
         """Find rows of no turn, or exactly at the origin, that the head jumps to and from."""
         q, p = self.rows.orientation, self.rows.position
-        default = ~(q[:, :3].any(axis=1))
+        default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
         if p is not None:
             default |= ~p.any(axis=1)
+        run = int(np.append(self.pose_repeats(), False).argmin()) + 1  # what recorders write until tracking starts
+        default[:run] |= run >= _LEAST_RUN
         if default.all() or not default.any():
             return None
         jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
@@ -419,11 +407,6 @@ class Cleaner:
         starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
         lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
         return (np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time")) if lost else None
-
-    def trim(self, at: NDArray[np.intp]) -> None:
-        run = len(at)
-        self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
-        self.keep(slice(run, None))
 
     def duplicate_stamps(self) -> Found:
         at = np.flatnonzero(np.diff(self.time_ns) == 0)
