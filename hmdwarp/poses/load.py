@@ -15,10 +15,9 @@ from .reading.file_head import Head, read_head
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
     """Read a head trace.
 
-    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording.
-    options: overrides facts of the file, or adds missing ones.
-    Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
-    format.
+    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording. options:
+    overrides facts of the file, or adds missing ones. Errors: TraceError naming file and line;
+    UnknownNameError with the nearest known recording or format.
     """
     options = TraceOptions.checked(options, optional=True)
     path = trace_path(name_or_path)

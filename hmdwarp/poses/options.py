@@ -114,10 +114,9 @@ class TraceOptions(Declared):
         valid=one_of(DIRECT, INVERSE),
     )
     matrix: str | None = option(
-        None,
-        "Order of a matrix's numbers, rows or columns; by default where 0,0,0,1 or the rotation lies says it.",
+        None, "Order of a matrix's numbers, rows or columns; by default where 0,0,0,1 or the rotation lies says it.",
         valid=one_of(ROWS, COLUMNS),
-    )
+    )  # fmt: skip
     lost_rows: float = option(  # share of all rows
         0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float,
         valid=Number(most=0.999),

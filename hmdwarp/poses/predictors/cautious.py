@@ -44,10 +44,9 @@ _BACK_NS = np.concatenate([(0, WINDOW_NS), _ENDED, _ENDED + TESTED_NS, _ENDED + 
 _BACK = tuple(_BACK_NS.tolist())
 # From which of these to which: the last window, those of the past predictions, what came of them.
 _WAYS = (
-    (1, 0),
-    *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
+    (1, 0), *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
     *((2 + _COUNT + i, 2 + i) for i in range(_COUNT)),
-)
+)  # fmt: skip
 
 
 def turns_ns(ahead_ns: int) -> float:

@@ -118,8 +118,7 @@ def load_preset(name: str) -> Preset:
 def parse_axes(text: str) -> Axes:
     """Parse `--axes`: a preset, or "world=right,up,forward head=right,up,forward".
 
-    One of world and head, or three axes alone, hold for both.
-    Errors: InputError, UnknownNameError.
+    One of world and head, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
     """
     text = text.strip().lower()
     found: dict[str, str] = dict(_PARTS.findall(text))

@@ -59,11 +59,10 @@ class JudgedAxes:
         return (
             Assumption(ORIENTATION, turn, layout.order_by, option),
             Assumption(POSE, way, By.USER if options.pose else layout.direction_by, "--pose"),
-            *([length] if has_position else []),
-            Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
+            *([length] if has_position else []), Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
             Assumption(UP, up, up_by, "--up"),
             Assumption(CLOCK, clock, By.USER if options.rate or options.time_unit else layout.unit_by, "--time-unit"),
-        )
+        )  # fmt: skip
 
     def scale(self) -> float:
         """Return the metres of a unit of the file."""
@@ -102,7 +101,14 @@ class JudgedAxes:
         evidence = plausibility.evidence_of(time_ns, rows.orientation, metres, gravity)
         what, remedy = plausibility.place_fault(time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_by is By.NOBODY and self.layout.euler is None:
-            self._check_order(evidence, time_ns, rows)
+            at = plausibility.every(time_ns)  # an assumed order of numbers: does only the other one show a person?
+            turned = rows.orientation[at]
+            turned = quaternions.conjugate(turned) if self.layout.matrix else np.roll(turned, -1, axis=1)
+            other = plausibility.evidence_of(time_ns[at], turned, None if p is None else p[at], evidence.gravity)
+            if plausibility.best_points(other) > plausibility.best_points(evidence) + CLEAR:
+                what, right, wrong = _BY_ROWS if self.layout.matrix else _W_LAST
+                is_right = f"{right} they do: say {wrong} if it is right as it is"
+                raise TraceError(f"{self.where}: read {what} make no person's motion; {is_right}")
         verdict = plausibility.judge(evidence, self.axes)
         if not what and not verdict.faults:
             what, remedy = plausibility.height_fault(float(self.axes.world[1] @ evidence.height_m))
@@ -147,13 +153,9 @@ class JudgedAxes:
         self.axes, self.axes_by = attrs.evolve(found, tilt=self.axes.tilt), By.MOTION
 
     def _is_inverse(
-        self,
-        evidence: Evidence,
-        time_ns: NDArray[np.int64],
-        orientation: NDArray[np.float64],
-        metres: NDArray[np.float64] | None,
-        contradicted: bool,
-    ) -> bool:
+        self, evidence: Evidence, time_ns: NDArray[np.int64], orientation: NDArray[np.float64],
+        metres: NDArray[np.float64] | None, contradicted: bool,
+    ) -> bool:  # fmt: skip
         """Suggest the other direction of the poses where only that one makes a person's motion."""
         if self.options.pose is not None:
             return False
@@ -188,21 +190,6 @@ class JudgedAxes:
             self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
             self.axes = attrs.evolve(self.axes, tilt=upright(axis))
             self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
-
-    def _check_order(self, evidence: Evidence, time_ns: NDArray[np.int64], rows: Rows) -> None:
-        """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
-        at = plausibility.every(time_ns)
-        q, p = rows.orientation[at], None if rows.position is None else rows.position[at]
-        turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
-        if (
-            plausibility.best_points(plausibility.evidence_of(time_ns[at], turned, p, evidence.gravity))
-            > plausibility.best_points(evidence) + CLEAR
-        ):
-            what, right, wrong = _BY_ROWS if self.layout.matrix else _W_LAST
-            raise TraceError(
-                f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it "
-                "is"
-            )
 
     def words(self) -> str:
         """Return the axes, who says so, and what the motion shows."""

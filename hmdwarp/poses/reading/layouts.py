@@ -40,9 +40,8 @@ _COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "a": (4
 def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """Return a layout from the header's names.
 
-    known: facts of the format: unit, axes, device, scale, caveats.
-    Errors: TraceError for Euler angles only, and for a quaternion that is missing or of unknown
-    order.
+    known: facts of the format: unit, axes, device, scale, caveats. Errors: TraceError for Euler
+    angles only, and for a quaternion that is missing or of unknown order.
     """
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")

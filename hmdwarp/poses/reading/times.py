@@ -114,38 +114,20 @@ def parse_one(text: str) -> tuple[int, int, bool, int]:
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
     """Parse digits with at most one point and a sign; None for anything else or too long."""
-    n = len(fields)
-    # One row per character position: the loop below then runs over neighbouring bytes.
-    text = np.ascontiguousarray(fields.view(np.uint8).reshape(n, -1).T)
-    whole, parts = np.zeros(n, np.int64), np.zeros(n, np.int64)
-    weight = np.full(n, BILLION, np.int64)  # 10^(9 - decimals seen); 0 once more than nine were seen
-    digits, decimals, pointed = np.zeros(n, np.int8), np.zeros(n, np.int8), np.zeros(n, bool)
-    negative = text[0] == ord("-")
-    for j, c in enumerate(text):
-        if not c.any():
-            break
-        digit = c - np.uint8(ord("0"))  # wraps around: any non-digit is above 9
-        is_digit = digit <= 9
-        point = c == ord(".")
-        if (point & pointed).any() or not (is_digit | point | (c == 0) | (negative if j == 0 else False)).all():
-            return None
-        before = is_digit & ~pointed
-        whole = np.where(before, whole * 10 + digit, whole)
-        digits += before
-        after = is_digit & pointed
-        weight = np.where(after, weight // 10, weight)
-        parts += np.where(after, weight * digit, 0)
-        decimals += after
-        pointed |= point
-    # ".5" takes the slow path, and so does what might overflow: 19 digits (nanoseconds since 1970)
-    # wrap from 9.2e18 on.
-    if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
+    ahead, _, rest = np.strings.partition(fields, b".")
+    negative, digits = np.strings.startswith(ahead, b"-"), np.strings.lstrip(ahead, b"-")
+    length, decimals = np.strings.str_len(digits), np.strings.str_len(rest)
+    plain = np.strings.isdigit(digits) & (np.strings.isdigit(rest) | (decimals == 0))  # ".5" takes the slow path too
+    if not (plain & (np.strings.str_len(ahead) == length + negative)).all():
         return None
-    if negative.any():
-        borrow = negative & (parts > 0)
-        whole = np.where(negative, -whole - borrow, whole)
-        parts = np.where(borrow, BILLION - parts, parts)
-    return Stamps(whole, parts, decimals=decimals)
+    # 19 digits, nanoseconds since 1970, wrap from 9.2e18 on.
+    if (length > 19).any() or ((length == 19) & (negative | (digits > b"4"))).any():
+        return None
+    whole = digits.astype(np.int64)
+    parts = np.strings.ljust(rest, 9, b"0").astype("S9").astype(np.int64)
+    borrow = negative & (parts > 0)
+    whole, parts = np.where(negative, -whole - borrow, whole), np.where(borrow, BILLION - parts, parts)
+    return Stamps(whole, parts, decimals=np.minimum(decimals, 10).astype(np.int8))
 
 
 def as_counts(stamps: Stamps) -> tuple[Stamps, str] | None:
