@@ -65,7 +65,7 @@ class TraceOptions(Declared):
     """
 
     heading = "Reading the head trace"
-    format: str | None = option(  # name of a trace format
+    format: str | None = option(
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
     quat_order: str | None = option(
@@ -77,29 +77,24 @@ class TraceOptions(Declared):
     axes: str | None = option(  # See `reading.axes.parse_axes`
         None, "Axes of the file: a preset (hmdwarp list axes), world=right,up,forward head=right,up,forward, or auto."
     )
-    scale: float | None = option(  # metres per unit
-        None,
-        "Metres per unit of the file's positions; by default as its format has it.",
+    scale: float | None = option(
+        None, "Metres per unit of the file's positions; by default as its format has it.",
         valid=Number(least=1e-6, most=1e6),
-    )
-    rate: float | None = option(  # samples per second
+    )  # fmt: skip
+    rate: float | None = option(
         None, "Samples per second, in place of the file's clock.", name="trace_rate", unit="Hz",
         valid=Number(least=1e-3, most=1e6),
     )  # fmt: skip
     time_unit: str | None = option(  # A key of `reading.times.UNITS_NS`, or FRAMES
-        None,
-        "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; by default as the file says, or "
-        "guessed.",
+        None, "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; else as it says, or guessed.",
         valid=one_of(*TIME_UNITS),
-    )
+    )  # fmt: skip
     columns: str | None = option(  # See `load.StatedColumns`
         None,
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
         "matrix), r=5+6+7 (a rotation vector), a=5+6+7+8 (axis and angle) or e=5+6+7 (with --euler).",
     )
-    # A name, or a number from 1.
     time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
-    # Of the rows of several devices.
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
     euler: str | None = option(  # See `parse_euler`
         None,
@@ -121,5 +116,4 @@ class TraceOptions(Declared):
         0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float,
         valid=Number(most=0.999),
     )  # fmt: skip
-    # Number of the recording, from 1.
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", valid=Number(least=1))

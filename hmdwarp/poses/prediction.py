@@ -304,20 +304,15 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
         "errors_deg": [
-            {
-                "latency_ms": row.latency_ms,
-                **{
-                    name: {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES)}
-                    | {"lead_share": one.lead_share, "lead_p95": one.lead, "lag_p95": one.lag}
-                    for name, one in row.errors.items()
-                },
-            }
-            for row in figures.errors
+            {"latency_ms": row.latency_ms} | {
+                name: {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES), "lead_share": one.lead_share}
+                | {"lead_p95": one.lead, "lag_p95": one.lag} for name, one in row.errors.items()
+            } for row in figures.errors
         ],
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
-    }
+    }  # fmt: skip
 
 
 def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:

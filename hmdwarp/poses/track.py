@@ -79,14 +79,6 @@ def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
         raise TraceError(f"{what}, found {in_brief(value)}") from error
 
 
-def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    return _tuple_of(str, value, "notes: expected texts")
-
-
-def _jumps(value: Iterable[int]) -> tuple[int, ...]:
-    return _tuple_of(int, value, "jumps: expected indices of samples")
-
-
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
     """Return an array of its own: the caller's stays writeable. Errors: TraceError."""
     try:
@@ -120,12 +112,16 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
+    notes: tuple[str, ...] = attrs.field(
+        default=(), converter=lambda value: _tuple_of(str, value, "notes: expected texts")
+    )  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
+    jumps: tuple[int, ...] = attrs.field(
+        default=(), converter=lambda value: _tuple_of(int, value, "jumps: expected indices of samples")
+    )
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
@@ -148,9 +144,7 @@ class PoseTrack:
             raise TraceError("a head track needs at least one sample")
         if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
             shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
-            raise TraceError(
-                f"{n} instants with positions and orientations of shape {shapes}: expected ({n}, 3) and ({n}, 4)"
-            )
+            raise TraceError(f"{n} instants with poses of shape {shapes}: expected ({n}, 3) and ({n}, 4)")
         steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
             i = int(np.argmax(steps <= 0))
@@ -317,10 +311,8 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     worst = int(np.argmax(off))
     if not abs(np.sqrt(norm_squared[worst]) - 1) <= UNIT_WITHIN:
         length = np.sqrt(norm_squared[worst])
-        raise TraceError(
-            f"sample {worst}: a quaternion of length {length:.4g}, expected 1 within {UNIT_WITHIN:g}: "
-            f"{q[worst].tolist()}"
-        )
+        found = f"a quaternion of length {length:.4g}, expected 1 within {UNIT_WITHIN:g}"
+        raise TraceError(f"sample {worst}: {found}: {q[worst].tolist()}")
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
     elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():

@@ -101,9 +101,7 @@ class TraceFormat:
         if counted is not None:
             layout = attrs.evolve(layout, time=counted, unit=FRAMES, rest=None)
         elif layout.time is None and options.rate is None:
-            raise TraceError(
-                f"{head.path} has no time ({head.describe()}): give the samples per second with --trace-rate"
-            )
+            raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
         elif options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout, options.lost_rows)
@@ -161,9 +159,7 @@ def _frames(head: Head, layout: Layout, options: TraceOptions) -> int | None:
             raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
         time = layout.time if options.time_column or options.columns or column is None else column
         if time is None:
-            raise TraceError(
-                f"{head.path} has no column of frame numbers ({head.describe()}): name it with --time-column"
-            )
+            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
         return time
     if column is None or options.rate is None:
         return None

@@ -228,9 +228,7 @@ class Cleaner:
     def zero_quaternions(self) -> Found:
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
         if zero.all():
-            raise TraceError(
-                f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
-            )
+            raise TraceError(f"{self.where}: every quaternion is zero: no tracking, or the wrong columns were read")
         found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
         return (np.flatnonzero(zero), counted(int(zero.sum()), "row"), found) if zero.any() else None
 
@@ -241,9 +239,7 @@ class Cleaner:
             return None
         n, step_ns = len(self.rows), BILLION / rate
         if (n - 1) * step_ns > 2**62:
-            raise TraceError(
-                f"{self.where}: {n} rows at a rate of {rate:g} Hz last over 146 years; give a higher --trace-rate"
-            )
+            raise TraceError(f"{self.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
         if self.layout.unit == FRAMES:
             return None, "the file numbers its frames", "these numbers", rate
         self.rows.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
@@ -276,10 +272,8 @@ class Cleaner:
         if falls > _REVERSED and not (steps > 0).any():
             return (np.arange(len(steps)),)
         if falls > _SHUFFLED:
-            raise TraceError(
-                f"{self.where}: time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several "
-                "recordings; sort them by time, or name the clock with --time-column"
-            )
+            what = f"time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several recordings"
+            raise TraceError(f"{self.where}: {what}; sort them by time, or name the clock with --time-column")
         return None
 
     def find_unit(self) -> Found:
@@ -293,10 +287,7 @@ class Cleaner:
         if self.unit:
             return None
         if not (steps > 0).any():
-            raise TraceError(
-                f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
-                "instead"
-            )
+            raise TraceError(f"{self.where}: time never increases: --trace-rate gives the samples per second instead")
         step = float(np.median(steps[steps > 0]))
         if 2 * np.count_nonzero(steps == 0) > len(steps):  # a clock so coarse that most rows share a stamp
             step = float(steps[steps >= 0].mean())
@@ -349,9 +340,8 @@ class Cleaner:
         try:
             self.time_ns, self.epoch_ns = times.to_ns(stamps, unit)
         except OverflowError as error:
-            raise TraceError(
-                f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
-            ) from None
+            what = f"the stamps, taken as {UNIT_NAMES[unit]}, make {error}"
+            raise TraceError(f"{self.where}: {what}: this is no head trace") from None
         self.rows.stamps = None
         self.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[unit]
         if self.options.rate is not None:
@@ -380,10 +370,8 @@ class Cleaner:
         step_ns = float(np.median(steps[steps > 0]))
         rate_hz, remedy = BILLION / step_ns, rate_fault(step_ns, self.unit)
         if not IMPOSSIBLE_HZ[0] <= rate_hz <= IMPOSSIBLE_HZ[1]:
-            raise TraceError(
-                f"{self.where}: its clock, read as {UNIT_NAMES[self.unit]}, makes {rate_hz:.4g} Hz, which no recording "
-                f"has: {remedy}"
-            )
+            what = f"its clock, read as {UNIT_NAMES[self.unit]}, makes {rate_hz:.4g} Hz"
+            raise TraceError(f"{self.where}: {what}, which no recording has: {remedy}")
         return (None, UNIT_NAMES[self.unit], rate_hz, remedy) if remedy else None
 
     def invert(self) -> Found:
@@ -427,16 +415,13 @@ class Cleaner:
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
         if hopeless.any():
             row = int(hopeless.argmax())
-            raise TraceError(
-                f"{self.where}: line {self.line(row)}: a quaternion of length {norm[row]:.3g}, expected 1: "
-                f"{q[row].tolist()}; were the wrong columns read, or is the row damaged?"
-            )
+            what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
+            why = "were the wrong columns read, or is the row damaged?"
+            raise TraceError(f"{self.where}: line {self.line(row)}: {what}; {why}")
         median = float(np.median(norm))
         if abs(median - 1) > _MEDIAN_NORM:
-            raise TraceError(
-                f"{self.where}: half of the quaternions are longer than {median:.3g}, expected 1: "
-                "were the wrong columns read? --columns names the right ones"
-            )
+            what = f"half of the quaternions are longer than {median:.3g}, expected 1"
+            raise TraceError(f"{self.where}: {what}: were the wrong columns read? --columns names the right ones")
         off = np.abs(norm - 1)
         bad, worst = np.flatnonzero(off > COARSE_NORM), int(off.argmax())
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]

@@ -79,10 +79,7 @@ class _Unpacked(io.RawIOBase):
     def readinto(self, buffer: Any) -> int:
         count = self._unpacked.readinto(buffer)
         if self._unpacked.tell() > self._most:
-            raise TraceError(
-                f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording, or one unpacked "
-                "already"
-            )
+            raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
         return count
 
     def close(self) -> None:

@@ -86,7 +86,7 @@ class JudgedAxes:
             return attrs.evolve(axes, tilt=parse_up(up).tilt), by
         if up is not None and self.options.axes is not None:
             raise InputError(
-                "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
+                "--axes and --up both name axes: say one; beside --axes, --up may be three numbers, a tilt"
             )
         if stated is not None:
             return parse_axes(stated), By.USER

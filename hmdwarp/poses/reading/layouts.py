@@ -120,13 +120,9 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
     if angles and options.euler is not None:
         raise TraceError(f"{head.path}: --euler takes three angles, called pitch, yaw and roll; found {angles}")
     if angles:
-        raise TraceError(
-            f"{head.path} gives Euler angles only ({angles}): their order and signs differ from device to device, and "
-            "the file does not state them; --euler does (ZXY,deg is Unity's; vector,rad a rotation vector)"
-        )
-    raise TraceError(
-        f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
-    )
+        how = "--euler states their order (ZXY,deg is Unity's; vector,rad a rotation vector)"
+        raise TraceError(f"{head.path} gives Euler angles only ({angles}), in an order that it does not state: {how}")
+    raise TraceError(f"{head.path} has no head orientation among {head.describe()}; see 'hmdwarp list formats'")
 
 
 def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
@@ -137,9 +133,7 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     Errors: TraceError for fewer columns, or an unknown order.
     """
     if head.width < 8:
-        raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
-        )
+        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: a time and a pose")
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
     stated = By.FORMAT if options.format == name else By.NOBODY
@@ -158,10 +152,8 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
     """Return four quaternion columns in the order x y z w. Errors: TraceError if unknown."""
     if order is None:
-        raise TraceError(
-            f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
-            f"({head.describe()}); say --quat-order wxyz or --quat-order xyzw"
-        )
+        what = f"nothing tells whether w comes first or last in its quaternions ({head.describe()})"
+        raise TraceError(f"{head.path}: {what}; say --quat-order wxyz or --quat-order xyzw")
     a, b, c, d = columns
     return (b, c, d, a) if order == "wxyz" else (a, b, c, d)
 
@@ -247,10 +239,8 @@ def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
     found = _arranged(head, cells, order)
     if found is None:
         last = ", nor 0,0,0,1 in the last row or column" if len(cells) == 16 else ""
-        raise TraceError(
-            f"{head.path}: its {len(cells)} numbers of a matrix are no rotations by {order or 'rows or columns'}{last}"
-            ": were the wrong columns read? --columns m=2-17 names them"
-        )
+        what = f"its {len(cells)} numbers of a matrix are no rotations by {order or 'rows or columns'}{last}"
+        raise TraceError(f"{head.path}: {what}: were the wrong columns read? --columns m=2-17 names them")
     return found
 
 
@@ -348,19 +338,15 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
 
 def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     if head.width < 6:
-        raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame and a quaternion"
-        )
+        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame, w x y z")
     turn, by = ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), By.USER if options.quat_order else By.FORMAT
     return Layout(time=0, orientation=turn, columns_by=By.FORMAT, order_by=by, unit_by=By.FORMAT, **facts)
 
 
 def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     if {"yaw", "pitch", "roll"} <= set(head.names or ()) and head.column("w") is None:
-        raise TraceError(
-            f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
-            "read the twin of this file that holds quaternions"
-        )
+        what = "Euler angles only, mislabelled (its 'yaw' is the pitch)"
+        raise TraceError(f"{head.path} gives {what}: read the twin of this file that holds quaternions")
     return named_layout(head, options, **facts)
 
 
@@ -388,21 +374,18 @@ def refuse_hanging(head: Head, track: PoseTrack) -> None:
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
     if np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5:
-        raise TraceError(
-            f"{head.path} has the shape of 't frame w x y z', but read so the head hangs upside down: "
-            "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
-        )
-
-
-def _has_nanoseconds(head: Head) -> bool:
-    pairs = find_columns(head.names or []).pairs
-    return any(unit == "ns" for *_, unit in pairs) and any("header" in name.lower() for name in head.names or ())
+        what = "has the shape of 't frame w x y z', but read so the head hangs upside down"
+        how = "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
+        raise TraceError(f"{head.path} {what}: {how}")
 
 
 SNIFFS: dict[str, Callable[[Head], int]] = {
     "named": lambda head: 10 * (head.names is not None),
     "json": lambda head: 20 * (head.source.kind == "json" and head.names is not None),
-    "ros2": lambda head: 50 * _has_nanoseconds(head),
+    "ros2": lambda head: 50 * (
+        any("header" in name.lower() for name in head.names or ())
+        and any(unit == "ns" for *_, unit in find_columns(head.names or []).pairs)
+    ),
     "matrices": lambda head: 50 * (
         head.names is None and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
     ),
@@ -410,9 +393,7 @@ SNIFFS: dict[str, Callable[[Head], int]] = {
 }  # fmt: skip
 LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
     **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint, "messages": _of_messages},
-    "colmap": lambda head, options, facts: Layout(
-        None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts
-    ),
+    "colmap": lambda _, __, facts: Layout(None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts),
     "ticks": lambda head, options, facts: (
         named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
     ),

@@ -118,9 +118,7 @@ class RowReader:
             return
         where = f"{head.path}: line {head.first_line}"
         if len(head.rows) == 1 and self._width < len(names):
-            raise TraceError(
-                f"{where}: the only row ends after {self._width} of {len(names)} fields; the file was cut off"
-            )
+            raise TraceError(f"{where}: the only row ends after {self._width} of {len(names)} fields; it was cut off")
         raise self._wrong_width(where, self._width, len(names))
 
     def _wrong_width(self, where: str, found: int, wanted: int) -> TraceError:
@@ -145,10 +143,8 @@ class RowReader:
                 text = rest + block
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
-                    raise TraceError(
-                        f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row "
-                        "of numbers"
-                    )
+                    what = f"line {line} is longer than {_LONGEST_LINE // 1024} KiB"
+                    raise TraceError(f"{self.head.path}: {what}: this is no row of numbers")
                 rest = text[cut:]
                 if cut:
                     count = text.count(newline, 0, cut)
@@ -353,10 +349,8 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     matrices = numbers.reshape(-1, 3, 3)
     off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
-        raise TraceError(
-            f"{head.path}: half of its matrices are no rotations (off by {np.median(off):.3g} from orthonormal, "
-            f"determinant {np.median(np.linalg.det(matrices)):.3g}): were the wrong columns read?"
-        )
+        what = f"off by {np.median(off):.3g}, determinant {np.median(np.linalg.det(matrices)):.3g}"
+        raise TraceError(f"{head.path}: half of its matrices are no rotations ({what}): were the wrong columns read?")
     out = np.zeros((len(matrices), 4))
     turns = np.linalg.det(matrices) > 0.1  # lost tracking writes zeros
     out[turns] = Rotation.from_matrix(matrices[turns]).as_quat()
