@@ -18,24 +18,12 @@ def a_row(warp: str, fill: str, total_ms: float | None, flip: float, **changes) 
     time_ms = {stage: {"median": 0.0, "p95": 0.0} for stage in ("warp", "fill", "effects", "lens")}
     quality = {name: {"mean": 0.0, "p95": 0.0} for name in QUALITY}
     row = {
-        "schema": 1,
-        "hmdwarp": "0",
-        "trace": "look-around",
-        "scene": "planes",
-        "effects": [],
-        "latency_ms": 200.0,
-        "warp": warp,
-        "fill": fill,
-        "lens": "none",
-        "headset": "flat-90",
-        "size": [96, 80],
-        "frames": 6,
-        "guard": 1.0,
-        "machine": {"gl_renderer": "somebody's", "gl_version": "4.5", "cpu_count": 1},
-        "clock": "wall",
+        "schema": 1, "hmdwarp": "0", "trace": "look-around", "scene": "planes", "effects": [], "latency_ms": 200.0,
+        "warp": warp, "fill": fill, "lens": "none", "headset": "flat-90", "size": [96, 80], "frames": 6, "guard": 1.0,
+        "machine": {"gl_renderer": "somebody's", "gl_version": "4.5", "cpu_count": 1}, "clock": "wall",
         "time_ms": {**time_ms, "total": {"median": total_ms, "p95": total_ms}},
         "quality": {**quality, "flip": {"mean": flip, "p95": flip}},
-    }
+    }  # fmt: skip
     return {**row, **changes}
 
 

@@ -38,15 +38,12 @@ class DepthCamera:
 
     size: tuple[int, int] = (96, 72)
     fov: Fov = Fov.symmetric(np.deg2rad(74), np.deg2rad(59))
-    # Standard deviation of the depth over the depth squared, 1/m: 0.0025 is a Kinect.
-    noise: float = 0.0
+    noise: float = 0.0  # Standard deviation of the depth over the depth squared, 1/m: 0.0025 is a Kinect
     # Nearest and farthest distance that is measured, metres.
     near_m: float = 0.0
     far_m: float = np.inf
-    # Share of the pixels beside an edge that have no depth.
-    edge_gaps: float = 0.0
-    # Pixels that depth lies to the right of and below the colour.
-    shift: tuple[float, float] = (0.0, 0.0)
+    edge_gaps: float = 0.0  # share of the pixels beside an edge that have no depth
+    shift: tuple[float, float] = (0.0, 0.0)  # Pixels that depth lies to the right of and below the colour
     # From the first row to the last; frames are stamped when the middle row is read.
     readout_ns: int = 0
     bands: int = 6  # of rows that are drawn for one instant each, where rows are read one by one
@@ -77,12 +74,9 @@ class DepthCamera:
                     colour[rows] = download(eye.colour)[rows, :, :3]
                 server.pool(eye.size).release(eye.colour)
         return CameraFrame(
-            srgb8_from_linear(colour),
-            self.measured(inverse, rng),
-            View(world_from_eye_at(time_ns), self.fov),
-            time_ns,
+            srgb8_from_linear(colour), self.measured(inverse, rng), View(world_from_eye_at(time_ns), self.fov), time_ns,
             metres_from_inverse_depth(truth),
-        )
+        )  # fmt: skip
 
     def _depth_fov(self) -> Fov:
         """Return the field of view whose picture is that of the colour, shifted."""

@@ -111,14 +111,9 @@ def draw(folder: Path) -> None:
         colour, depth_m = drawn(mi, world, number)
         position, turn = pose_at(number)
         np.savez(
-            folder / f"{number:02}.npz",
-            colour=colour,
-            depth_m=depth_m,
-            fov=(-across, across, -up, up),
-            position_m=position,
-            orientation_xyzw=turn.as_quat(),
-            time_s=number / RATE_HZ,
-        )
+            folder / f"{number:02}.npz", colour=colour, depth_m=depth_m, fov=(-across, across, -up, up),
+            position_m=position, orientation_xyzw=turn.as_quat(), time_s=number / RATE_HZ,
+        )  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -324,8 +324,7 @@ class Form:
     reader: str
     write: Callable[[Path, list[Taken]], None]
     options: SequenceOptions = SequenceOptions()
-    # Largest difference of its colour, in steps of 255: that of a JPEG, or of a video.
-    colour_within: int = 0
+    colour_within: int = 0  # Largest difference of its colour, in steps of 255: that of a JPEG, or of a video
 
 
 JPEG = 4

@@ -195,15 +195,8 @@ def write_nerfstudio(folder: Path, frames: list[Taken]) -> None:
     ]
     wide, high = frames[0].colour.shape[1::-1]
     camera = {
-        "camera_model": "OPENCV",
-        "fl_x": FX,
-        "fl_y": FY,
-        "cx": CX + 0.5,
-        "cy": CY + 0.5,
-        "w": wide,
-        "h": high,
-        "k1": 0,
-    }
+        "camera_model": "OPENCV", "fl_x": FX, "fl_y": FY, "cx": CX + 0.5, "cy": CY + 0.5, "w": wide, "h": high, "k1": 0,
+    }  # fmt: skip
     (folder / "transforms.json").write_text(json.dumps({**camera, "frames": listed}), encoding="utf-8")
 
 
@@ -252,12 +245,8 @@ MIRRORED = attrs.evolve(AS_TUM, intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{C
 MILLIMETRES = attrs.evolve(STATED, depth_scale=0.001)
 # By name: the reader that must recognise it, who writes it, and what the user has to say.
 LAYOUTS: dict[str, tuple[str, Callable[[Path, list[Taken]], None], SequenceOptions]] = {
-    "tum": ("tum", write_tum, AS_TUM),
-    "icl_nuim": ("icl_nuim", write_icl_nuim, MIRRORED),
-    "numbered": ("numbered", write_numbered, MILLIMETRES),
-    "redwood": ("redwood", write_redwood, SequenceOptions()),
-    "nerfstudio": ("nerfstudio", write_nerfstudio, SequenceOptions()),
-    "npz": ("folder", write_npz, SequenceOptions()),
-    "pictures": ("folder", write_pictures, SequenceOptions()),
-    "exr": ("folder", write_exrs, SequenceOptions()),
-}
+    "tum": ("tum", write_tum, AS_TUM), "icl_nuim": ("icl_nuim", write_icl_nuim, MIRRORED),
+    "numbered": ("numbered", write_numbered, MILLIMETRES), "redwood": ("redwood", write_redwood, SequenceOptions()),
+    "nerfstudio": ("nerfstudio", write_nerfstudio, SequenceOptions()), "npz": ("folder", write_npz, SequenceOptions()),
+    "pictures": ("folder", write_pictures, SequenceOptions()), "exr": ("folder", write_exrs, SequenceOptions()),
+}  # fmt: skip

@@ -26,23 +26,10 @@ from hmdwarp.run import ReplayResult, ReplayRun, RunOptions, replay, set_up_repl
 from hmdwarp.scenes import load_scene
 
 SMALL = {
-    "trace": "look-around",
-    "scene": "planes",
-    "warp": "forward",
-    "fill": "none",
-    "guard": 1.0,
-    "predict": "none",
-    "lens": "none",
-    "headset": "flat-90",
-    "size": (96, 80),
-    "rate_hz": 60.0,
-    "samples": 1,
-    "seconds": 0.5,
-    "against": "",
-    "metrics_every": 5,
-    "workers": 0,
-    "images": 0,
-}
+    "trace": "look-around", "scene": "planes", "warp": "forward", "fill": "none", "guard": 1.0, "predict": "none",
+    "lens": "none", "headset": "flat-90", "size": (96, 80), "rate_hz": 60.0, "samples": 1, "seconds": 0.5,
+    "against": "", "metrics_every": 5, "workers": 0, "images": 0,
+}  # fmt: skip
 # Light of fewer paths or cells, solved at every fifth refresh, and fewer layers are kept in the
 # same places.
 CHEAPER = {

@@ -44,15 +44,9 @@ def test_every_kind_of_pass_gives_the_same_bits(warp, scene, tmp_path):
     in which threads run.
     """
     wanted = {
-        **RUN,
-        "seconds": 0.1,
-        "metrics_every": 1,
-        "images": 6,
-        "against": "",
-        "trace": "walk",
-        "scene": scene,
+        **RUN, "seconds": 0.1, "metrics_every": 1, "images": 6, "against": "", "trace": "walk", "scene": scene,
         "warp": warp,
-    }
+    }  # fmt: skip
     run(tmp_path / "a", **wanted)
     run(tmp_path / "b", **wanted)
     assert untimed(tmp_path / "a") == untimed(tmp_path / "b")

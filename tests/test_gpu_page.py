@@ -32,12 +32,9 @@ def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float
     time = {"median": 0.5, "p95": 0.75}
     chain = {"chain": "default chain", "size": [64, 48], "time_ms": {"warp": time, "total": time}}
     told = {
-        "live": [],
-        "bench_live": "a table\n",
-        "arrays": "a ratio\n",
-        "left_out": ["live 2: no time"],
+        "live": [], "bench_live": "a table\n", "arrays": "a ratio\n", "left_out": ["live 2: no time"],
         "chains": [chain],
-    }
+    }  # fmt: skip
     return {"doctor": doctor, "bench": bench, **told}
 
 

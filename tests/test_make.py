@@ -20,10 +20,8 @@ class Small:
     """How a target is run here."""
 
     settings: dict[str, str] = attrs.field(factory=dict)
-    # What it prints, among other things.
-    prints: str = ""
-    # A file below OUT, and what it says, among other things.
-    leaves: tuple[str, str] | None = None
+    prints: str = ""  # what it prints, among other things
+    leaves: tuple[str, str] | None = None  # a file below OUT, and what it says, among other things
 
 
 SMALL = {
@@ -43,19 +41,15 @@ LISTED = {
     "test-requests": "runs for an hour or two; tests/sources/feed has a short run of it",
     "test-silence": "runs for a quarter of an hour; tests/sources/feed runs the same for a second",
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
-    "replay": "tests/test_readme.py runs it",
-    "bench-live": "is a part of bench-gpu, whose page has its lines",
+    "replay": "tests/test_readme.py runs it", "bench-live": "is a part of bench-gpu, whose page has its lines",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
-    "test": "is the suite itself",
-    "test-quick": "is a part of the suite",
+    "test": "is the suite itself", "test-quick": "is a part of the suite",
     "test-openxr": "needs root and apt, and builds 1.4 GB; where they are there it runs as part of the suite",
-    "check": "is the four below",
-    "check-lint": "tests/test_checks.py runs it",
-    "check-format": "tests/test_checks.py runs it",
-    "check-types": "tests/test_checks.py runs it",
+    "check": "is the four below", "check-lint": "tests/test_checks.py runs it",
+    "check-format": "tests/test_checks.py runs it", "check-types": "tests/test_checks.py runs it",
     "check-shaders": "runs tests/gpu/test_shader_files.py, a part of the suite",
     "site": "tests/packaging/test_site.py runs it",
-}
+}  # fmt: skip
 
 
 def test_every_target_is_run_or_says_why_not():

@@ -20,8 +20,7 @@ sys.modules.update(dict.fromkeys({}))
 for name in {}:
     delattr(os, name)
 """
-# Other libraries that have no Windows, or load POSIX's modules themselves on Linux.
-_THEIRS = ("pexpect", "ptyprocess")
+_THEIRS = ("pexpect", "ptyprocess")  # Other libraries that have no Windows, or load POSIX's modules themselves on Linux
 
 
 _PROGRAM = "from hmdwarp.cli import main; main()"

@@ -159,12 +159,7 @@ def test_the_example_of_the_package_runs():
     here = View(pose=Pose(position_m=(0, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
     there = View(pose=Pose(position_m=(0.02, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
     out = hmdwarp.warp_image(
-        np.zeros((10, 12, 3), np.uint8),
-        np.full((10, 12), 1.5),
-        rendered=here,
-        shown=there,
-        warp="forward",
-        fill="none",
-        size=None,
-    )
+        np.zeros((10, 12, 3), np.uint8), np.full((10, 12), 1.5), rendered=here, shown=there, warp="forward",
+        fill="none", size=None,
+    )  # fmt: skip
     assert out.colour.shape == (10, 12, 3) and out.coverage.shape == (10, 12) and out.time_ms["warp"] >= 0

@@ -236,18 +236,10 @@ class World:
 
     def asked(self, settings: object) -> TwinInputs:
         return TwinInputs(
-            self.colour,
-            self.inverse_depth,
-            self.rendered_view,
-            self.shown_view,
-            self.shown_size,
-            client_inverse_depth=self.client,
-            layers=self.layers,
-            cube=self.cube,
-            others=self.others,
-            settings=settings,
+            self.colour, self.inverse_depth, self.rendered_view, self.shown_view, self.shown_size,
+            client_inverse_depth=self.client, layers=self.layers, cube=self.cube, others=self.others, settings=settings,
             sampler_pixels=self.sampler_pixels,
-        )
+        )  # fmt: skip
 
     def reference(self, spec: str):
         """What the twin makes of it; after warp(), which brings what the warp reads."""

@@ -203,34 +203,20 @@ def eyes_swapped(frames: Frames, rng: np.random.Generator) -> Frames:
 
 # Each with the convention that is to be named.
 MISREADINGS = {
-    "right": (lambda frames, rng: frames, None),
-    "w first": (w_first, "order"),
-    "world to eye": (world_to_eye, "direction"),
-    "OpenCV": (in_axes(OPENCV), "axes"),
-    "Unity": (in_axes(UNITY), "axes"),
-    "ROS": (in_axes(ROS), "axes"),
-    "rows up": (rows_up, "rows"),
-    "along the ray": (along_the_ray, "ray"),
-    "buffer": (buffer, "encoding"),
-    "reversed": (reversed_buffer, "encoding"),
-    "not reversed": (read_as_not_reversed, "encoding"),
-    "far plane": (wrong_far_plane, "planes"),
-    "scale": (scaled, "scale"),
-    "half a pixel": (half_a_pixel, "pixel"),
-    "eyes swapped": (eyes_swapped, "eyes"),
-    "late": (None, "time"),
-    "field of view": (wrong_field_of_view, "focal"),
-    "one focal length": (wrong_aspect, "focal"),
-    "principal point": (wrong_principal_point, "centre"),
-}
+    "right": (lambda frames, rng: frames, None), "w first": (w_first, "order"),
+    "world to eye": (world_to_eye, "direction"), "OpenCV": (in_axes(OPENCV), "axes"), "Unity": (in_axes(UNITY), "axes"),
+    "ROS": (in_axes(ROS), "axes"), "rows up": (rows_up, "rows"), "along the ray": (along_the_ray, "ray"),
+    "buffer": (buffer, "encoding"), "reversed": (reversed_buffer, "encoding"),
+    "not reversed": (read_as_not_reversed, "encoding"), "far plane": (wrong_far_plane, "planes"),
+    "scale": (scaled, "scale"), "half a pixel": (half_a_pixel, "pixel"), "eyes swapped": (eyes_swapped, "eyes"),
+    "late": (None, "time"), "field of view": (wrong_field_of_view, "focal"),
+    "one focal length": (wrong_aspect, "focal"), "principal point": (wrong_principal_point, "centre"),
+}  # fmt: skip
 # Two of one group are another one of it, or hide each other.
 ALONE = (
-    {"right"},
-    {"OpenCV", "Unity", "ROS"},
-    {"buffer", "reversed", "not reversed", "far plane", "scale"},
-    {"half a pixel", "principal point"},
-    {"field of view", "one focal length"},
-)
+    {"right"}, {"OpenCV", "Unity", "ROS"}, {"buffer", "reversed", "not reversed", "far plane", "scale"},
+    {"half a pixel", "principal point"}, {"field of view", "one focal length"},
+)  # fmt: skip
 _FIRST, _LAST = ("late", "along the ray"), ("rows up",)  # they need the right ones, or turn everything over
 
 

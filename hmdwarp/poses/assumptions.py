@@ -65,12 +65,9 @@ def first_stated(*values: T | None) -> tuple[T | None, By]:
 
 # Who says what axes a file has, in words.
 AXES_BY = {
-    By.USER: "as --axes or --up says",
-    By.FILE: "stated by the file",
-    By.FORMAT: "by the format",
-    By.MOTION: "by --axes auto, from the motion",
-    By.NOBODY: "assumed",
-}
+    By.USER: "as --axes or --up says", By.FILE: "stated by the file", By.FORMAT: "by the format",
+    By.MOTION: "by --axes auto, from the motion", By.NOBODY: "assumed",
+}  # fmt: skip
 
 
 @attrs.frozen
@@ -97,7 +94,8 @@ class Layout:
     orientation: tuple[int, ...]
     matrix: str = ""  # how its numbers were ordered, in words; "": none
     euler: Euler | None = None
-    nanoseconds: int | None = None  # column of whole nanoseconds in addition to one of whole seconds
+    rest: int | None = None  # column that completes the clock: what is over whole seconds, or the date
+    rest_unit: str = "ns"  # a key of `times.UNITS_NS`, or "date"
     position: tuple[int, int, int] | None = None  # columns of x y z
     # columns of x y z of a direction in the head's axes, or of x y z w of one's turn in the world
     gaze: tuple[int, ...] = ()

@@ -15,16 +15,15 @@ from .reading.file_head import Head, read_head
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
     """Read a head trace.
 
-    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording.
-    options: overrides facts of the file, or adds missing ones.
-    Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
-    format.
+    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording. options:
+    overrides facts of the file, or adds missing ones. Errors: TraceError naming file and line;
+    UnknownNameError with the nearest known recording or format.
     """
     options = TraceOptions.checked(options, optional=True)
     path = trace_path(name_or_path)
     if not path.exists() and path.stem in _recordings():
         raise TraceError(
-            f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending"
+            f"{path}: no such file; the shipped recording is called '{path.stem}', with no folder or ending"
         )
     head = read_head(path)
     return find_format(head, options).read(head, options)
@@ -68,12 +67,7 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
         return formats.get(best)
     if head.names is None and head.width >= 5:
         turn, of = ("q=5+6+7+8", "q: x y z w") if head.width > 7 else ("e=5+6+7", "e: angles, with --euler")
-        raise TraceError(
-            f"{head.path}: nothing in the file says what its columns are ({head.describe()}): "
-            f"say --columns t=1,p=2+3+4,{turn} with their numbers ({of})"
-        )
-    known = ", ".join(formats.names())
-    raise TraceError(
-        f"{head.path} is in no known trace format ({head.describe()}): "
-        f"name the columns in a header line, or say --format ({known})"
-    )
+        what = f"nothing in the file says what its columns are ({head.describe()})"
+        raise TraceError(f"{head.path}: {what}: say --columns t=1,p=2+3+4,{turn} with their numbers ({of})")
+    how = f"name the columns in a header line, or say --format ({', '.join(formats.names())})"
+    raise TraceError(f"{head.path} is in no known trace format ({head.describe()}): {how}")

@@ -15,7 +15,8 @@ MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, s
 PREDICTORS = {"cautious": "cautious", "cav": "steady", "constant_velocity": "steady", "none": "steady"}
 PREDICTORS["on"] = "cautious"
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
-TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
+FRAMES = "frames"
+TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
 QUAT_ORDERS = ("xyzw", "wxyz")
 DIRECT, INVERSE = "direct", "inverse"
 ROWS, COLUMNS = "rows", "columns"
@@ -64,53 +65,38 @@ class TraceOptions(Declared):
     """
 
     heading = "Reading the head trace"
-    # Name of a trace format.
     format: str | None = option(
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
     )
     quat_order: str | None = option(
         None, "Order of quaternions, xyzw or wxyz, where the file does not say.", valid=one_of(*QUAT_ORDERS)
     )
-    # See `reading.axes.parse_axes`.
-    up: str | None = option(
+    up: str | None = option(  # See `reading.axes.parse_axes`
         None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
     )
-    # See `reading.axes.parse_axes`.
-    axes: str | None = option(
+    axes: str | None = option(  # See `reading.axes.parse_axes`
         None, "Axes of the file: a preset (hmdwarp list axes), world=right,up,forward head=right,up,forward, or auto."
     )
-    # Metres per unit.
     scale: float | None = option(
-        None,
-        "Metres per unit of the file's positions; by default as its format has it.",
+        None, "Metres per unit of the file's positions; by default as its format has it.",
         valid=Number(least=1e-6, most=1e6),
-    )
-    # Samples per second.
+    )  # fmt: skip
     rate: float | None = option(
-        None,
-        "Samples per second, in place of the file's clock.",
-        name="trace_rate",
-        unit="Hz",
+        None, "Samples per second, in place of the file's clock.", name="trace_rate", unit="Hz",
         valid=Number(least=1e-3, most=1e6),
-    )
-    # A key of `reading.times.UNITS_NS`.
-    time_unit: str | None = option(
-        None,
-        "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed.",
+    )  # fmt: skip
+    time_unit: str | None = option(  # A key of `reading.times.UNITS_NS`, or FRAMES
+        None, "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; else as it says, or guessed.",
         valid=one_of(*TIME_UNITS),
-    )
-    # See `load.StatedColumns`.
-    columns: str | None = option(
+    )  # fmt: skip
+    columns: str | None = option(  # See `load.StatedColumns`
         None,
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
         "matrix), r=5+6+7 (a rotation vector), a=5+6+7+8 (axis and angle) or e=5+6+7 (with --euler).",
     )
-    # A name, or a number from 1.
     time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
-    # Of the rows of several devices.
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
-    # See `parse_euler`.
-    euler: str | None = option(
+    euler: str | None = option(  # See `parse_euler`
         None,
         "Read angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg); vector,rad for a "
         "rotation vector, axis-angle,rad for an axis and its angle.",
@@ -123,16 +109,11 @@ class TraceOptions(Declared):
         valid=one_of(DIRECT, INVERSE),
     )
     matrix: str | None = option(
-        None,
-        "Order of a matrix's numbers, rows or columns; by default where 0,0,0,1 or the rotation lies says it.",
+        None, "Order of a matrix's numbers, rows or columns; by default where 0,0,0,1 or the rotation lies says it.",
         valid=one_of(ROWS, COLUMNS),
-    )
-    # Share of all rows.
-    lost_rows: float = option(
-        0.2,
-        "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.",
-        kind=float,
+    )  # fmt: skip
+    lost_rows: float = option(  # share of all rows
+        0.2, "Largest share of rows without a pose (lost tracking, a line of text) that is dropped.", kind=float,
         valid=Number(most=0.999),
-    )
-    # Number of the recording, from 1.
+    )  # fmt: skip
     segment: int | None = option(None, "Which recording of a file that holds several, from 1.", valid=Number(least=1))

@@ -153,10 +153,9 @@ def turn_errors(known: Array, actual: Array, predicted: Array) -> PredictionErro
     return PredictionErrors(
         mean=float(lengths.mean()),
         percentiles=tuple(float(value) for value in np.percentile(lengths, ERROR_PERCENTILES)),
-        lead_share=float(np.mean(lead > STILL_DEG)),
-        lead=max(0.0, float(np.percentile(lead, _FAR))),
+        lead_share=float(np.mean(lead > STILL_DEG)), lead=max(0.0, float(np.percentile(lead, _FAR))),
         lag=max(0.0, float(np.percentile(-lead, _FAR))),
-    )
+    )  # fmt: skip
 
 
 def signed_lead(missed: Array, moved: Array, still: float) -> Array:
@@ -226,18 +225,13 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
     duration_s = track.duration_ns / 1e9
     angular, linear = speeds(motion)
     return Analysis(
-        samples=len(track),
-        duration_s=duration_s,
-        rate_hz=track.rate_hz,
-        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0,
-        repeated_share=1 - len(motion) / len(track),
-        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps],
-        jumps=len(track.jumps),
+        samples=len(track), duration_s=duration_s, rate_hz=track.rate_hz,
+        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0, repeated_share=1 - len(motion) / len(track),
+        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps], jumps=len(track.jumps),
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
-        errors=[error_row(motion, latency) for latency in latencies_ms],
-        gaze=gaze_facts(track),
-    )
+        errors=[error_row(motion, latency) for latency in latencies_ms], gaze=gaze_facts(track),
+    )  # fmt: skip
 
 
 def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -310,18 +304,15 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
         "errors_deg": [
-            {"latency_ms": row.latency_ms, **{name: _error_row(errors) for name, errors in row.errors.items()}}
-            for row in figures.errors
+            {"latency_ms": row.latency_ms} | {
+                name: {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES), "lead_share": one.lead_share}
+                | {"lead_p95": one.lead, "lag_p95": one.lag} for name, one in row.errors.items()
+            } for row in figures.errors
         ],
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
-    }
-
-
-def _error_row(errors: PredictionErrors) -> dict[str, float]:
-    share = {"lead_share": errors.lead_share, "lead_p95": errors.lead, "lag_p95": errors.lag}
-    return {"mean": errors.mean, **_by_name(errors.percentiles, ERROR_PERCENTILES), **share}
+    }  # fmt: skip
 
 
 def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:

@@ -19,15 +19,9 @@ def multiply(a: Array, b: Array) -> Array:
     """Return the rotation b followed by a, (..., 4)."""
     ax, ay, az, aw = np.moveaxis(a, -1, 0)
     bx, by, bz, bw = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ],
-        axis=-1,
-    )
+    x, y = aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx
+    z, w = aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz
+    return np.stack([x, y, z, w], axis=-1)
 
 
 def conjugate(q: Array) -> Array:
@@ -132,11 +126,9 @@ def turned(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, float,
     factor = math.sin(angle / 2) / angle if angle > 0 else 0.5
     ax, ay, az, aw = factor * x, factor * y, factor * z, math.cos(angle / 2)
     return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
+        aw * bx + ax * bw + ay * bz - az * by, aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw, aw * bw - ax * bx - ay * by - az * bz,
+    )  # fmt: skip
 
 
 def slerp_many(a: Array, b: Array, share: Array) -> Array:

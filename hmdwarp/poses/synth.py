@@ -7,10 +7,8 @@ amplitude and levels off: the main sequence of heads (Zangemeister, Jones and St
 of head movement trajectories). Between shifts it drifts in slow submovements, like a head that
 follows an object. It turns about the neck, not about the eyes; it sways like a standing person and
 bobs at each step of a walking one. Glides are no person's: they move in one way only, at a known
-speed, to tell apart what each kind of motion costs.
-
-All randomness is `random.Random(seed).random()`, whose sequence Python guarantees across versions
-and machines.
+speed, to tell apart what each kind of motion costs. All randomness is
+`random.Random(seed).random()`, whose sequence Python guarantees across versions and machines.
 """
 
 from __future__ import annotations
@@ -143,21 +141,15 @@ class Kind:
 
 
 def synthesise(
-    kind: str,
-    seed: int | None = None,
-    seconds: float | None = None,
-    rate_hz: float = RATE_HZ,
-    *,
-    speed: float | None = None,
-    amplitude: float | None = None,
-) -> PoseTrack:
+    kind: str, seed: int | None = None, seconds: float | None = None, rate_hz: float = RATE_HZ, *,
+    speed: float | None = None, amplitude: float | None = None,
+) -> PoseTrack:  # fmt: skip
     """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
     kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
     samples per second. speed, amplitude: of a motion there and back (`Glide`), in m/s and m, or in
-    degrees per second and degrees.
-    Errors: UnknownNameError; InputError for a number out of range, and for one that the motion does
-    not have.
+    degrees per second and degrees. Errors: UnknownNameError; InputError for a number out of range,
+    and for one that the motion does not have.
     """
     if kind not in KINDS:
         raise unknown_name("kind of motion", kind, sorted(KINDS))
@@ -182,7 +174,17 @@ def synthesise(
         if seed is None or seed < 0:
             raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
         motion, flags = build(random.Random(seed), seconds, t), f"--seed {seed}"
-    orientation = _orientation(motion)
+    turns = []
+    for angle, axis in (
+        (motion.yaw, 1),
+        (motion.pitch, 0),
+        (motion.roll, 2),
+    ):  # each about the axis turned by the others
+        vector = np.zeros((len(angle), 3))
+        vector[:, axis] = np.radians(angle)
+        turns.append(quaternions.from_rotation_vector(vector))
+    orientation = quaternions.multiply(quaternions.multiply(turns[0], turns[1]), turns[2])
+    quaternions.make_continuous(orientation)
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
     how = f"hmdwarp trace synth {kind} {flags} --seconds {seconds:g} --rate {rate_hz:g}"
     made = f"made up by '{how}'; {KINDS[kind].summary}"
@@ -212,18 +214,6 @@ def _sum_of(shifts: list[Shift], t: Array) -> Array:
     return out
 
 
-def _orientation(motion: Motion) -> Array:
-    """Return the orientation: yaw, pitch, roll, each about the axis turned by those before."""
-    turns = []
-    for angle, axis in ((motion.yaw, 1), (motion.pitch, 0), (motion.roll, 2)):
-        vector = np.zeros((len(angle), 3))
-        vector[:, axis] = np.radians(angle)
-        turns.append(quaternions.from_rotation_vector(vector))
-    q = quaternions.multiply(quaternions.multiply(turns[0], turns[1]), turns[2])
-    quaternions.make_continuous(q)
-    return q
-
-
 def _between(rng: random.Random, low: float, high: float) -> float:
     return low + (high - low) * rng.random()
 
@@ -245,9 +235,8 @@ def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_h
 def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     """Return a standing person's neck: about a centimetre of sway, more forwards than sideways.
 
-    size: above 1 for more.
-    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control
-    during standing and walking.
+    size: above 1 for more. Source: amplitudes and the band below 1 Hz as in Winter 1995, Human
+    balance and posture control during standing and walking.
     """
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
@@ -360,7 +349,14 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     turned = np.radians(heading)
     place = place + side[:, None] * np.stack([np.cos(turned), np.zeros_like(t), -np.sin(turned)], axis=1)
     place[:, 1] += bob
-    glances = _sum_of(_glances(rng, seconds), t)
+    shifts, now = [], _between(rng, 2.0, 3.0)  # glances to the sides and back
+    while now < seconds - 2:
+        amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)
+        length = shift_seconds(amount, 0.9)
+        stay = _between(rng, 0.3, 0.9)
+        shifts += [Shift(now, length, amount), Shift(now + length + stay, length, -amount)]
+        now += 2 * length + stay + _between(rng, 1.0, 2.5)
+    glances = _sum_of(shifts, t)
     # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
     pitch = -6.0 * going - 1.0 * going * np.sin(step + 0.5 * math.pi) + _sines(rng, t, 3.0, 0.1, 0.7)
     roll = 0.8 * going * np.sin(step / 2) + _sines(rng, t, 1.0, 0.1, 0.7)
@@ -390,25 +386,12 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
     return place, turned
 
 
-def _glances(rng: random.Random, seconds: float) -> list[Shift]:
-    """Return glances to the sides and back."""
-    shifts, now = [], _between(rng, 2.0, 3.0)
-    while now < seconds - 2:
-        amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)
-        length = shift_seconds(amount, 0.9)
-        stay = _between(rng, 0.3, 0.9)
-        shifts += [Shift(now, length, amount), Shift(now + length + stay, length, -amount)]
-        now += 2 * length + stay + _between(rng, 1.0, 2.5)
-    return shifts
-
-
 _SHIFTS = "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene"
 _REVERSES = "the head turns back and forth without resting, the worst case for prediction"
 _STEADY = "at a steady speed and back, without turning"
 _AHEAD, _RIGHT = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
 _KINDS = (
-    Kind("still", "standing still: sway only", 20.0, 1, _still),
-    Kind("look-around", _SHIFTS, 30.0, 66, _look_around),
+    Kind("still", "standing still: sway only", 20.0, 1, _still), Kind("look-around", _SHIFTS, 30.0, 66, _look_around),
     Kind("reversals", _REVERSES, 20.0, 1, _reversals),
     Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
     Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
@@ -416,6 +399,6 @@ _KINDS = (
     Kind("backward", f"backward {_STEADY}", 8.0, None, Glide(0.5, 0.8, (0.0, 0.0, 1.0))),
     Kind("sideways", f"to the right {_STEADY}", 8.0, None, Glide(0.5, 0.8, _RIGHT)),
     Kind("rotate", "turning to the left at a steady speed and back, about the eyes", 8.0, None, Glide(60, 180, None)),
-)
+)  # fmt: skip
 KINDS: dict[str, Kind] = {kind.name: kind for kind in _KINDS}
 GLIDES: dict[str, Glide] = {name: kind.build for name, kind in KINDS.items() if isinstance(kind.build, Glide)}

@@ -48,8 +48,7 @@ class PoseSample:
     # How often the space of a live source's poses has changed, by a recentre for instance. No head
     # moves from one to the next.
     space: int = 0
-    # Unit direction in the head's axes in which the eyes look; None where that is not known.
-    gaze: Gaze | None = None
+    gaze: Gaze | None = None  # unit direction in the head's axes in which the eyes look; None where that is not known
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
@@ -58,9 +57,7 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
     100 ms, or four median steps where that is more (slow recordings). Recorded heads turn at up to
     300 deg/s: 100 ms is 30 degrees, about the longest arc that interpolation can be trusted for.
     """
-    if len(time_ns) < 2:
-        return SHORTEST_GAP_NS
-    return max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
+    return SHORTEST_GAP_NS if len(time_ns) < 2 else max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
 
 
 def _times(value: ArrayLike) -> NDArray[np.int64]:
@@ -80,14 +77,6 @@ def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
         return tuple(map(kind, value))
     except NO_NUMBERS as error:
         raise TraceError(f"{what}, found {in_brief(value)}") from error
-
-
-def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    return _tuple_of(str, value, "notes: expected texts")
-
-
-def _jumps(value: Iterable[int]) -> tuple[int, ...]:
-    return _tuple_of(int, value, "jumps: expected indices of samples")
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
@@ -123,12 +112,16 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
+    notes: tuple[str, ...] = attrs.field(
+        default=(), converter=lambda value: _tuple_of(str, value, "notes: expected texts")
+    )  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
+    jumps: tuple[int, ...] = attrs.field(
+        default=(), converter=lambda value: _tuple_of(int, value, "jumps: expected indices of samples")
+    )
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
@@ -151,9 +144,7 @@ class PoseTrack:
             raise TraceError("a head track needs at least one sample")
         if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
             shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
-            raise TraceError(
-                f"{n} instants with positions and orientations of shape {shapes}: expected ({n}, 3) and ({n}, 4)"
-            )
+            raise TraceError(f"{n} instants with poses of shape {shapes}: expected ({n}, 3) and ({n}, 4)")
         steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
             i = int(np.argmax(steps <= 0))
@@ -199,9 +190,7 @@ class PoseTrack:
         time_ns, times = operator.index(time_ns), self.time_ns
         if time_ns < times[0]:
             return -1
-        if time_ns >= times[-1]:
-            return len(times) - 1
-        return int(times.searchsorted(time_ns, side="right")) - 1
+        return len(times) - 1 if time_ns >= times[-1] else int(times.searchsorted(time_ns, side="right")) - 1
 
     def pose(self, index: int) -> Pose:
         """Return the pose of one sample."""
@@ -288,11 +277,9 @@ class PoseTrack:
         # A jump after sample i moves to the next pose that is kept.
         jumps = set(np.searchsorted(keep, np.asarray(self.jumps, dtype=np.int64), side="right") - 1) - {len(keep) - 1}
         return self.evolve(
-            time_ns=self.time_ns[keep],
-            position_m=self.position_m[keep],
-            orientation_xyzw=self.orientation_xyzw[keep],
+            time_ns=self.time_ns[keep], position_m=self.position_m[keep], orientation_xyzw=self.orientation_xyzw[keep],
             jumps=sorted(jumps),
-        )
+        )  # fmt: skip
 
     def evolve(self, **changes: Any) -> PoseTrack:
         """Return a copy with changes; the gap limit follows new times unless passed too.
@@ -324,10 +311,8 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
     worst = int(np.argmax(off))
     if not abs(np.sqrt(norm_squared[worst]) - 1) <= UNIT_WITHIN:
         length = np.sqrt(norm_squared[worst])
-        raise TraceError(
-            f"sample {worst}: a quaternion of length {length:.4g}, expected 1 within {UNIT_WITHIN:g}: "
-            f"{q[worst].tolist()}"
-        )
+        found = f"a quaternion of length {length:.4g}, expected 1 within {UNIT_WITHIN:g}"
+        raise TraceError(f"sample {worst}: {found}: {q[worst].tolist()}")
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
     elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():

@@ -32,14 +32,9 @@ def clock_offset_ns(track: PoseTrack) -> int:
 
 
 def write_rows(
-    track: PoseTrack,
-    stream: IO[str],
-    separator: str,
-    order: str = "xyzw",
-    stamp: Callable[[int], str] = str,
-    decimals: tuple[int, int] | None = None,
-    gaze: bool = False,
-) -> None:
+    track: PoseTrack, stream: IO[str], separator: str, order: str = "xyzw", stamp: Callable[[int], str] = str,
+    decimals: tuple[int, int] | None = None, gaze: bool = False,
+) -> None:  # fmt: skip
     """Write time, position and quaternion of every sample.
 
     order: xyzw or wxyz. stamp: nanoseconds to text. decimals: of positions and quaternions; None
@@ -126,5 +121,5 @@ def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
 
 
 WRITERS: dict[str, Callable[[PoseTrack, IO[Any]], None]] = {
-    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap},
+    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap}
 }

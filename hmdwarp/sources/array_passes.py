@@ -37,8 +37,7 @@ class Scaling:
     size: Size
     # Left, top, right and bottom of what becomes that size, in pixels of the arrays.
     box: tuple[float, float, float, float]
-    # (w, 2) of that size, as Hidden.rows has them; None where all is seen.
-    seen_rows: NDArray[np.int32] | None = None
+    seen_rows: NDArray[np.int32] | None = None  # (w, 2) of that size, as Hidden.rows has them; None where all is seen
 
     def spans(self) -> NDArray[np.uint32]:
         """Return (2, the longer side, 4): of columns, and of rows from the top."""
@@ -56,24 +55,15 @@ class Scaling:
 class Arrays:
     """A picture with depth whose numbers the GPU converts; the top row first."""
 
-    # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats.
-    colour: NDArray[Any]
-    # Of `colour`: "srgb8", "srgb" or "linear".
-    encoding: str
-    # (h, w) floats, or uint16 with the scale; below 0, NaN and 65535 are none.
-    depth: NDArray[Any]
-    # Metres, or 1/m, per unit of `depth`.
-    scale: float = 1.0
-    # Whether `depth` is in 1/m instead.
-    is_inverse: bool = False
-    # Whether floats are linear light only because nothing else was said.
-    is_guessed: bool = False
-    # Whether colour without depth stays, and depth without colour; else both are a hole.
-    is_apart: bool = False
-    # (h, w) where a mask hides colour or depth; None without one.
-    hidden: NDArray[np.bool_] | None = None
-    # None for a picture of the size that the arrays have.
-    scaling: Scaling | None = None
+    colour: NDArray[Any]  # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats
+    encoding: str  # of `colour`: "srgb8", "srgb" or "linear"
+    depth: NDArray[Any]  # (h, w) floats, or uint16 with the scale; below 0, NaN and 65535 are none
+    scale: float = 1.0  # metres, or 1/m, per unit of `depth`
+    is_inverse: bool = False  # whether `depth` is in 1/m instead
+    is_guessed: bool = False  # whether floats are linear light only because nothing else was said
+    is_apart: bool = False  # whether colour without depth stays, and depth without colour; else both are a hole
+    hidden: NDArray[np.bool_] | None = None  # (h, w) where a mask hides colour or depth; None without one
+    scaling: Scaling | None = None  # none for a picture of the size that the arrays have
 
     @property
     def size(self) -> Size:

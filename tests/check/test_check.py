@@ -57,12 +57,9 @@ def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(rec
 
 # Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.
 INTRINSICS = {
-    "3 % long": (1.03, 1.03, 0, 0),
-    "a third shorter": (0.67, 0.67, 0, 0),
-    "fx 20 % short": (0.8, 1, 0, 0),
-    "cx far left": (1, 1, -12, 0),
-    "cy up": (1, 1, 0, -5),
-}
+    "3 % long": (1.03, 1.03, 0, 0), "a third shorter": (0.67, 0.67, 0, 0), "fx 20 % short": (0.8, 1, 0, 0),
+    "cx far left": (1, 1, -12, 0), "cy up": (1, 1, 0, -5),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("fx", "fy", "x", "y"), INTRINSICS.values(), ids=INTRINSICS)

@@ -31,14 +31,10 @@ def write(folder: Path, frames: list[StatedFrame]) -> Path:
     for number, one in enumerate(frames):
         fov, pose = one.view.fov, one.view.pose
         np.savez(
-            folder / f"{number:03}.npz",
-            colour=one.colour,
-            depth_m=one.depth,
-            fov=(fov.left, fov.right, fov.down, fov.up),
-            position_m=pose.position_m,
-            orientation_xyzw=pose.orientation_xyzw,
-            time_ns=one.time_ns,
-        )
+            folder / f"{number:03}.npz", colour=one.colour, depth_m=one.depth,
+            fov=(fov.left, fov.right, fov.down, fov.up), position_m=pose.position_m,
+            orientation_xyzw=pose.orientation_xyzw, time_ns=one.time_ns,
+        )  # fmt: skip
     return folder
 
 

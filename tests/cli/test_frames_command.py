@@ -34,11 +34,8 @@ def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
         for assumption in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]
     }
     assert kept["intrinsics"] == {
-        "what": "intrinsics",
-        "value": "40,42,17.3,11.1 px",
-        "by": "user",
-        "option": "--intrinsics",
-    }
+        "what": "intrinsics", "value": "40,42,17.3,11.1 px", "by": "user", "option": "--intrinsics",
+    }  # fmt: skip
     assert kept["camera axes"]["by"] == "format" and set(FACTS) <= set(kept)
 
     write_numbered(tmp_path / "numbered", taken(6))

@@ -37,12 +37,8 @@ def test_they_are_declared_once_and_offered_wherever_a_scene_is(kind):
 def test_a_study_may_set_them(scene):
     assert set(KINDS) >= NAMES and {option.study for option in options_of(SceneOptions)} == {PICTURE}
     settings = {
-        "scene": str(scene),
-        "viewpoint": "102,51.6,203,90",
-        "scene_scale": 1,
-        "animation": "none",
-        "warp": "none",
-    }
+        "scene": str(scene), "viewpoint": "102,51.6,203,90", "scene_scale": 1, "animation": "none", "warp": "none",
+    }  # fmt: skip
     scenes: dict = {}
     options = check_settings(settings, scenes)
     assert options.scene_options == SceneOptions(viewpoint="102,51.6,203,90", animation="none")

@@ -56,13 +56,9 @@ def replaying(tmp_path):
         "--out", str(out),
     ]  # fmt: skip
     process = subprocess.Popen(
-        [*PROGRAM, "replay", "walk", *options],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        start_new_session=True,
-    )
+        [*PROGRAM, "replay", "walk", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)}, start_new_session=True,
+    )  # fmt: skip
     try:
         wait_for(
             lambda: (
@@ -146,10 +142,7 @@ except _signals.Ended as error:
 {last}
 """
     done = subprocess.run(
-        [PROGRAM[0], "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
+        [PROGRAM[0], "-c", code], capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
+    )  # fmt: skip
     assert (done.stdout, done.stderr) == (f"ended by {int(signal.SIGTERM)}\n", "")

@@ -17,8 +17,7 @@ SMALL = (75, 56)
 # The eye was 25 cm further to the left, and turned by 3 degrees: nothing that is not sky moved to
 # the right.
 LEFT = View(Pose(VIEW.pose.position_m - (0.25, 0, 0), Rotation.from_rotvec((0, np.deg2rad(3), 0)).as_quat()), VIEW.fov)
-# What is stored as a half float is truncated: 2^-10 of it.
-STORED = 2.0**-10
+STORED = 2.0**-10  # what is stored as a half float is truncated: 2^-10 of it
 
 
 def asked(shown: Shown, text: str, shown_ns: int = 0) -> Composited:

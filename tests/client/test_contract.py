@@ -121,8 +121,7 @@ def test_pictures_without_holes_and_without_colour_are_filled(gpu, name):
             assert np.array_equal(got, holed.colour)
 
 
-# Three eighths of 8, 24 and 48.
-LEAST = {3: 3, 5: 9, 7: 18}
+LEAST = {3: 3, 5: 9, 7: 18}  # Three eighths of 8, 24 and 48
 
 
 @pytest.mark.parametrize("kernel", LEAST)

@@ -36,10 +36,8 @@ from hmdwarp.sources.server import Server
 FOVEA = Fovea(30.0, 3)
 BOTH = Needs(foveated=FOVEA, foveated_depth=FOVEA)
 FOV = Fov.symmetric(1.4, 1.2)
-# Sums of up to 16 x 16 numbers in float32, each step rounded by 2^-24, and a quotient.
-ROUNDING = 2.0**-15
-# What is stored as a half is off by 2^-10 of it where a driver cuts rather than rounds.
-HALF = 2.0**-10 + ROUNDING
+ROUNDING = 2.0**-15  # Sums of up to 16 x 16 numbers in float32, each step rounded by 2^-24, and a quotient
+HALF = 2.0**-10 + ROUNDING  # what is stored as a half is off by 2^-10 of it where a driver cuts rather than rounds
 # Rim alone at one side or none, one sharp pixel, odd sizes, wider than a work group.
 GRIDS = [
     FoveaGrid((rim * (a + c) + w, rim * (b + d) + h), rim, (a, b), (c, d))

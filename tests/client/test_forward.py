@@ -24,14 +24,9 @@ from .scatters import Scatter, numbered
 # Rendered and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre
 # lands on a border.
 MINIFIED = [
-    ((60, 45), (20, 15)),
-    ((64, 48), (16, 12)),
-    ((64, 64), (8, 8)),
-    ((99, 77), (9, 7)),
-    ((225, 150), (75, 50)),
-    ((65, 63), (1, 1)),
-    ((15, 1), (5, 1)),
-]
+    ((60, 45), (20, 15)), ((64, 48), (16, 12)), ((64, 64), (8, 8)), ((99, 77), (9, 7)), ((225, 150), (75, 50)),
+    ((65, 63), (1, 1)), ((15, 1), (5, 1)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("size", "shown_size"), MINIFIED, ids=str)

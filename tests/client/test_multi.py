@@ -27,15 +27,9 @@ def square(depth_m: float, centre: tuple[float, float], half: float, level: floa
     corners = [(x + i * half, y + j * half, -depth_m) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     light = np.full((4, 3), level)
     return Mesh(
-        f"square {level}",
-        corners,
-        np.tile((0, 0, 1.0), (4, 1)),
-        np.zeros((4, 2)),
-        light,
-        [(0, 1, 2), (0, 2, 3)],
-        -1,
+        f"square {level}", corners, np.tile((0, 0, 1.0), (4, 1)), np.zeros((4, 2)), light, [(0, 1, 2), (0, 2, 3)], -1,
         False,
-    )
+    )  # fmt: skip
 
 
 def scene_of(*squares: Mesh) -> Scene:

@@ -26,16 +26,9 @@ def wanted_of(holed: Holed, text: str = "pyramid") -> tuple[np.ndarray, np.ndarr
     (choice,) = parse_fills(text)
     settings = choice.settings
     chosen = Chosen(
-        settings.holes,
-        Behind(settings.tolerance, settings.floor),
-        LOCAL_LEVELS,
-        LEAST_LOCAL,
-        LEAST_BORDER,
-        LEAST_BEYOND,
-        CRACK_BORDER,
-        holed.inputs.middle,
-        (holed.inputs.rendered.view, holed.size),
-    )
+        settings.holes, Behind(settings.tolerance, settings.floor), LOCAL_LEVELS, LEAST_LOCAL, LEAST_BORDER,
+        LEAST_BEYOND, CRACK_BORDER, holed.inputs.middle, (holed.inputs.rendered.view, holed.size),
+    )  # fmt: skip
     return pyramid(holed.colour, holed.inverse_depth, chosen)
 
 

@@ -22,8 +22,7 @@ from hmdwarp.sources.server import Server
 
 from .modelled import SIZE, VIEW, Shown, picture_of
 
-# What is stored as a half float is truncated: 2^-10 of it.
-STORED = 2.0**-10
+STORED = 2.0**-10  # what is stored as a half float is truncated: 2^-10 of it
 
 
 def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> Relit:

@@ -33,8 +33,7 @@ RELIGHT = RelightSettings()
 HALF = 2.0**-10  # a half float's unit: some drivers cut off
 FOV = Fov.from_tangents([-0.7, 0.7, -0.55, 0.55])
 HERE = View(Pose((0.0, 1.5, 0.0)), FOV)
-# 25 cm and 6 degrees from there.
-THERE = View(Pose((0.2, 1.6, -0.1), (0.0, 0.05, 0.0, 1.0)), FOV)
+THERE = View(Pose((0.2, 1.6, -0.1), (0.0, 0.05, 0.0, 1.0)), FOV)  # 25 cm and 6 degrees from there
 
 # Turned by 34 degrees; beyond the cloth and looking back.
 ASIDE = View(Pose((0.0, 1.5, 0.0), (0.0, 0.3, 0.0, 1.0)), FOV)

@@ -33,13 +33,9 @@ def test_it_equals_its_twin(gpu, size, empty, depthless):
         holed.inverse_depth[::2] = -1
     (choice,) = parse_fills("stretch")
     wanted = stretch(
-        holed.colour,
-        holed.inverse_depth,
-        (holed.inputs.rendered.view, size),
-        holed.inputs.shown,
-        choice.settings,
+        holed.colour, holed.inverse_depth, (holed.inputs.rendered.view, size), holed.inputs.shown, choice.settings,
         LEAST_PARALLAX,
-    )
+    )  # fmt: skip
     got, depth = holed.fill(gpu, "stretch")
     decided = ~wanted.undecided
     assert decided.mean() > 0.85  # lines pass within a thousandth of a pixel of a corner or of another pixel

@@ -69,12 +69,8 @@ def test_packing_is_reversible():
     assert complete and np.array_equal(sky, SKY)
     for one, other in zip(got, wanted, strict=True):
         assert (one.cell, one.age, one.low, one.edge, one.area) == (
-            other.cell,
-            other.age,
-            other.low,
-            other.edge,
-            other.area,
-        )
+            other.cell, other.age, other.low, other.edge, other.area,
+        )  # fmt: skip
         assert one.body == 2 and one.double_sided
         for name in ("positions", "normals", "colours"):
             assert np.array_equal(getattr(one, name), getattr(other, name))

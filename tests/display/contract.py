@@ -312,17 +312,9 @@ def closes_twice_in_any_state(backend: Stub) -> None:
 
 
 ON_ONE = (
-    has_what_a_run_asks_for,
-    has_eyes,
-    answers_ticks,
-    has_one_clock_that_never_goes_back,
-    has_a_head_on_its_clock,
-    shows_pictures,
-    looks_at_another_view_and_back,
-    restarts,
-    asks_for_nothing_by_itself,
-    takes_a_status,
-)
+    has_what_a_run_asks_for, has_eyes, answers_ticks, has_one_clock_that_never_goes_back, has_a_head_on_its_clock,
+    shows_pictures, looks_at_another_view_and_back, restarts, asks_for_nothing_by_itself, takes_a_status,
+)  # fmt: skip
 OF_ITS_OWN = (ends_with_a_reason, is_lost_and_comes_back, closes_twice_in_any_state)
 CASES = tuple(case.__name__ for case in (*ON_ONE, *OF_ITS_OWN))
 

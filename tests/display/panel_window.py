@@ -109,14 +109,8 @@ class Beside:
         "SCISSOR_BOX", "UNPACK_ALIGNMENT", "UNPACK_ROW_LENGTH", "VERTEX_ARRAY_BINDING", "VIEWPORT",
     )  # fmt: skip
     FLAGS = (
-        "BLEND",
-        "CULL_FACE",
-        "DEPTH_TEST",
-        "FRAMEBUFFER_SRGB",
-        "PRIMITIVE_RESTART",
-        "SCISSOR_TEST",
-        "STENCIL_TEST",
-    )
+        "BLEND", "CULL_FACE", "DEPTH_TEST", "FRAMEBUFFER_SRGB", "PRIMITIVE_RESTART", "SCISSOR_TEST", "STENCIL_TEST",
+    )  # fmt: skip
     UNITS = 4
 
     def __init__(self, gl: moderngl.Context) -> None:

@@ -13,17 +13,11 @@ from hmdwarp.display.openxr import LOST, STAGES, diagnose, manifest, manifest_te
 
 ACTIVE = "active is runtime.json, library librt.so"
 DIFFERENT = [
-    ("binding", "AttributeError"),
-    ("runtime", "RuntimeUnavailableError"),
-    ("instance", "RuntimeFailureError"),
-    ("instance", "LimitReachedError"),
-    ("instance", "ExtensionNotPresentError"),
-    ("instance", "ApiVersionUnsupportedError"),
-    ("headset", "FormFactorUnavailableError"),
-    ("session", "GraphicsDeviceInvalidError"),
-    ("session", "OutOfMemoryError"),
-    ("running", "InstanceLostError"),
-]
+    ("binding", "AttributeError"), ("runtime", "RuntimeUnavailableError"), ("instance", "RuntimeFailureError"),
+    ("instance", "LimitReachedError"), ("instance", "ExtensionNotPresentError"),
+    ("instance", "ApiVersionUnsupportedError"), ("headset", "FormFactorUnavailableError"),
+    ("session", "GraphicsDeviceInvalidError"), ("session", "OutOfMemoryError"), ("running", "InstanceLostError"),
+]  # fmt: skip
 
 
 def test_every_trouble_has_words_of_its_own():

@@ -93,13 +93,9 @@ def switches() -> None:
     refresh(display, 12)
     assert display.rate_hz == 60.0
     settings = (
-        ("vsync", False),
-        ("full_screen", True),
-        ("help", True),
-        ("full_screen", None),
-        ("recentre", None),
+        ("vsync", False), ("full_screen", True), ("help", True), ("full_screen", None), ("recentre", None),
         ("vsync", None),
-    )
+    )  # fmt: skip
     for name, value in settings:
         display._commands.pending.append(Command(name, value))
         assert not display.commands()

@@ -15,13 +15,8 @@ from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
 from hmdwarp.geometry.cube import FACES, inner_size
 
 AHEAD = {
-    "left": (-1, 0, 0),
-    "right": (1, 0, 0),
-    "down": (0, -1, 0),
-    "up": (0, 1, 0),
-    "front": (0, 0, -1),
-    "back": (0, 0, 1),
-}
+    "left": (-1, 0, 0), "right": (1, 0, 0), "down": (0, -1, 0), "up": (0, 1, 0), "front": (0, 0, -1), "back": (0, 0, 1),
+}  # fmt: skip
 
 
 def test_faces_look_where_their_names_say():

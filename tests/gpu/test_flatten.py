@@ -32,13 +32,8 @@ def test_nested_includes_come_in_place_and_once(tmp_path):
     flat = flatten("main.comp", root=root)
     assert flat.lines == [VERSION, "// main", "int a1;", "int c1;", "int a2;", "int b1;", "void main() {}"]
     assert flat.origins[1:] == [
-        ("main.comp", 1),
-        ("lib/a.glsl", 1),
-        ("lib/c.glsl", 1),
-        ("lib/a.glsl", 3),
-        ("lib/b.glsl", 2),
-        ("main.comp", 4),
-    ]
+        ("main.comp", 1), ("lib/a.glsl", 1), ("lib/c.glsl", 1), ("lib/a.glsl", 3), ("lib/b.glsl", 2), ("main.comp", 4),
+    ]  # fmt: skip
     assert flat.text == "\n".join(flat.lines) + "\n"
 
 

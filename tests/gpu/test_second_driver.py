@@ -30,13 +30,9 @@ RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
 # The timers, the 64-bit path, blocks of 4 of meshes, the hard cases, and whole replays. That warps
 # and fills equal their twins follows: they make llvmpipe's pictures.
 SELECTED = (
-    "tests/gpu/test_timers.py",
-    "tests/gpu/test_programs.py",
-    "tests/client/test_forward.py",
-    "tests/client/test_mesh_adaptive.py",
-    "tests/hard_cases",
-    "tests/test_golden.py",
-)
+    "tests/gpu/test_timers.py", "tests/gpu/test_programs.py", "tests/client/test_forward.py",
+    "tests/client/test_mesh_adaptive.py", "tests/hard_cases", "tests/test_golden.py",
+)  # fmt: skip
 FEWER = "not test_hard_cases.py or not :"  # of the hard cases each warp with its defaults
 # Fills that sum many terms, which another compiler may round otherwise. Each of the levels of a
 # pyramid, halves of the picture down to one texel and up again, stores means as half floats: one

@@ -66,13 +66,8 @@ def test_a_frame_without_latency_is_shown_as_it_is(gpu, tmp_path, name, warp):
 @pytest.mark.parametrize("name", UNLIKE)
 def test_a_wide_guard_leaves_no_border(gpu, tmp_path, name):
     common = {
-        "headset": name,
-        "trace": "fast-turns",
-        "start_s": 2.0,
-        "warp": "rotation",
-        "latency_ms": 30,
-        "size": SIZE,
-    }
+        "headset": name, "trace": "fast-turns", "start_s": 2.0, "warp": "rotation", "latency_ms": 30, "size": SIZE,
+    }  # fmt: skip
     border = [
         run(tmp_path / str(guard), gpu=gpu, **common, guard=guard).summary["quality"]["border_share"]["mean"]
         for guard in (1.0, 2.0)

@@ -65,15 +65,9 @@ class AgainstAModel(RuleBasedStateMachine):
         delays, losses = iter(lambda: self.delay, None), iter(lambda: self.is_lost, None)
         receive = self.receive if decodes else None
         self.link = Link(
-            delays,
-            losses,
-            bandwidth,
-            discard=self.discarded.append,
-            wasted=self.wasted.append,
-            receive=receive,
-            decoding=lambda number: self.frames[number].decode_ns,
-            settled=lambda *fate: self.settled.append(fate),
-        )
+            delays, losses, bandwidth, discard=self.discarded.append, wasted=self.wasted.append, receive=receive,
+            decoding=lambda number: self.frames[number].decode_ns, settled=lambda *fate: self.settled.append(fate),
+        )  # fmt: skip
         self.frames: list[Sent] = []
         self.encoded_ns = self.decoder_ns = 0
         self.decoded: dict[int, int] = {}

@@ -39,15 +39,10 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
     covered = rng.random((size[1], size[0])) > 0.2
     inverse_depth = rng.random((size[1], size[0])).astype(np.float32)
     return QualityJob(
-        now,
-        previous,
-        covered,
-        inverse_depth,
-        turned(0.2, position_m=(0.05, 0, 0)),
-        size,
+        now, previous, covered, inverse_depth, turned(0.2, position_m=(0.05, 0, 0)), size,
         rendered_picture=noise(seed + 4000, size),
         alike=Alike(rng.random((size[1], size[0])).astype(np.float32), rng.uniform(-1, 1)),
-    )
+    )  # fmt: skip
 
 
 def flip(shown: np.ndarray, truth: np.ndarray, pixels_per_degree: float) -> tuple[float, np.ndarray]:

@@ -46,12 +46,9 @@ class Inner:
         command = [f"{PIPES}={asked},{tells}", "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist"]
         try:
             self._process = subprocess.Popen(
-                entered(root, [*command, *files]),
-                pass_fds=[asked, tells],
-                stdin=subprocess.DEVNULL,
-                stdout=self._said,
+                entered(root, [*command, *files]), pass_fds=[asked, tells], stdin=subprocess.DEVNULL, stdout=self._said,
                 stderr=subprocess.STDOUT,
-            )
+            )  # fmt: skip
         finally:
             os.close(asked)
             os.close(tells)

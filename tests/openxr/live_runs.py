@@ -110,13 +110,9 @@ class Program:
         command = [sys.executable, "-m", "hmdwarp", "live", "--source", "openxr", "--scene", "planes", "--size", size]
         command += ["--latency", "60", "--fill", "none", "--samples", "1", "--record", str(self.recording), *options]
         self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             errors="replace",
-        )
+        )  # fmt: skip
         self._lines: list[str] = []
         self._reader = threading.Thread(target=self._read)
         self._reader.start()

@@ -45,15 +45,9 @@ class _Head(ctypes.Structure):
 
 
 AXES = (
-    "trigger_value",
-    "squeeze_value",
-    "squeeze_force",
-    "thumbstick_x",
-    "thumbstick_y",
-    "trackpad_force",
-    "trackpad_x",
+    "trigger_value", "squeeze_value", "squeeze_force", "thumbstick_x", "thumbstick_y", "trackpad_force", "trackpad_x",
     "trackpad_y",
-)
+)  # fmt: skip
 BUTTONS = (
     "hand_tracking_active", "active", "system_click", "system_touch", "a_click", "a_touch", "b_click", "b_touch",
     "trigger_click", "trigger_touch", "thumbstick_click", "thumbstick_touch", "trackpad_touch",

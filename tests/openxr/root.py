@@ -181,25 +181,13 @@ def _pip(target: Path) -> list[str]:
     wheels += [f"--platform={old}_{platform.machine()}" for old in ("manylinux2014", "manylinux2010", "manylinux1")]
     fit = ["--python-version", PYTHON, "--implementation", "cp", *wheels, "--only-binary=:all:"]
     quiet = [
-        "--quiet",
-        "--no-input",
-        "--disable-pip-version-check",
-        "--root-user-action=ignore",
+        "--quiet", "--no-input", "--disable-pip-version-check", "--root-user-action=ignore",
         "--no-warn-script-location",
-    ]
+    ]  # fmt: skip
     return [
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        *quiet,
-        "--no-deps",
-        "--no-compile",
-        *fit,
-        "--target",
-        str(target),
+        sys.executable, "-m", "pip", "install", *quiet, "--no-deps", "--no-compile", *fit, "--target", str(target),
         *_pins(),
-    ]
+    ]  # fmt: skip
 
 
 def _bootstrap(place: Path) -> None:
@@ -216,12 +204,8 @@ def _bootstrap(place: Path) -> None:
         settings.write(_apt_settings())
         settings.flush()
         options = [
-            "--variant=apt",
-            "--mode=root",
-            "--quiet",
-            f"--aptopt={settings.name}",
-            f"--include={','.join(DEBIAN)}",
-        ]
+            "--variant=apt", "--mode=root", "--quiet", f"--aptopt={settings.name}", f"--include={','.join(DEBIAN)}",
+        ]  # fmt: skip
         options += [f"--dpkgopt=path-exclude=/usr/share/{folder}/*" for folder in UNREAD]
         done = _run(["mmdebstrap", *options, SUITE, str(place), f"deb {_mirror()} {SUITE} main"])
     if done.returncode:

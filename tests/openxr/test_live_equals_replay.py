@@ -155,12 +155,9 @@ def setup(tmp_path, passes):
         headset = tmp_path / "remote.toml"
         headset.write_text(HEADSET, encoding="utf-8")
         told = {
-            "trace": str(tmp_path / "head.csv"),
-            "scene": SCENE,
-            "size": SMALL,
-            "rate_hz": 20.0,
+            "trace": str(tmp_path / "head.csv"), "scene": SCENE, "size": SMALL, "rate_hz": 20.0,
             "headset": str(headset),
-        }
+        }  # fmt: skip
         return set_up_replay(small(tmp_path / "replay", latency_ms=0.0, **told, **passes))
 
     return make

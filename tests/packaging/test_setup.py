@@ -109,11 +109,8 @@ def test_a_broken_environment_is_made_anew(clone, tools, leftover):
     stale = clone / ".venv" / "stale.txt"
     stale.touch()
     unreachable = {
-        "PIP_INDEX_URL": "http://127.0.0.1:9/",
-        "PIP_RETRIES": "0",
-        "PIP_CONFIG_FILE": os.devnull,
-        "HOME": str(clone),
-    }
+        "PIP_INDEX_URL": "http://127.0.0.1:9/", "PIP_RETRIES": "0", "PIP_CONFIG_FILE": os.devnull, "HOME": str(clone),
+    }  # fmt: skip
     done = setup(clone, tools, PYTHON=getattr(sys, "_base_executable", sys.executable), **unreachable)
     assert done.returncode == 3
     assert "making it anew" in done.stdout

@@ -22,13 +22,10 @@ from hmdwarp.link.codec.stream import VideoDecoder, VideoEncoder
 from hmdwarp.run import set_up_replay
 
 NETWORKS = {
-    "plain": {},
-    "jitter": {"jitter": "uniform:30"},
-    "normal": {"jitter": "normal:15"},
-    "bursts": {"loss": "0.3", "loss_burst": 2.0, "link_seed": 3},
-    "narrow": {"bandwidth": "3", "queue": 60.0},
+    "plain": {}, "jitter": {"jitter": "uniform:30"}, "normal": {"jitter": "normal:15"},
+    "bursts": {"loss": "0.3", "loss_burst": 2.0, "link_seed": 3}, "narrow": {"bandwidth": "3", "queue": 60.0},
     "all": {"jitter": "uniform:40", "loss": "0.1", "bandwidth": "20", "link_seed": 1},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("codec", ["none", "h264"])

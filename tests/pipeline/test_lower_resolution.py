@@ -12,10 +12,8 @@ from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
 
-# Planes at 96x80: frames of 184,320 bytes, at 60 Hz 88 Mbit/s.
-NARROW = {"bandwidth": "40", "queue": 60.0}
-# Three periods of 60 Hz: a quarter of the pixels fits, nothing more.
-SLOW = {"response": "sum:render=50"}
+NARROW = {"bandwidth": "40", "queue": 60.0}  # Planes at 96x80: frames of 184,320 bytes, at 60 Hz 88 Mbit/s
+SLOW = {"response": "sum:render=50"}  # Three periods of 60 Hz: a quarter of the pixels fits, nothing more
 
 
 def network(overload: str, narrow: dict[str, str], **more: object) -> LinkOptions:

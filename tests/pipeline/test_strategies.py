@@ -22,22 +22,15 @@ NAMES = strategies.names()
 PICTURE = {"colour", "inverse_depth"}
 # What `crosses` says, as layers.
 CROSSES = {
-    "colour": {"colour"},
-    "colour and depth": PICTURE,
-    "light and depth": PICTURE | {"light"},
+    "colour": {"colour"}, "colour and depth": PICTURE, "light and depth": PICTURE | {"light"},
     "colour and depth of several layers of one view": PICTURE | {"peeled"},
     "colour and depth of several views, when something has moved": PICTURE | {"views"},
     "colour, depth and layers of effects to the proxy, from there colour": {"colour"},
-    "colour alone for a warp that reads no depth": set(),
-    "a cube map": {"cube"},
-    "the difference of two pictures": {"difference"},
-    "the scene: once, or in pieces, what is seen first": set(),
-    "the scene once": set(),
-    "the deforming meshes once": set(),
-    "an atlas of indirect light": {"irradiance"},
-    "photons, of what has changed": {"photons"},
-    "points of surfaces, each once": {"points"},
-}
+    "colour alone for a warp that reads no depth": set(), "a cube map": {"cube"},
+    "the difference of two pictures": {"difference"}, "the scene: once, or in pieces, what is seen first": set(),
+    "the scene once": set(), "the deforming meshes once": set(), "an atlas of indirect light": {"irradiance"},
+    "photons, of what has changed": {"photons"}, "points of surfaces, each once": {"points"},
+}  # fmt: skip
 SMALL = ("--size", "48x40", "--headset", "flat-90", "--samples", "1", "--seconds", "0.1", "--quiet")
 
 

@@ -32,32 +32,16 @@ APPEARS_NS = 950_000_000  # between the frame that is looked at and the instant 
 SIZE, RATE_HZ, SECONDS, MS = (48, 41), 30.0, 0.5, 1_000_000
 LATENCY_MS, JITTER_MS, LOSS, MBIT, QUEUE_MS, SEED = 100.0, 90.0, 0.2, 12.0, 20.0, 4
 NETWORK = {
-    "jitter": f"uniform:{JITTER_MS:g}",
-    "loss": str(LOSS),
-    "bandwidth": str(MBIT),
-    "queue": QUEUE_MS,
-    "link_seed": SEED,
-}
+    "jitter": f"uniform:{JITTER_MS:g}", "loss": str(LOSS), "bandwidth": str(MBIT), "queue": QUEUE_MS, "link_seed": SEED,
+}  # fmt: skip
 MOVES = {"colour", "inverse_depth", "ids", "velocity", "panels"}
 # What each reads of a frame where bodies move: all that crosses, and nothing else does.
 READS = {
-    "depth_image": MOVES,
-    "difference": {"difference"},
-    "environment": {"cube", "panels"},
-    "imposter": {"colour"},
-    "irradiance": {"irradiance"},
-    "layered": MOVES | {"peeled"},
-    "light": MOVES,
-    "model": set(),
-    "multi": MOVES,
-    "photons": {"photons"},
-    "points": {"points"},
-    "proxy": {"colour"},
-    "rotation": {"colour"},
-    "soft_bodies": MOVES - {"velocity"},
-    "views": MOVES | {"views"},
-    "voxels": MOVES,
-}
+    "depth_image": MOVES, "difference": {"difference"}, "environment": {"cube", "panels"}, "imposter": {"colour"},
+    "irradiance": {"irradiance"}, "layered": MOVES | {"peeled"}, "light": MOVES, "model": set(), "multi": MOVES,
+    "photons": {"photons"}, "points": {"points"}, "proxy": {"colour"}, "rotation": {"colour"},
+    "soft_bodies": MOVES - {"velocity"}, "views": MOVES | {"views"}, "voxels": MOVES,
+}  # fmt: skip
 # By float16, float32 and uint16: of a pixel.
 PIXEL = {"colour": 8, "inverse_depth": 4, "ids": 2, "velocity": 8, "difference": 8, "peeled": 12, "views": 12}
 NAMES = strategies.names()
@@ -91,15 +75,9 @@ def flying(gpu, name: str, scene, network=NETWORK):
     """Set a strategy's run up in that scene: no codec, no prediction, no guard band."""
     usual = {key: value for key, value in SMALL.items() if key not in ("warp", "fill", "guard")}
     more = {
-        "size": SIZE,
-        "latency_ms": LATENCY_MS,
-        "seconds": SECONDS,
-        "out": Path("nowhere"),
-        "guard": 1.0,
-        "start_s": 1.0,
-        "samples": 1,
-        "rate_hz": RATE_HZ,
-    }
+        "size": SIZE, "latency_ms": LATENCY_MS, "seconds": SECONDS, "out": Path("nowhere"), "guard": 1.0,
+        "start_s": 1.0, "samples": 1, "rate_hz": RATE_HZ,
+    }  # fmt: skip
     options = RunOptions.of({"strategy": CHEAP.get(name, name), **network}, **usual | more)
     source = type(source_of(options))(options, scene)
     with (

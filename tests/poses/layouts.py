@@ -36,8 +36,7 @@ class Layout:
     text: Callable[[list[Row]], str]
     stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
     packed: bool = False
-    # What says so: documents of the data set or of its maker, and for the plain ones of OpenXR.
-    proof: str = ""
+    proof: str = ""  # what says so: documents of the data set or of its maker, and for the plain ones of OpenXR
 
 
 @attrs.frozen

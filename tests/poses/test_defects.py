@@ -427,7 +427,7 @@ CUT = {
         ),
         (
             replaced({i: [TABLE[i][0], *"0000001"] for i in range(7)}),
-            *({}, "default-start", 7, 2, "7 rows hold", ALL[7:]),
+            *({}, "default-pose", 7, 2, "7 rows with a default pose", ALL[7:]),
         ),
         (
             [*TABLE[:40], OTHER, TABLE[40], *TABLE[40:]],
@@ -452,7 +452,7 @@ def test_a_defect_is_told_with_its_line_and_other_rows_are_read(tmp_path, table,
 
 def test_what_may_be_a_default_pose_or_a_second_device_is_not_dropped(tmp_path):
     rests = load_trace(write(tmp_path / "r.csv", replaced({i: [TABLE[i][0], *TABLE[7][1:]] for i in range(7)})))
-    assert len(rests.track) == 200 and "default-start" not in kinds(rests)
+    assert len(rests.track) == 200 and "default-pose" not in kinds(rests)
     odd = [[str(i % 2), *TABLE[i // 2]] for i in range(199)]
     assert len(load_trace(write(tmp_path / "odd.csv", odd, f"ViewIndex,{HEADER}")).track) == 100
     named = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(quat_order="wxyz"))

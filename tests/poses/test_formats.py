@@ -124,11 +124,9 @@ def test_axes_carry_points_of_the_head_along(text, q, place):
     position, orientation = np.array([place]), np.array([q])
     axes.apply(position, orientation)
     assert np.allclose(
-        Rotation.from_quat(orientation[0]).apply(axes.world @ point) + position[0],
-        axes.world @ in_file,
-        rtol=0,
+        Rotation.from_quat(orientation[0]).apply(axes.world @ point) + position[0], axes.world @ in_file, rtol=0,
         atol=1e-14,
-    )
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(

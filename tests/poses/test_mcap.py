@@ -190,12 +190,9 @@ def test_json_of_foxglove_is_read(tmp_path):
     bag = Bag(tmp_path / "bag.mcap")
     for ns, (x, y, z, a, b, c, w) in zip(track.time_ns.tolist(), in_ros(track), strict=True):
         one = {
-            "timestamp": {"sec": ns // 10**9, "nsec": ns % 10**9},
-            "parent_frame_id": "world",
-            "child_frame_id": "head",
-            "translation": {"x": x, "y": y, "z": z},
-            "rotation": {"x": a, "y": b, "z": c, "w": w},
-        }
+            "timestamp": {"sec": ns // 10**9, "nsec": ns % 10**9}, "parent_frame_id": "world", "child_frame_id": "head",
+            "translation": {"x": x, "y": y, "z": z}, "rotation": {"x": a, "y": b, "z": c, "w": w},
+        }  # fmt: skip
         data = json.dumps({"transforms": [one]}).encode()
         bag.add("/tf", "foxglove.FrameTransforms", ns, data, encoding="json", schema=b"{}")
     assert same_motion(load_trace(bag.done()).track, track)
@@ -210,12 +207,10 @@ def test_protobuf_of_foxglove_is_read(tmp_path):
     file = files.file.add(name="pose.proto", package="foxglove", syntax="proto3")
     kinds_of = {"double": 1, "int64": 3, "int32": 5, "string": 9}
     fields = {
-        "Time": {"seconds": "int64", "nanos": "int32"},
-        "Vector3": dict.fromkeys("xyz", "double"),
-        "Quaternion": dict.fromkeys("xyzw", "double"),
-        "Pose": {"position": "Vector3", "orientation": "Quaternion"},
+        "Time": {"seconds": "int64", "nanos": "int32"}, "Vector3": dict.fromkeys("xyz", "double"),
+        "Quaternion": dict.fromkeys("xyzw", "double"), "Pose": {"position": "Vector3", "orientation": "Quaternion"},
         "PoseInFrame": {"timestamp": "Time", "frame_id": "string", "pose": "Pose"},
-    }
+    }  # fmt: skip
     for name, parts in fields.items():
         message = file.message_type.add(name=name)
         for number, (part, kind) in enumerate(parts.items(), 1):

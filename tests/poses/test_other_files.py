@@ -525,8 +525,11 @@ def test_key_frames_with_unix_time_are_seconds(tmp_path):
 
 
 def test_a_restart_is_no_wrap(tmp_path):
+    """The head is elsewhere in the second recording."""
     ticks = [*(2**31 + TRACK.time_ns[:70] // 1000).tolist(), *(TRACK.time_ns[70:] // 1000).tolist()]
-    loaded = load_trace(stamped(tmp_path, ticks, "time_us"))
+    other = np.r_[:70, :50]
+    track = TRACK.evolve(position_m=TRACK.position_m[other], orientation_xyzw=TRACK.orientation_xyzw[other])
+    loaded = load_trace(stamped(tmp_path, ticks, "time_us", track))
     assert "clock-wrap" not in kinds(loaded) and len(loaded.segments) == 2
 
 

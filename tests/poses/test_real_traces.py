@@ -67,18 +67,11 @@ def test_the_two_sites_are_read_by_name(real_traces):
 # Seconds and where the extremum of each gesture lies, from the data set's own description of its
 # known gestures.
 GESTURES = {
-    "step back": (11, "z", 1),
-    "step forward": (15, "z", -1),
-    "step left": (25, "x", -1),
-    "step right": (36, "x", 1),
-    "crouch": (51, "y", -1),
-    "look down": (67, "pitch", -49),
-    "look up": (76, "pitch", 62),
-    "look left": (86, "yaw", 67),
-    "look right": (98, "yaw", -75),
-    "tilt left": (104, "roll", 56),
+    "step back": (11, "z", 1), "step forward": (15, "z", -1), "step left": (25, "x", -1), "step right": (36, "x", 1),
+    "crouch": (51, "y", -1), "look down": (67, "pitch", -49), "look up": (76, "pitch", 62),
+    "look left": (86, "yaw", 67), "look right": (98, "yaw", -75), "tilt left": (104, "roll", 56),
     "tilt right": (115, "roll", -57),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("gesture", GESTURES)

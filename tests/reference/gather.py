@@ -133,12 +133,8 @@ def backward(inputs: TwinInputs) -> ReferencePicture:
     the colour is looked for.
     """
     rendered, shown, shown_size, size, settings = (
-        inputs.rendered,
-        inputs.shown,
-        inputs.shown_size,
-        inputs.size,
-        inputs.settings,
-    )
+        inputs.rendered, inputs.shown, inputs.shown_size, inputs.size, inputs.settings,
+    )  # fmt: skip
     own = inputs.own_depth()
     known = own >= 0
     own = np.where(known, own, 0)

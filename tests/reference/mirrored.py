@@ -15,8 +15,7 @@ BLOCK = 8  # as in shaders/effects/mirrored.glsl, as the next two
 CLOSEST = 0.94
 TOLERANCE, FLOOR = 0.03, 0.02
 ROUNDS = 3  # of the search for the depth of an image, in the same shader
-# A place is some 30 float32 operations on pixels up to a few hundred, three times in a row.
-PLACE_ERROR_PX = 3e-3
+PLACE_ERROR_PX = 3e-3  # a place is some 30 float32 operations on pixels up to a few hundred, three times in a row
 
 
 @attrs.frozen(eq=False)

@@ -13,8 +13,7 @@ from reference._rays import FLOAT32_UNIT, Array, project, world_directions
 from reference.picture import ReferencePicture, RenderedPicture, TwinInputs
 
 GAIN = 1.25
-# Depths and ratios are some ten float32 operations from exact.
-CLOSE = 64 * FLOAT32_UNIT
+CLOSE = 64 * FLOAT32_UNIT  # Depths and ratios are some ten float32 operations from exact
 
 
 def multi(inputs: TwinInputs) -> ReferencePicture:

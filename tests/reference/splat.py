@@ -122,14 +122,9 @@ def _patches(inputs: TwinInputs) -> _Patches:
     drawn = known & (w > 0)
     y, x = np.nonzero(drawn)
     return _Patches(
-        np.stack([x, y], axis=1) + 0.5,
-        rays[drawn],
-        own[drawn],
-        steps[drawn],
-        landing[drawn],
-        error[drawn],
+        np.stack([x, y], axis=1) + 0.5, rays[drawn], own[drawn], steps[drawn], landing[drawn], error[drawn],
         (shaky[0] | shaky[1])[drawn],
-    )
+    )  # fmt: skip
 
 
 def _steps(

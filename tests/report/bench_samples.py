@@ -15,22 +15,12 @@ from hmdwarp.metrics import QUALITY
 
 # warp: (ms, FLIP at 200 ms in look-around, share of holes there)
 WARPS = {
-    "none": (2.1, 0.359, 0.0),
-    "rotation": (2.7, 0.149, 0.02),
-    "planar": (3.5, 0.126, 0.021),
-    "environment": (3.9, 0.118, 0.0),
-    "forward_raster": (6.2, 0.121, 0.103),
-    "forward": (7.4, 0.091, 0.103),
-    "forward_ordered": (19.0, 0.091, 0.103),
-    "splat": (31.0, 0.079, 0.034),
-    "backward": (4.7, 0.074, 0.032),
-    "iterative": (8.8, 0.081, 0.04),
-    "search": (22.0, 0.072, 0.032),
-    "mesh": (160.0, 0.07, 0.031),
-    "mesh_adaptive": (21.0, 0.071, 0.031),
-    "multi": (15.3, 0.058, 0.012),
-    "layered": (24.0, 0.049, 0.006),
-}
+    "none": (2.1, 0.359, 0.0), "rotation": (2.7, 0.149, 0.02), "planar": (3.5, 0.126, 0.021),
+    "environment": (3.9, 0.118, 0.0), "forward_raster": (6.2, 0.121, 0.103), "forward": (7.4, 0.091, 0.103),
+    "forward_ordered": (19.0, 0.091, 0.103), "splat": (31.0, 0.079, 0.034), "backward": (4.7, 0.074, 0.032),
+    "iterative": (8.8, 0.081, 0.04), "search": (22.0, 0.072, 0.032), "mesh": (160.0, 0.07, 0.031),
+    "mesh_adaptive": (21.0, 0.071, 0.031), "multi": (15.3, 0.058, 0.012), "layered": (24.0, 0.049, 0.006),
+}  # fmt: skip
 INSTANTS = 12
 MACHINE = {
     "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
@@ -64,14 +54,9 @@ def a_row(
     }
     stages["total"] = sum(stages.values())
     quality = {
-        **dict.fromkeys(QUALITY, 0.5),
-        "psnr_db": 6 - 21 * np.log10(error),
-        "ssim": 1 - 1.3 * error,
-        "flip": error,
-        "hole_share": holes,
-        "border_share": holes / 4,
-        "flicker": error / 7 * noise[4],
-    }
+        **dict.fromkeys(QUALITY, 0.5), "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error,
+        "hole_share": holes, "border_share": holes / 4, "flicker": error / 7 * noise[4],
+    }  # fmt: skip
     shares = {"border_holes": holes / 4, "inside_holes": holes * 3 / 4, "silhouettes": 0.12, "seen": 0.88 - holes}
     parts = {"border_holes": 0.7, "inside_holes": 0.6, "silhouettes": error * 1.9, "seen": error * 0.6}
     return {

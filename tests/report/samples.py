@@ -21,31 +21,17 @@ def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int =
         for eye in (0, 1):
             noise = 1 + 0.1 * rng.standard_normal()
             row = {
-                "frame": frame,
-                "eye": eye,
-                "time_s": t,
-                "shown_ns": int(t * 1e9),
-                "drawn_ns": int(t * 1e9) - 200_000_000,
-                "age_ms": 200.0,
-                "pose_origin": "interpolated",
-                "angular_speed_deg_s": turn,
-                "linear_speed_m_s": 0.05 + turn / 600,
-                "warp_ms": 9 * abs(noise),
-                "fill_ms": 5 * abs(noise),
-                "effects_ms": 0.0,
-                "lens_ms": 7 * abs(noise),
-                "total_ms": 21 * abs(noise),
-            }
+                "frame": frame, "eye": eye, "time_s": t, "shown_ns": int(t * 1e9),
+                "drawn_ns": int(t * 1e9) - 200_000_000, "age_ms": 200.0, "pose_origin": "interpolated",
+                "angular_speed_deg_s": turn, "linear_speed_m_s": 0.05 + turn / 600, "warp_ms": 9 * abs(noise),
+                "fill_ms": 5 * abs(noise), "effects_ms": 0.0, "lens_ms": 7 * abs(noise), "total_ms": 21 * abs(noise),
+            }  # fmt: skip
             if frame % every == 0:
                 error = worse * (0.04 + turn / 900) * abs(noise)
                 row |= {
-                    "psnr_db": 34 - 90 * error,
-                    "ssim": 1 - error,
-                    "flip": error,
-                    "hole_share": turn / 700 * abs(noise),
-                    "border_share": turn / 900 * abs(noise),
-                    "flicker": None if frame == 0 else error / 4,
-                }
+                    "psnr_db": 34 - 90 * error, "ssim": 1 - error, "flip": error, "hole_share": turn / 700 * abs(noise),
+                    "border_share": turn / 900 * abs(noise), "flicker": None if frame == 0 else error / 4,
+                }  # fmt: skip
             rows.append(row)
     return rows
 

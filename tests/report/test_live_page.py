@@ -27,40 +27,23 @@ def pair(median, p95=None):
 
 def a_live_summary(**changes) -> dict:
     live = {
-        "source": "openxr",
-        "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"},
-        "record": "head.csv",
-        "seconds": 12.5,
-        "refreshes": 1001,
-        "missed": 9,
-        "waiting": 3,
-        "unseen": 2,
-        "over": 40,
-        "timed": 1001,
-        "age_ms": pair(203.4, 211.0),
-        "pose_age_ms": pair(1.25, 1.9),
-        "period_ms": pair(12.5, 13.1),
-        "budget_ms": 12.5,
+        "source": "openxr", "about": {"runtime": "Monado 25.0", "headset": "Simulated HMD"}, "record": "head.csv",
+        "seconds": 12.5, "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001,
+        "age_ms": pair(203.4, 211.0), "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
         "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
         "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "by hand"}],
-        "change_count": 1,
-        "notices": {"tracking lost": 12},
-        "lost": [],
+        "change_count": 1, "notices": {"tracking lost": 12}, "lost": [],
         "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4},
         "sampled_every": 1,
-    }
+    }  # fmt: skip
     figures = aggregate(
         [{"warp_ms": 1.25, "fill_ms": 0.5, "effects_ms": 0.0, "lens_ms": 0.5, "total_ms": 2.25, "hole_share": 0.0213}]
     )
     return {
-        **a_summary(),
-        **figures,
-        "clock": "gpu",
-        "rate_hz": 80.0,
-        "notes": ["A <note>."],
+        **a_summary(), **figures, "clock": "gpu", "rate_hz": 80.0, "notes": ["A <note>."],
         "miss": {"stale_share": 9 / 1010, "longest_stale": 4, "judder_deg": 0.0321, "budget_ms": 12.5},
         "live": {**live, **changes},
-    }
+    }  # fmt: skip
 
 
 def a_column(count=300, holes=True):
@@ -77,15 +60,12 @@ def test_the_lines_say_what_counts():
     told = live_lines(a_live_summary(), None)
     assert told == [
         "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9 %, at most 4 in a row)",
-        "judder                  0.032 deg RMS",
-        "frame age at display    203.40 ms, p95 211.00",
-        "pose age at hand-over   1.25 ms, p95 1.90",
-        "from picture to picture 12.50 ms, p95 13.10",
+        "judder                  0.032 deg RMS", "frame age at display    203.40 ms, p95 211.00",
+        "pose age at hand-over   1.25 ms, p95 1.90", "from picture to picture 12.50 ms, p95 13.10",
         "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
         "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
-        "holes before the fill   2.13 %, p95 2.13",
-        "note: A <note>.",
-    ]
+        "holes before the fill   2.13 %, p95 2.13", "note: A <note>.",
+    ]  # fmt: skip
 
 
 def test_a_display_that_waits_misses_nothing_and_says_what_took_longer():

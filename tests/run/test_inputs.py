@@ -147,12 +147,9 @@ def looking_at(*seconds_and_names: tuple[float, str]) -> PoseTrack:
 
 
 ASKED = {
-    2: [Command("grab")],
-    6: [Command("push")],
-    22: [Command("switch")],
-    30: [Command("grab", True), Command("grab", True)],
-    33: [Command("grab", False), Command("grab", False)],
-}
+    2: [Command("grab")], 6: [Command("push")], 22: [Command("switch")],
+    30: [Command("grab", True), Command("grab", True)], 33: [Command("grab", False), Command("grab", False)],
+}  # fmt: skip
 LIVE = {"scene": "playroom", "latency_ms": 20.0, "fill": "none", "predict": "none", "samples": 1, "guard": 1.0}
 
 

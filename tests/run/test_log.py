@@ -33,13 +33,8 @@ from hmdwarp.run.misses import MissTally
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
 SMALL = {
-    "scene": "planes",
-    "latency_ms": 30.0,
-    "warp": "forward",
-    "fill": "interpolate",
-    "guard": 1.0,
-    "predict": "none",
-}
+    "scene": "planes", "latency_ms": 30.0, "warp": "forward", "fill": "interpolate", "guard": 1.0, "predict": "none",
+}  # fmt: skip
 
 
 @attrs.define
@@ -152,17 +147,9 @@ def test_a_recording_replays_unchanged_with_the_same_poses(monkeypatch, tmp_path
     assert f"{tmp_path / 'head.csv'}: {result.summary['frames']} poses" in display.said[-1]
     assert result.summary["trace"] == "head" and result.summary["live"]["record"].endswith("head.csv")
     options = RunOptions(
-        trace=str(tmp_path / "head.csv"),
-        scene="planes",
-        latency_ms=20.0,
-        rate_hz=100.0,
-        size=(48, 60),
-        against="",
-        metrics_every=4,
-        workers=0,
-        images=0,
-        out=tmp_path / "replay",
-    )
+        trace=str(tmp_path / "head.csv"), scene="planes", latency_ms=20.0, rate_hz=100.0, size=(48, 60), against="",
+        metrics_every=4, workers=0, images=0, out=tmp_path / "replay",
+    )  # fmt: skip
     again = replay(options)
     assert again.summary["notes"] == []
     live, replayed = ({row["shown_ns"]: row for row in rows_of(tmp_path / which)} for which in ("live", "replay"))
@@ -214,12 +201,9 @@ def test_a_second_without_most_of_its_pictures_is_told_once(monkeypatch, tmp_pat
 
 def test_events_are_listed(monkeypatch, tmp_path):
     events = {
-        8: Tick(0, 0, render=False),
-        9: Tick(0, 0, missed=2, notice="tracking lost"),
-        10: Lost("the runtime is gone"),
-        12: None,
-        **closed_at(30),
-    }
+        8: Tick(0, 0, render=False), 9: Tick(0, 0, missed=2, notice="tracking lost"), 10: Lost("the runtime is gone"),
+        12: None, **closed_at(30),
+    }  # fmt: skip
     asked = {14: [Command("latency", 50.0)], 18: [Command("warp", "rotation")], 22: [Command("fill", "no such fill")]}
     result, display = go(monkeypatch, tmp_path / "out", events, asked=asked, back_after=0)
     live = result.summary["live"]

@@ -94,14 +94,9 @@ def test_source_desktop_reports_nothing_about_headsets(monkeypatch):
 
 def test_a_display_is_told_what_it_must_know():
     asked = LiveOptions(
-        headset="cardboard-v2",
-        view="flat",
-        size=(96, 120),
-        full_screen=True,
-        vsync=False,
-        panel=False,
+        headset="cardboard-v2", view="flat", size=(96, 120), full_screen=True, vsync=False, panel=False,
         depth_layer=False,
-    )
+    )  # fmt: skip
     watching = lambda what: nullcontext()  # noqa: E731
     inputs = display_options(asked, source_of(asked), watching)
     assert (inputs.headset, inputs.view, inputs.size, inputs.watching) == ("cardboard-v2", "flat", (96, 120), watching)

@@ -81,11 +81,8 @@ def test_a_late_frame_is_the_one_taken_then_with_its_exact_pose(run, tmp_path):
         assert float(row["age_ms"]) == pytest.approx(LATE_MS, abs=1e-3)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (summary["eyes"], summary["scene"], summary["trace"], summary["headset"]) == (
-        1,
-        "walk-past",
-        "walk-past",
-        "camera",
-    )
+        1, "walk-past", "walk-past", "camera",
+    )  # fmt: skip
     assert summary["size"] == [60, 40] and summary["rendered"]["pixels"] == 1
     # 6 cm and 3 degrees: 2 pixels or more everywhere, which a warp by exact depth undoes.
     late, warped = summary["against"][0]["quality"], summary["quality"]

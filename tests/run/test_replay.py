@@ -34,19 +34,9 @@ def full(tmp_path_factory):
     """One second of everything: 60 refreshes, both warps, video, pictures."""
     out = tmp_path_factory.mktemp("full") / "made" / "here"
     result = run(
-        out,
-        trace="walk",
-        seconds=1.0,
-        fill="interpolate",
-        lens="radial",
-        headset="rift-dk1",
-        against="none",
-        images=3,
-        video=True,
-        command="hmdwarp replay walk",
-        workers=1,
-        page=True,
-    )
+        out, trace="walk", seconds=1.0, fill="interpolate", lens="radial", headset="rift-dk1", against="none", images=3,
+        video=True, command="hmdwarp replay walk", workers=1, page=True,
+    )  # fmt: skip
     return out, result
 
 

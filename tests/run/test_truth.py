@@ -110,14 +110,9 @@ def test_bands_cover_all_rows_and_keep_their_pixel_centres(pose, step, angle, fo
 # --------------------------------------------------------------------------------------------------
 
 TURNING = {
-    "trace": "fast-turns",
-    "warp": "rotation",
-    "start_s": 1.0,
-    "seconds": 0.5,
-    "latency_ms": 33.0,
-    "guard": 1.5,
+    "trace": "fast-turns", "warp": "rotation", "start_s": 1.0, "seconds": 0.5, "latency_ms": 33.0, "guard": 1.5,
     "metrics_every": 3,
-}
+}  # fmt: skip
 
 
 def figures(folder, **options) -> dict:

@@ -25,12 +25,8 @@ class Glb:
     def __init__(self, positions: np.ndarray = SQUARE) -> None:
         self.binary = b""
         self.header: dict = {
-            "asset": {"version": "2.0"},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "bufferViews": [],
-            "accessors": [],
-        }
+            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "bufferViews": [], "accessors": [],
+        }  # fmt: skip
         uv = np.array([(0, 1), (1, 1), (1, 0), (0, 0)], np.float32)
         attributes = {"POSITION": self.numbers(positions), "TEXCOORD_0": self.numbers(uv)}
         self.primitive = {"attributes": attributes, "indices": self.numbers(FACES)}

@@ -61,14 +61,10 @@ def simulate_study(design: Design, model: Model, n: int, seed: int, study: int =
             rows += _rows(design, cohort, person)
             sessions.append(_session(cohort, person))
     return Ratings(
-        rows=rows,
-        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales},
-        families=design.families,
-        origin=SIMULATED,
-        source=f"simulated people ({model.title}), seed {seed}, study {study}",
-        title=design.title,
+        rows=rows, scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales}, families=design.families,
+        origin=SIMULATED, source=f"simulated people ({model.title}), seed {seed}, study {study}", title=design.title,
         sessions=sessions,
-    )
+    )  # fmt: skip
 
 
 def _name(cohort: Cohort, person: int) -> str:

@@ -55,12 +55,8 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
     assert warped["psnr_db"] > late["psnr_db"] + 3
     plain = RunOptions.of(
         {"frames": tmp_path / "walk-past", "guard": "1.5", "warp": "none", "fill": "none", "against": ""},
-        latency_ms=late["latency_ms"],
-        seconds=shown["late"].actual["seconds"],
-        metrics_every=2,
-        workers=0,
-        images=0,
-    )
+        latency_ms=late["latency_ms"], seconds=shown["late"].actual["seconds"], metrics_every=2, workers=0, images=0,
+    )  # fmt: skip
     expected = figures(plain)["quality"]
     assert {name: late[name] for name in QUALITY} == {name: expected[name]["mean"] for name in QUALITY}
 

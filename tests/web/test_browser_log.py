@@ -135,35 +135,22 @@ def test_a_bench_is_a_line_of_no_session(logged):
 
 
 WRONG = {
-    "no JSON": "{",
-    "deep JSON": "[" * MOST_REPORT,
-    "long": json.dumps("x" * MOST_REPORT),
-    "thousands of digits": "1" * 5000,
-    "a list": "[]",
-    "other keys": message(more=1),
-    "refreshes of no display": message(display=None),
-    "another display": message(display=SHOWN | {"more": 1}),
+    "no JSON": "{", "deep JSON": "[" * MOST_REPORT, "long": json.dumps("x" * MOST_REPORT),
+    "thousands of digits": "1" * 5000, "a list": "[]", "other keys": message(more=1),
+    "refreshes of no display": message(display=None), "another display": message(display=SHOWN | {"more": 1}),
     "a display of lists": message(display=dict.fromkeys(DISPLAY, [])),
     "letters of a terminal": message(display=SHOWN | {"browser": "\x1b[2J"}),
-    "half a letter": message(display=SHOWN | {"browser": "\ud800"}),
-    "a long name": message(warp="x" * 301),
-    "no refresh": message([]),
-    "many refreshes": message([refresh(1 + k) for k in range(MOST_REFRESHES + 1)]),
-    "many delays": message(delays_ms=[1] * 7),
-    "a delay that is none": message(delays_ms=[True]),
-    "half a refresh": message([refresh(1)[:-1]]),
-    "a refresh of words": message([["1"] * 10]),
-    "NaN": message([refresh(1, math.nan)]),
-    "a number that is huge": message(missed=10**400),
-    "negative": message([refresh(1, -1)]),
-    "far": message([refresh(1, x_m=1e7)]),
-    "no unit quaternion": message([[*refresh(1)[:-1], 0.5]]),
-    "back in time": message([refresh(2), refresh(2)]),
-    "a bench of nothing": json.dumps({"bench": {}}),
-    "a bench of no display": json.dumps({"bench": [BENCH]}),
+    "half a letter": message(display=SHOWN | {"browser": "\ud800"}), "a long name": message(warp="x" * 301),
+    "no refresh": message([]), "many refreshes": message([refresh(1 + k) for k in range(MOST_REFRESHES + 1)]),
+    "many delays": message(delays_ms=[1] * 7), "a delay that is none": message(delays_ms=[True]),
+    "half a refresh": message([refresh(1)[:-1]]), "a refresh of words": message([["1"] * 10]),
+    "NaN": message([refresh(1, math.nan)]), "a number that is huge": message(missed=10**400),
+    "negative": message([refresh(1, -1)]), "far": message([refresh(1, x_m=1e7)]),
+    "no unit quaternion": message([[*refresh(1)[:-1], 0.5]]), "back in time": message([refresh(2), refresh(2)]),
+    "a bench of nothing": json.dumps({"bench": {}}), "a bench of no display": json.dumps({"bench": [BENCH]}),
     "a bench of many rows": json.dumps(BENCHED | {"bench": [BENCH] * 17}),
     "a bench of words": json.dumps(BENCHED | {"bench": [BENCH | {"warp_ms": [1]}]}),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("wrong", WRONG)

@@ -6,24 +6,17 @@ from collections.abc import Mapping
 from typing import IO, Any
 
 import attrs
+import numpy as np
 
 from ...errors import InputError, TraceError
 from ...registry import Registry
 from ..assumptions import Assumption, By, Defect, Layout
-from ..options import TraceOptions
+from ..options import FRAMES, TraceOptions
+from ..reading import layouts
 from ..reading.axes import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
+from ..reading.columns import column_of_frames
 from ..reading.file_head import Head, is_number
-from ..reading.layouts import (
-    LAYOUTS,
-    SNIFFS,
-    column_of,
-    columns_read,
-    named_layout,
-    refuse_hanging,
-    stated_layout,
-    unnamed_layout,
-)
 from ..reading.rows import RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
@@ -58,7 +51,7 @@ class TraceFormat:
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format, 0 to 100 (certainly); the highest wins."""
         if self.recognised:
-            return SNIFFS[self.recognised](head)
+            return layouts.SNIFFS[self.recognised](head)
         if self.kind:
             return 100 if head.source.kind == self.kind else 0
         names = head.names
@@ -72,11 +65,11 @@ class TraceFormat:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
         facts = {**self.facts, **head.source.made.facts}
         if self.read_as:
-            return LAYOUTS[self.read_as](head, options, facts)
+            return layouts.LAYOUTS[self.read_as](head, options, facts)
         if head.names is None and self.bare_order:
             unit = self.facts.get("unit") if options.format else None
-            return unnamed_layout(head, options, self.name, self.bare_order, unit)
-        return named_layout(head, options, **facts)
+            return layouts.unnamed_layout(head, options, self.name, self.bare_order, unit)
+        return layouts.named_layout(head, options, **facts)
 
     def assumes(self) -> tuple[Assumption, ...]:
         """Return what is taken where neither a file nor the user says it, and who says so."""
@@ -101,25 +94,26 @@ class TraceFormat:
             raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
         layout = self.layout(head, options)
         if options.time_column is not None:
-            layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)
+            layout = attrs.evolve(layout, time=layouts.column_of(head, options.time_column), unit=None, rest=None)
         if (axes := axes_stated(head)) is not None:
             layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
-        if layout.time is None and options.rate is None:
-            raise TraceError(
-                f"{head.path} has no time ({head.describe()}): give the samples per second with --trace-rate"
-            )
-        if options.rate is not None:
+        counted = _frames(head, layout, options)
+        if counted is not None:
+            layout = attrs.evolve(layout, time=counted, unit=FRAMES, rest=None)
+        elif layout.time is None and options.rate is None:
+            raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
+        elif options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout, options.lost_rows)
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*head.source.made.defects, *layout.caveats, *reader.defects))
         origins = (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:"))
         loaded = Cleaner(head, rows, layout, options, reader.ends_with_newline).clean(next(origins, ""))
-        columns = columns_read(head, layout, loaded.device)
+        columns = layouts.columns_read(head, layout, loaded.device)
         read = Assumption(COLUMNS, columns, layout.columns_by, "--columns")
         loaded = attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
         if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
-            refuse_hanging(head, loaded.track)
+            layouts.refuse_hanging(head, loaded.track)
         return loaded
 
     def write(self, track: PoseTrack, stream: IO[Any]) -> None:
@@ -154,7 +148,25 @@ class StatedColumns(TraceFormat):
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return what --columns says."""
-        return stated_layout(head, options)
+        return layouts.stated_layout(head, options)
+
+
+def _frames(head: Head, layout: Layout, options: TraceOptions) -> int | None:
+    """Return the column of frame numbers that --trace-rate turns into times, None without one."""
+    column = column_of_frames(head.names or [])
+    if options.time_unit == FRAMES:
+        if options.rate is None:
+            raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
+        time = layout.time if options.time_column or options.columns or column is None else column
+        if time is None:
+            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
+        return time
+    if column is None or options.rate is None:
+        return None
+    numbers = head.numbers((column,))[:, 0]
+    steps = np.diff(numbers)
+    rises = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all()) and float(np.median(steps)) == 1
+    return column if rises else None
 
 
 def axes_stated(head: Head) -> str | None:

@@ -44,10 +44,9 @@ _BACK_NS = np.concatenate([(0, WINDOW_NS), _ENDED, _ENDED + TESTED_NS, _ENDED + 
 _BACK = tuple(_BACK_NS.tolist())
 # From which of these to which: the last window, those of the past predictions, what came of them.
 _WAYS = (
-    (1, 0),
-    *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
+    (1, 0), *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
     *((2 + _COUNT + i, 2 + i) for i in range(_COUNT)),
-)
+)  # fmt: skip
 
 
 def turns_ns(ahead_ns: int) -> float:
@@ -189,11 +188,9 @@ def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -
 
     turned = quaternions.from_rotation_vector(turns_ns(ahead_ns) / WINDOW_NS * _trusted(turn, known))
     return Samples(
-        now_ns + ahead_ns,
-        p[:, 0] + min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(move, known),
-        quaternions.multiply(turned, q[:, 0]),
-        np.full(len(now_ns), Origin.PREDICTED, np.int8),
-    )
+        now_ns + ahead_ns, p[:, 0] + min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(move, known),
+        quaternions.multiply(turned, q[:, 0]), np.full(len(now_ns), Origin.PREDICTED, np.int8),
+    )  # fmt: skip
 
 
 def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> Array:
@@ -212,15 +209,11 @@ def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> 
     return np.where(known[:, before], trust[:, None] * moved[:, 0], 0.0)
 
 
-_cautious = predictors.register(
-    Predictor(
-        "cautious",
-        "the speed of the last 30 ms fades, the sooner the more it has just overshot",
-        "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
-        cautious,
-        lambda track, now_ns, ahead_ns: _cautious_many(track, now_ns, min(ahead_ns, HORIZON_NS)),
-        HORIZON_NS,
-    )
-)
-# The predictor for those who do not choose one.
-predictors.register(attrs.evolve(_cautious, name="on", alias_of=_cautious.name))
+_cautious = predictors.register(Predictor(
+    "cautious", "the speed of the last 30 ms fades, the sooner the more it has just overshot",
+    "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
+    cautious, lambda track, now_ns, ahead_ns: _cautious_many(track, now_ns, min(ahead_ns, HORIZON_NS)), HORIZON_NS,
+))  # fmt: skip
+predictors.register(
+    attrs.evolve(_cautious, name="on", alias_of=_cautious.name)
+)  # the predictor for those who do not choose one

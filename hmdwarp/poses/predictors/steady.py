@@ -71,18 +71,11 @@ def _hold_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Sa
     return attrs.evolve(track.sample_many(now_ns), time_ns=now_ns + ahead_ns)
 
 
+_BASE, _SHORT = "the baseline of every predictor", "angular and linear velocity of the last 50 ms go on"
+_SOURCE = "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate"
+_CONSTANT = Predictor("constant_velocity", _SHORT, _SOURCE, constant_velocity, _steady_many, HORIZON_NS)
+predictors.register(Predictor("none", "the last known pose is held", _BASE, hold, _hold_many))
+_steady = predictors.register(_CONSTANT)
 predictors.register(
-    Predictor("none", "the last known pose is held", "the baseline of every predictor", hold, _hold_many)
-)
-_steady = predictors.register(
-    Predictor(
-        "constant_velocity",
-        "angular and linear velocity of the last 50 ms go on",
-        "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
-        constant_velocity,
-        _steady_many,
-        HORIZON_NS,
-    )
-)
-# The literature's short name for constant angular velocity.
-predictors.register(attrs.evolve(_steady, name="cav", alias_of=_steady.name))
+    attrs.evolve(_steady, name="cav", alias_of=_steady.name)
+)  # the literature's short name for constant angular velocity

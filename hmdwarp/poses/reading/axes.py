@@ -43,10 +43,8 @@ class Axes:
 
     def __attrs_post_init__(self) -> None:
         if np.linalg.det(self.world) * np.linalg.det(self.head) < 0:
-            raise InputError(
-                f"--axes {self.words()}: one of the two is left-handed and the other right-handed; "
-                "a rotation keeps the hand, so turn one axis of either around"
-            )
+            what = "one of the two is left-handed and the other right-handed"
+            raise InputError(f"--axes {self.words()}: {what}; a rotation keeps the hand, so turn one axis around")
 
     def words(self) -> str:
         """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
@@ -118,8 +116,7 @@ def load_preset(name: str) -> Preset:
 def parse_axes(text: str) -> Axes:
     """Parse `--axes`: a preset, or "world=right,up,forward head=right,up,forward".
 
-    One of world and head, or three axes alone, hold for both.
-    Errors: InputError, UnknownNameError.
+    One of world and head, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
     """
     text = text.strip().lower()
     found: dict[str, str] = dict(_PARTS.findall(text))
@@ -149,10 +146,8 @@ def parse_up(text: str) -> Axes:
         return parse_axes(_LIFTS[text])
     fields = [f.strip() for f in text.split(",")]
     if len(fields) != 3:
-        raise InputError(
-            f"--up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
-            "(0.04,0.95,0.3)"
-        )
+        wanted = "an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers (0.04,0.95,0.3)"
+        raise InputError(f"--up '{text}': expected {wanted}")
     try:
         direction = np.array([float(f) for f in fields])
     except ValueError:

@@ -10,18 +10,19 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import TraceError, counted
+from ...errors import TraceError, are_digits, counted
 from .. import quaternions
 from ..assumptions import Assumption, By, Defect, Layout, unstated
-from ..options import TraceOptions
+from ..options import FRAMES, TraceOptions
 from ..track import PoseTrack, gap_limit_ns
+from . import times
 from .axes import AXES, UP, WRAP
 from .columns import head_rank
 from .file_head import Head
 from .judged_axes import JudgedAxes, is_inverse
-from .plausibility import find_jumps, inverted, rate_fault
+from .plausibility import IMPOSSIBLE_HZ, find_jumps, inverted, rate_fault
 from .rows import Rows
-from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps, absurd_rows, guess_unit, midnights, to_ns, wraps_of
+from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps
 
 COARSE_NORM = 1e-2
 WORST_NORM = 0.5
@@ -34,6 +35,7 @@ _SHUFFLED, _REVERSED = 0.2, 0.9
 _LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
+_LEAST_RUN = 3  # rows of one pose at the start
 _LARGEST_NORM = 2.0
 _WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
@@ -121,17 +123,11 @@ class Cleaner:
                     getattr(self, step["mend"])(at)
         rows, judged = self.rows, self.judged
         track = PoseTrack(
-            self.time_ns - self.time_ns[0],
-            rows.position if rows.position is not None else np.zeros((len(rows), 3)),
-            rows.orientation,
-            name=self.path.stem,
-            origin=origin,
-            axes=judged.words(),
-            notes=[str(d) for d in self.defects],
-            epoch_ns=self.epoch_ns,
-            jumps=self.jumps.tolist(),
-            gaze=rows.gaze,
-        )
+            self.time_ns - self.time_ns[0], rows.position if rows.position is not None else np.zeros((len(rows), 3)),
+            rows.orientation, name=self.path.stem, origin=origin, axes=judged.words(),
+            notes=[str(d) for d in self.defects], epoch_ns=self.epoch_ns + int(self.time_ns[0]),
+            jumps=self.jumps.tolist(), gaze=rows.gaze,
+        )  # fmt: skip
         facts = judged.assumptions(self.layout, self.time_unit, rows.position is not None)
         facts += (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
         assumed = judged.axes_by is By.NOBODY
@@ -215,7 +211,7 @@ class Cleaner:
         if stated is None:
             tracked = np.abs(self.rows.orientation).max(axis=1) > _ZERO_NORM
             lost = [not tracked[device == name].any() for name in names]
-            order = [float(t) for t in texts] if all(_is_index(t) for t in texts) else first.tolist()
+            order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
             taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
         else:
             taken = texts.index(stated)
@@ -232,9 +228,7 @@ class Cleaner:
     def zero_quaternions(self) -> Found:
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
         if zero.all():
-            raise TraceError(
-                f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
-            )
+            raise TraceError(f"{self.where}: every quaternion is zero: no tracking, or the wrong columns were read")
         found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
         return (np.flatnonzero(zero), counted(int(zero.sum()), "row"), found) if zero.any() else None
 
@@ -245,23 +239,30 @@ class Cleaner:
             return None
         n, step_ns = len(self.rows), BILLION / rate
         if (n - 1) * step_ns > 2**62:
-            raise TraceError(
-                f"{self.where}: {n} rows at a rate of {rate:g} Hz last over 146 years; give a higher --trace-rate"
-            )
+            raise TraceError(f"{self.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
+        if self.layout.unit == FRAMES:
+            return None, "the file numbers its frames", "these numbers", rate
         self.rows.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
-        return None, "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time", rate
+        aside = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
+        return None, aside, "row numbers", rate
 
     def midnights(self) -> Found:
-        found = midnights(self.stamps)
+        found = times.midnights(self.stamps)
         return None if found is None else self.count_on(found, "the clock passes midnight {}")
 
+    def counted_fractions(self) -> Found:
+        if (found := times.as_counts(self.stamps)) is None:
+            return None
+        self.rows.stamps = found[0]
+        return None, found[1]
+
     def absurd_stamps(self) -> Found:
-        bad = absurd_rows(self.stamps)
+        bad = times.absurd_rows(self.stamps)
         return (bad, counted(len(bad), "row"), self.stamps[bad[:1]].text()) if len(bad) else None
 
     def wraps(self) -> Found:
-        found = wraps_of(self.stamps, self.rows.orientation)
+        found = times.wraps_of(self.stamps, self.rows.orientation)
         return None if found is None else self.count_on(found, f"the clock wraps {{}}, at {found.what}")
 
     def reversed_rows(self) -> Found:
@@ -271,31 +272,44 @@ class Cleaner:
         if falls > _REVERSED and not (steps > 0).any():
             return (np.arange(len(steps)),)
         if falls > _SHUFFLED:
-            raise TraceError(
-                f"{self.where}: time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several "
-                "recordings; sort them by time, or name the clock with --time-column"
-            )
+            what = f"time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several recordings"
+            raise TraceError(f"{self.where}: {what}; sort them by time, or name the clock with --time-column")
         return None
 
     def find_unit(self) -> Found:
         steps = self.stamps.steps()
+        if self.layout.unit == FRAMES:
+            step_ns, first = BILLION / (self.options.rate or 1), int(self.stamps.whole[0])
+            counted_ns = np.rint((self.stamps.whole - first) * step_ns).astype(np.int64) + round(first * step_ns)
+            self.rows.stamps, self.unit = Stamps(counted_ns, np.zeros(len(steps) + 1, np.int64)), "ns"
+            return None
         self.unit = "s" if self.stamps.clock else self.options.time_unit or self.layout.unit or ""
         if self.unit:
             return None
         if not (steps > 0).any():
-            raise TraceError(
-                f"{self.where}: time never increases; if it is no clock, --trace-rate gives the samples per second "
-                "instead"
-            )
+            raise TraceError(f"{self.where}: time never increases: --trace-rate gives the samples per second instead")
         step = float(np.median(steps[steps > 0]))
-        self.unit = guess_unit(self.stamps, step)
+        if 2 * np.count_nonzero(steps == 0) > len(steps):  # a clock so coarse that most rows share a stamp
+            step = float(steps[steps >= 0].mean())
+        self.unit = times.guess_unit(self.stamps, step)
         self.layout = attrs.evolve(self.layout, unit=self.unit, unit_by=By.NOBODY)
         return None, UNIT_NAMES[self.unit], BILLION / (step * UNITS_NS[self.unit])
 
+    def clock_changes(self) -> Found:
+        """Count on where the clock changes under a head that moves on; refuse another unit."""
+        if (row := times.unit_change(self.stamps)) is not None:
+            raise TraceError(f"{self.where}: its clock changes its unit in line {self.line(row)}: cut the file there")
+        found = times.clock_changes(self.stamps, self.unit, self.rows.orientation)
+        if found is None:
+            return None
+        self.rows.stamps = found.stamps
+        return found.rows, counted(len(found.rows), "time"), found.what
+
     def find_segments(self) -> Found:
-        """Split where time decreases, never sorting; choose the longest recording."""
-        stamps = self.stamps
-        falls = np.flatnonzero(stamps.steps() < 0) + 1
+        """Split where time decreases or leaps by years, never sorting; choose the longest part."""
+        stamps, years = self.stamps, times.YEARS_S * BILLION / UNITS_NS[self.unit]
+        steps = stamps.steps()
+        falls = np.flatnonzero((steps < 0) | (steps > years)) + 1
         starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
         first, last = stamps[starts], stamps[ends - 1]
         span = (last.whole - first.whole) + (last.billionths - first.billionths) / BILLION
@@ -321,54 +335,66 @@ class Cleaner:
         self.keep(slice(bounds[taken - 1], bounds[taken]))
 
     def read_times(self) -> Found:
-        """Convert stamps to nanoseconds since the segment's first row; find a rate of no tracker.
-
-        That row's time is subtracted before anything is scaled.
-        """
+        """Convert stamps to ns since the segment's first row, subtracted before scaling."""
         unit, stamps = self.unit, self.stamps
         try:
-            self.time_ns, self.epoch_ns = to_ns(stamps, unit)
+            self.time_ns, self.epoch_ns = times.to_ns(stamps, unit)
         except OverflowError as error:
-            raise TraceError(
-                f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
-            ) from None
+            what = f"the stamps, taken as {UNIT_NAMES[unit]}, make {error}"
+            raise TraceError(f"{self.where}: {what}: this is no head trace") from None
         self.rows.stamps = None
         self.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[unit]
         if self.options.rate is not None:
-            self.time_unit = f"row numbers at {self.options.rate:g} Hz"
+            what = "frame" if self.layout.unit == FRAMES else "row"
+            self.time_unit = f"{what} numbers at {self.options.rate:g} Hz"
+        return None
+
+    def coarse_clock(self) -> Found:
+        """Find a clock of few ticks, and space the rows evenly where that fits every stamp."""
+        found = None if self.options.rate is not None else times.coarse_clock(self.time_ns, self.rows.orientation)
+        if found is None:
             return None
+        done = "kept: speeds and predictions are off by as much"
+        if found.even_ns is not None:
+            self.epoch_ns += int(found.even_ns[0])
+            self.time_ns = found.even_ns - found.even_ns[0]
+            rate = BILLION / float(np.median(np.diff(self.time_ns)))
+            done = f"rows taken evenly at {rate:.4g} Hz, which fits every stamp"
+        return found.jittering, found.tick_ns / 1e6, np.degrees(found.error_rad), done
+
+    def odd_rate(self) -> Found:
+        """Find a rate of no tracker. Errors: TraceError for one that no recording can have."""
         steps = np.diff(self.time_ns)
-        if len(steps) < 2 or not (steps > 0).any():
+        if self.options.rate is not None or len(steps) < 2 or not (steps > 0).any():
             return None
         step_ns = float(np.median(steps[steps > 0]))
-        remedy = rate_fault(step_ns, unit)
-        return (None, UNIT_NAMES[unit], BILLION / step_ns, remedy) if remedy else None
+        rate_hz, remedy = BILLION / step_ns, rate_fault(step_ns, self.unit)
+        if not IMPOSSIBLE_HZ[0] <= rate_hz <= IMPOSSIBLE_HZ[1]:
+            what = f"its clock, read as {UNIT_NAMES[self.unit]}, makes {rate_hz:.4g} Hz"
+            raise TraceError(f"{self.where}: {what}, which no recording has: {remedy}")
+        return (None, UNIT_NAMES[self.unit], rate_hz, remedy) if remedy else None
 
     def invert(self) -> Found:
         if is_inverse(self.layout, self.options):
             self.rows.orientation, self.rows.position = inverted(self.rows.orientation, self.rows.position)
         return None
 
-    def default_start(self) -> Found:
-        """Find the default pose that some recorders write until tracking starts."""
+    def default_rows(self) -> Found:
+        """Find rows of no turn, or exactly at the origin, that the head jumps to and from."""
         q, p = self.rows.orientation, self.rows.position
-        differs = (q != q[0]).any(axis=1)
+        default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
         if p is not None:
-            differs |= (p != p[0]).any(axis=1)
-        run = int(differs.argmax())
-        default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
-        if not run or not (default or run >= 3):
+            default |= ~p.any(axis=1)
+        run = int(np.append(self.pose_repeats(), False).argmin()) + 1  # what recorders write until tracking starts
+        default[:run] |= run >= _LEAST_RUN
+        if default.all() or not default.any():
             return None
-        change = slice(run - 1, run + 1)
-        metres = None if p is None else p[change] * self.judged.scale()
-        if not len(find_jumps(self.time_ns[change], q[change], metres)):
-            return None
-        return np.arange(run), f"{run} rows hold" if run > 1 else "row holds"
-
-    def trim(self, at: NDArray[np.intp]) -> None:
-        run = len(at)
-        self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
-        self.keep(slice(run, None))
+        jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
+        jumps[[0, -1]] = True
+        jumps[find_jumps(self.time_ns, q, None if p is None else p * self.judged.scale()) + 1] = True
+        starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
+        lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
+        return (np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time")) if lost else None
 
     def duplicate_stamps(self) -> Found:
         at = np.flatnonzero(np.diff(self.time_ns) == 0)
@@ -389,16 +415,13 @@ class Cleaner:
         hopeless = (norm < WORST_NORM) | (norm > _LARGEST_NORM)
         if hopeless.any():
             row = int(hopeless.argmax())
-            raise TraceError(
-                f"{self.where}: line {self.line(row)}: a quaternion of length {norm[row]:.3g}, expected 1: "
-                f"{q[row].tolist()}; were the wrong columns read, or is the row damaged?"
-            )
+            what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
+            why = "were the wrong columns read, or is the row damaged?"
+            raise TraceError(f"{self.where}: line {self.line(row)}: {what}; {why}")
         median = float(np.median(norm))
         if abs(median - 1) > _MEDIAN_NORM:
-            raise TraceError(
-                f"{self.where}: half of the quaternions are longer than {median:.3g}, expected 1: "
-                "were the wrong columns read? --columns names the right ones"
-            )
+            what = f"half of the quaternions are longer than {median:.3g}, expected 1"
+            raise TraceError(f"{self.where}: {what}: were the wrong columns read? --columns names the right ones")
         off = np.abs(norm - 1)
         bad, worst = np.flatnonzero(off > COARSE_NORM), int(off.argmax())
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]
@@ -464,10 +487,3 @@ class Cleaner:
     def tilt(self) -> Found:
         self.judged.report_tilt(self.rows.orientation)
         return None
-
-
-def _is_index(text: str) -> bool:
-    try:
-        return abs(float(text)) < 1e9
-    except ValueError:
-        return False

@@ -7,58 +7,33 @@ the last of x y z w among them is the axis, the rest identifies the position or 
 from __future__ import annotations
 
 import re
+import tomllib
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ..assumptions import Defect
-from ..options import DIRECT, INVERSE
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
-_BODY = "(?:head|hmd|headset|device|camera|cam|eye|c|body|imu)"
-# HeadWorldPos is where the head is in the world; T_head_world carries the world into the head.
-_WAYS = {
-    INVERSE: rf"(?:world|w)_(?:to|2)_{_BODY}|t_{_BODY}_world|{_BODY}_from_world|view_matrix|world_inverse|"
-    "extrinsics?|tcw",
-    DIRECT: rf"{_BODY}_(?:to|2)_(?:world|w)|world_(?:from_)?{_BODY}|matrix_world|twc",
-}
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 
 
-def _set(words: str) -> frozenset[str]:
-    return frozenset(words.split())
-
-
-_ROTATION = _set("q quat quaternion quaternions orientation orient rot rotation attitude")
-_POSITION = _set("p pos position t trans translation tvec loc location")
-_VECTOR = _set("rvec rotvec rotationvector axisangle angleaxis rodrigues")
-_ANGLE = _set("angle theta")
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_TIME_UNITS = {word: unit for unit, text in _TABLE["units"].items() for word in text.split()}
+_WORDS = {name: frozenset(text.split()) for name, text in _TABLE["words"].items()}
+_ROTATION, _POSITION, _VECTOR, _ANGLE, _DEGREES, _RADIANS, _EULER, *_REST = _WORDS.values()
+_ELSEWHERE, _TIMES, _DATES, _FRAMES, _OWN, _ANOTHERS, _STEPS, _DEVICES = _REST
+_BODY = "(?:head|hmd|headset|device|camera|cam|eye|c|body|imu)"
+_WAYS = {way: form.replace("{body}", _BODY) for way, form in _TABLE["ways"].items()}
 _BARE_TURNS = ("rx", "ry", "rz")
-_DEGREES, _RADIANS = _set("deg degree degrees"), _set("rad radian radians")
-_EULER = _set("yaw pitch roll euler azimuth elevation heading")
-_ELSEWHERE = _set(
-    "left right hand hands touch controller gaze eye eyes gyro acc accel acceleration vel velocity v angular omega b "
-    "bw ba bg mag fov target lefthand righthand body hip hips pelvis waist wrist chest spine shoulder elbow knee ankle "
-    "foot feet tracker base basestation"
-)
 _HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
 UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
-_TIMES = _set("time timestamp timestep timestamps t ts stamp mediatime playbacktime seconds elapsed clock")
-_TIME_UNITS = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
-    **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
-    **dict.fromkeys(("us", "usec", "micros", "microsecond", "microseconds"), "us"),
-    **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("tick", "ticks"), "100ns"),
-}
-_WHOLE_SECONDS, _PARTS_OF_SECONDS = _set("sec secs"), _set("nanosec nanosecs nsec nsecs")
-_STEPS = _set("delta dt diff difference interval duration frametime")  # times that are no clock
 _ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
-_DEVICES = _set("viewindex device deviceid devicename deviceindex eye eyeindex topic tracker trackerid sensor sensorid")
 
 
 @attrs.frozen
@@ -77,7 +52,9 @@ class Columns:
     # Every clock, the likeliest first: its column, and its unit, a key of `times.UNITS_NS`, if the
     # name says it.
     clocks: tuple[tuple[int, str | None], ...] = ()
-    nanoseconds: int | None = None  # in addition to whole seconds
+    # What may be a clock in two columns: whole seconds, the rest, its unit; a date beside a time.
+    pairs: tuple[tuple[int, int, str], ...] = ()
+    date: int | None = None
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
@@ -150,24 +127,23 @@ def find_columns(names: list[str]) -> Columns:
                 orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
         order_key = _best([key for key, order in orders.items() if len(order) == 4])
         turn, numbered = (None, False) if order_key is None else (orders[order_key], True)
-    clocks, nanoseconds = _find_clocks(split)
+    told = [(i, parts) for i, parts in enumerate(split) if parts and not set(parts) & (_ELSEWHERE | _STEPS)]
+    seconds = {tuple(parts[:-1]): i for i, parts in told if _TIME_UNITS.get(parts[-1]) == "s"}
+    rests = [(seconds.get(tuple(parts[:-1])), i, _TIME_UNITS.get(parts[-1], "s")) for i, parts in told]
 
     def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
         return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
 
     return Columns(
-        clocks=clocks,
-        nanoseconds=nanoseconds,
-        orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]),
-        numbered=numbered,
-        position=xyz(position_key),
-        length_m=None if position_key is None else lengths.get(position_key),
+        clocks=_find_clocks(told),
+        pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
+        date=next((i for i, parts in told if set(parts) & _DATES), None),
+        orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
+        position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        euler=_find_euler(names, split, groups),
-        angles=_find_angles(split, groups),
-        vector=_find_vector(groups, split),
+        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), vector=_find_vector(groups, split),
         gravity=xyz(down),
-    )
+    )  # fmt: skip
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
@@ -176,24 +152,29 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
 
 
-def _find_clocks(split: list[list[str]]) -> tuple[tuple[tuple[int, str | None], ...], int | None]:
-    """Return the columns that may be clocks, and one of nanoseconds that completes the first."""
-    seconds = {tuple(parts[:-1]): i for i, parts in enumerate(split) if parts[-1:] and parts[-1] in _WHOLE_SECONDS}
-    for i, parts in enumerate(split):
-        if parts and parts[-1] in _PARTS_OF_SECONDS and tuple(parts[:-1]) in seconds:
-            return ((seconds[tuple(parts[:-1])], "s"),), i
+def column_of_frames(names: list[str]) -> int | None:
+    """Return the column that names number frames, None without one."""
+    return next((i for i, name in enumerate(names) if "".join(re.findall("[a-z]+", name.lower())) in _FRAMES), None)
+
+
+def _find_clocks(told: list[tuple[int, list[str]]]) -> tuple[tuple[int, str | None], ...]:
+    """Return the columns that may be clocks, the likeliest first."""
     candidates: list[tuple[int, int, str | None]] = []
-    for i, parts in enumerate(split):
+    for i, parts in told:
         unit = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
         rest = parts[:-1] if unit else parts
         joined = "".join(rest)
-        if "date" in parts or set(parts) & (_ELSEWHERE | _STEPS):
-            continue
         if joined in _TIMES:
             candidates.append((0, i, unit))
-        elif set(rest) & (_TIMES - {"t"}) or any(w in joined for w in ("timestamp", "timestep")):
+        elif "date" not in parts and (set(rest) & (_TIMES - {"t"}) or re.search("timest(amp|ep)", joined)):
             candidates.append((1, i, unit))
-    return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2])), None
+    return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2]))
+
+
+def owner_rank(name: str) -> int:
+    """Return whose clock a column is: 0 the pose's, 1 unknown, 2 a writer's or receiver's."""
+    found = set(words(name))
+    return 2 if found & _ANOTHERS else 0 if found & _OWN else 1
 
 
 def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list[str]]) -> Vector | None:

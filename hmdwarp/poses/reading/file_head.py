@@ -57,9 +57,7 @@ class Source:
         if self.kind != "text":
             return io.BytesIO(self.made.text)
         file = opened(path, TRACE)
-        if not self.packed:
-            return file
-        return cast("BinaryIO", io.BufferedReader(_Unpacked(path, file), 1 << 18))
+        return file if not self.packed else cast("BinaryIO", io.BufferedReader(_Unpacked(path, file), 1 << 18))
 
 
 class _Unpacked(io.RawIOBase):
@@ -81,10 +79,7 @@ class _Unpacked(io.RawIOBase):
     def readinto(self, buffer: Any) -> int:
         count = self._unpacked.readinto(buffer)
         if self._unpacked.tell() > self._most:
-            raise TraceError(
-                f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording, or one unpacked "
-                "already"
-            )
+            raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
         return count
 
     def close(self) -> None:
@@ -150,11 +145,26 @@ def is_number(field: str) -> bool:
 def read_head(path: Path) -> Head:
     """Inspect the file. Errors: TraceError for anything but a text of rows."""
     source, raw, more = _first_bytes(path)
-    _refuse_binary(path, raw)
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
+    if raw[:4] == b"PK\x03\x04":
+        raise TraceError(f"{path} is a ZIP archive: unpack it first")
+    # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
+    found_sign = _CONTROL.search(raw.rstrip(b"\x00"))
+    if found_sign or not raw.rstrip(b"\x00"):
+        at = found_sign.start() if found_sign else 0
+        where = f"byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}"
+        raise TraceError(f"{path} is no text: {where}; expected rows of numbers")
     newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
-    lines = _whole_lines(path, raw, more, newline)
+    offset, end = 3 if raw.startswith(b"\xef\xbb\xbf") else 0, raw.rfind(newline) + 1 if more else len(raw)
+    if not end:
+        raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")
+    lines: list[tuple[int, int, str]] = []  # byte offset, number and text of those that lie wholly in `raw`
+    for number, piece in enumerate(raw[offset:end].split(newline), 1):
+        lines.append((offset, number, piece.decode("utf-8", "replace").rstrip("\r\x00")))
+        offset += len(piece) + 1
     comments, header, first = _preamble(path, lines, bool(source.made.names))
-    offset, line, text = first
+    begins, line, text = first
     separator, comma = _separator(text, header)
     texts = (t for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS))
     first_row = 1 if header else 0
@@ -174,18 +184,7 @@ def read_head(path: Path) -> Head:
                 break
     if names and names[-1] == "" and len(names) > 1:
         names = names[:-1]
-    return Head(path, separator, names, header_line, header_text, line, offset, rows, comments, comma, newline, source)
-
-
-def _source(path: Path) -> Source:
-    """Unpack what is no text of rows: gzip as it is read, the rest at once."""
-    with opened(path, TRACE) as file:
-        text = Source(packed=file.read(2) == _GZIP)
-    with text.open(path) as file:
-        start = file.read(LOOK_BYTES)
-        file.seek(0)
-        made = _made(path, start, file, text.packed)
-    return text if made is None else Source(text.packed, made)
+    return Head(path, separator, names, header_line, header_text, line, begins, rows, comments, comma, newline, source)
 
 
 def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None:
@@ -198,7 +197,7 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
     if start.startswith(BAGS):
         return BagPoses(path).table()
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
-        return table_of_json(_whole(path, file))
+        return table_of_json(path, _whole(path, file))
     if MARK in start[:200]:
         return table_of_colmap(path, _whole(path, file))
     export = export_reader(path, start)
@@ -223,7 +222,13 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
             found = sorted(p.name for p in path.iterdir() if p.suffix in _ENDINGS)
             inside = f", for instance {found[0]} in it" if found else ""
             raise TraceError(f"{path} is a directory: expected a file of head poses{inside}")
-        source = _source(path)
+        with opened(path, TRACE) as file:
+            source = Source(packed=file.read(2) == _GZIP)
+        with source.open(path) as file:  # gzip is unpacked as it is read, what is no text of rows at once
+            start = file.read(LOOK_BYTES)
+            file.seek(0)
+            made = _made(path, start, file, source.packed)
+        source = source if made is None else Source(source.packed, made)
         with source.open(path) as file:
             raw, more = file.read(LOOK_BYTES), bool(file.read(1))
     except (EOFError, gzip.BadGzipFile, zlib.error) as error:
@@ -233,36 +238,6 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
     if not raw.strip():
         raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
     return source, raw, more
-
-
-def _refuse_binary(path: Path, raw: bytes) -> None:
-    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
-    if raw[:4] == b"PK\x03\x04":
-        raise TraceError(f"{path} is a ZIP archive: unpack it first")
-    # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
-    found = _CONTROL.search(raw.rstrip(b"\x00"))
-    if found or not raw.rstrip(b"\x00"):
-        at = found.start() if found else 0
-        raise TraceError(
-            f"{path} is no text: byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}; expected rows of "
-            "numbers"
-        )
-
-
-def _whole_lines(path: Path, raw: bytes, more: bool, newline: bytes) -> list[tuple[int, int, str]]:
-    """Return (byte offset, line number, text) of the lines that lie wholly in `raw`."""
-    start = 3 if raw.startswith(b"\xef\xbb\xbf") else 0
-    end = len(raw)
-    if more:
-        end = raw.rfind(newline) + 1
-        if end == 0:
-            raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")
-    out, offset = [], start
-    for number, piece in enumerate(raw[start:end].split(newline), 1):
-        out.append((offset, number, piece.decode("utf-8", "replace").rstrip("\r\x00")))
-        offset += len(piece) + 1
-    return out
 
 
 def _preamble(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from ...errors import counted
+from ...errors import TraceError, counted
 from ...options.documents import DocumentError, parse_json
 from ..assumptions import Defect
 from .columns import Made, find_columns, named_matrices, names_rotation, rows_text
@@ -15,17 +17,17 @@ _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
 # IWER's frames hold time, position, quaternion, then a list for each input.
 _IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
-# A head in a line of session.jsonl, behind the name of its session.
-_BROWSER = ("device", *_IWER)
+_BROWSER = ("device", *_IWER)  # a head in a line of session.jsonl, behind the name of its session
 
 
-def table_of_json(raw: bytes) -> Made | None:
+def table_of_json(path: Path, raw: bytes) -> Made | None:
     """Return comma-separated rows for JSON lines, or for a document with a list of records.
 
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
     a rotation its q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
-    poses (a header, a schema, events) are left out. None where the bytes are no JSON with records.
-    Errors: DocumentError, as parse_json.
+    poses (a header, a schema, events) are left out; records that are values of an object are poses
+    as well, by their keys. None where the bytes are no JSON. Errors: DocumentError, as parse_json;
+    TraceError for JSON without records.
     """
     try:
         text = raw.decode("utf-8-sig")
@@ -37,8 +39,11 @@ def table_of_json(raw: bytes) -> Made | None:
     if heads := list(_browser_heads(document)):
         return Made("browser", rows_text(heads), _BROWSER)
     records = _records(document)
-    if len(records) < _LEAST_RECORDS:
+    if document is None:
         return None
+    if len(records) < _LEAST_RECORDS:
+        keys = ", ".join(list(_flat(document))[:8])
+        raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
     rows, defects = _of_poses([_flat(record) for record in records])
     names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
     named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
@@ -112,7 +117,18 @@ def _lists(document: Any) -> Iterator[list[Any]]:
                 yield [names, *rows]
             else:
                 yield from _lists(value)
+        yield from _values_of(document)
         yield from _columns_of(document)
+
+
+def _values_of(document: dict[str, Any]) -> Iterator[list[Any]]:
+    """Yield the values of an object that are poses, each with its key, a time or a number."""
+    values = [value if isinstance(value, dict) else {"pose": value} for value in document.values()]
+    if len(values) < _LEAST_RECORDS or not all(_has_pose(_flat(value)) for value in (values[0], values[-1])):
+        return
+    numbers = [(re.findall(r"\d+(?:\.\d+)?", key) or [str(i)])[-1] for i, key in enumerate(document)]
+    name = "time" if any("." in number for number in numbers) else "frame"
+    yield [{name: number, **value} for number, value in zip(numbers, values, strict=True)]
 
 
 def _columns_of(document: dict[str, Any]) -> Iterator[list[Any]]:

@@ -13,22 +13,9 @@ from ...errors import InputError, TraceError
 from .. import quaternions
 from ..assumptions import AXES_BY, Assumption, By, Layout
 from ..options import DIRECT, INVERSE, TraceOptions
+from . import plausibility
 from .axes import AUTO, AXES, CLOCK, DIRECTION, LENGTH, ORIENTATION, POSE, UP, Axes, parse_axes, parse_up, upright
-from .plausibility import (
-    CLEAR,
-    SURE,
-    Evidence,
-    Verdict,
-    best_points,
-    every,
-    evidence_of,
-    gravity_axis,
-    height_fault,
-    inverse_gain,
-    inverted,
-    judge,
-    place_fault,
-)
+from .plausibility import CLEAR, SURE, Evidence, Verdict
 from .rows import Rows
 
 _GAZE = "which way it looks is not clear"
@@ -72,11 +59,10 @@ class JudgedAxes:
         return (
             Assumption(ORIENTATION, turn, layout.order_by, option),
             Assumption(POSE, way, By.USER if options.pose else layout.direction_by, "--pose"),
-            *([length] if has_position else []),
-            Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
+            *([length] if has_position else []), Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
             Assumption(UP, up, up_by, "--up"),
             Assumption(CLOCK, clock, By.USER if options.rate or options.time_unit else layout.unit_by, "--time-unit"),
-        )
+        )  # fmt: skip
 
     def scale(self) -> float:
         """Return the metres of a unit of the file."""
@@ -100,7 +86,7 @@ class JudgedAxes:
             return attrs.evolve(axes, tilt=parse_up(up).tilt), by
         if up is not None and self.options.axes is not None:
             raise InputError(
-                "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
+                "--axes and --up both name axes: say one; beside --axes, --up may be three numbers, a tilt"
             )
         if stated is not None:
             return parse_axes(stated), By.USER
@@ -112,13 +98,20 @@ class JudgedAxes:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
         p, gravity = rows.position, np.array(self.layout.gravity_down)
         metres = None if p is None else p * self.scale()
-        evidence = evidence_of(time_ns, rows.orientation, metres, gravity)
-        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
+        evidence = plausibility.evidence_of(time_ns, rows.orientation, metres, gravity)
+        what, remedy = plausibility.place_fault(time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_by is By.NOBODY and self.layout.euler is None:
-            self._check_order(evidence, time_ns, rows)
-        verdict = judge(evidence, self.axes)
+            at = plausibility.every(time_ns)  # an assumed order of numbers: does only the other one show a person?
+            turned = rows.orientation[at]
+            turned = quaternions.conjugate(turned) if self.layout.matrix else np.roll(turned, -1, axis=1)
+            other = plausibility.evidence_of(time_ns[at], turned, None if p is None else p[at], evidence.gravity)
+            if plausibility.best_points(other) > plausibility.best_points(evidence) + CLEAR:
+                what, right, wrong = _BY_ROWS if self.layout.matrix else _W_LAST
+                is_right = f"{right} they do: say {wrong} if it is right as it is"
+                raise TraceError(f"{self.where}: read {what} make no person's motion; {is_right}")
+        verdict = plausibility.judge(evidence, self.axes)
         if not what and not verdict.faults:
-            what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
+            what, remedy = plausibility.height_fault(float(self.axes.world[1] @ evidence.height_m))
         if what:
             self._note("place-implausible", what, f"kept; {remedy}")
         self._leaves_open = verdict.leaves_open
@@ -126,7 +119,7 @@ class JudgedAxes:
             return
         if verdict.world_alone:
             # Where up lies between the file's axes, `report_tilt` says by how much.
-            axis = gravity_axis(self.axes.in_openxr(rows.orientation))
+            axis = plausibility.gravity_axis(self.axes.in_openxr(rows.orientation))
             if axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG)):
                 self._set_upright(gravity, rows.orientation)
                 return
@@ -160,24 +153,20 @@ class JudgedAxes:
         self.axes, self.axes_by = attrs.evolve(found, tilt=self.axes.tilt), By.MOTION
 
     def _is_inverse(
-        self,
-        evidence: Evidence,
-        time_ns: NDArray[np.int64],
-        orientation: NDArray[np.float64],
-        metres: NDArray[np.float64] | None,
-        contradicted: bool,
-    ) -> bool:
+        self, evidence: Evidence, time_ns: NDArray[np.int64], orientation: NDArray[np.float64],
+        metres: NDArray[np.float64] | None, contradicted: bool,
+    ) -> bool:  # fmt: skip
         """Suggest the other direction of the poses where only that one makes a person's motion."""
         if self.options.pose is not None:
             return False
-        at = every(time_ns)  # first, as an inverse copies all poses
-        poses = inverted(orientation[at], None if metres is None else metres[at])
-        other = evidence_of(time_ns[at], *poses, evidence.gravity)
-        gain = inverse_gain(evidence, other)
+        at = plausibility.every(time_ns)  # first, as an inverse copies all poses
+        poses = plausibility.inverted(orientation[at], None if metres is None else metres[at])
+        other = plausibility.evidence_of(time_ns[at], *poses, evidence.gravity)
+        gain = plausibility.inverse_gain(evidence, other)
         if gain <= (CLEAR if contradicted else SURE):
             return False
         here, there = DIRECTION[::-1] if self.layout.inverse else DIRECTION
-        better, word = judge(other, self.axes).better, DIRECT if self.layout.inverse else INVERSE
+        better, word = plausibility.judge(other, self.axes).better, DIRECT if self.layout.inverse else INVERSE
         axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
         what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
         self._note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
@@ -189,7 +178,9 @@ class JudgedAxes:
         if self.options.axes != AUTO or self.axes.tilt is not None:
             return
         stated = bool(gravity_down.any())
-        axis = -self.axes.world @ gravity_down if stated else gravity_axis(self.axes.in_openxr(orientation))
+        axis = (
+            -self.axes.world @ gravity_down if stated else plausibility.gravity_axis(self.axes.in_openxr(orientation))
+        )
         if axis is None:
             return
         axis = axis / np.linalg.norm(axis)
@@ -199,18 +190,6 @@ class JudgedAxes:
             self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
             self.axes = attrs.evolve(self.axes, tilt=upright(axis))
             self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
-
-    def _check_order(self, evidence: Evidence, time_ns: NDArray[np.int64], rows: Rows) -> None:
-        """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
-        at = every(time_ns)
-        q, p = rows.orientation[at], None if rows.position is None else rows.position[at]
-        turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
-        if best_points(evidence_of(time_ns[at], turned, p, evidence.gravity)) > best_points(evidence) + CLEAR:
-            what, right, wrong = _BY_ROWS if self.layout.matrix else _W_LAST
-            raise TraceError(
-                f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it "
-                "is"
-            )
 
     def words(self) -> str:
         """Return the axes, who says so, and what the motion shows."""
@@ -234,7 +213,7 @@ class JudgedAxes:
 
         Wrong axes are another matter: turning the world alone would leave the head on its side.
         """
-        axis = None if self._wrong else gravity_axis(orientation)
+        axis = None if self._wrong else plausibility.gravity_axis(orientation)
         if axis is not None and (tilt := _tilt_of(axis)) > _TILT_SHOWN_DEG:
             self._tilt_deg, shown = tilt, ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"

@@ -15,9 +15,10 @@ from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
 from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
-from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices
+from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices, owner_rank
 from .file_head import Head, is_number
 from .pose_messages import COLUMNS as MESSAGES
+from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(
     "order-assumed",
@@ -39,22 +40,17 @@ _COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "a": (4
 def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """Return a layout from the header's names.
 
-    known: facts of the format: unit, axes, device, scale, caveats.
-    Errors: TraceError for Euler angles only, and for a quaternion that is missing or of unknown
-    order.
+    known: facts of the format: unit, axes, device, scale, caveats. Errors: TraceError for Euler
+    angles only, and for a quaternion that is missing or of unknown order.
     """
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
 
-    def values(clock: tuple[int, str | None]) -> int:
-        return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
-
-    # Of several clocks the one that takes the most values over the first rows.
-    time, unit = max(found.clocks, key=values, default=(None, None))
-    facts = {
-        **{"time": time, "unit": unit, "unit_by": By.FORMAT if "unit" in known else By.FILE},
-        **{"nanoseconds": found.nanoseconds, "position": found.position, "device": column_of_devices(head)},
+    clock, told = _clock(head, found)
+    facts = clock | {
+        **{"unit_by": By.FORMAT if "unit" in known else By.FILE},
+        **{"position": found.position, "device": column_of_devices(head)},
         **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.NOBODY},
     }
     if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
@@ -63,8 +59,34 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     turn = _turn(head, found, options, known)
     if (said := direction_of([head.names[c] for c in turn["orientation"]])) is not None:
         facts |= {"inverse": said == INVERSE, "direction_by": By.FILE}
-    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
+    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()), *told)
     return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
+
+
+def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
+    """Return which columns are the time, as fields of Layout, and a note on other clocks."""
+    names = head.names or []
+
+    def cells(column: int) -> list[str]:
+        return [row[column] for row in head.rows if len(row) > column and row[column]]
+
+    for whole, rest, unit in sorted(found.pairs, key=lambda pair: owner_rank(names[pair[0]])):
+        counts = [cell for cell in cells(rest) if are_digits(cell) and int(cell) < BILLION // UNITS_NS[unit]]
+        if len(counts) == len(cells(rest)) and all(map(are_digits, cells(whole))):
+            return {"time": whole, "unit": "s", "rest": rest, "rest_unit": unit}, ()
+    if not found.clocks:
+        return {"time": None}, ()
+    values = {column: len(set(cells(column))) for column, _ in found.clocks}
+    # Of several clocks those that take the most values over the first rows, then the pose's own.
+    fine = [clock for clock in found.clocks if 10 * values[clock[0]] > 9 * max(values.values())]
+    time, said = min(fine, key=lambda clock: owner_rank(names[clock[0]]))
+    others = ", ".join(names[column] for column, _ in found.clocks if column != time)
+    done = f"{names[time]} taken; --time-column takes another"
+    note = Defect("clocks-several", f"its rows have other clocks as well ({others})", done)
+    hours, days = cells(time), [] if found.date is None else cells(found.date)
+    dated = days and all(map(DATE.match, days)) and all(re.match("[0-9]{1,2}:", hour) for hour in hours)
+    dates = {"rest": found.date, "rest_unit": "date"} if dated else {}
+    return {"time": time, "unit": said, **dates}, (note,) if others else ()
 
 
 def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
@@ -98,13 +120,9 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
     if angles and options.euler is not None:
         raise TraceError(f"{head.path}: --euler takes three angles, called pitch, yaw and roll; found {angles}")
     if angles:
-        raise TraceError(
-            f"{head.path} gives Euler angles only ({angles}): their order and signs differ from device to device, and "
-            "the file does not state them; --euler does (ZXY,deg is Unity's; vector,rad a rotation vector)"
-        )
-    raise TraceError(
-        f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"
-    )
+        how = "--euler states their order (ZXY,deg is Unity's; vector,rad a rotation vector)"
+        raise TraceError(f"{head.path} gives Euler angles only ({angles}), in an order that it does not state: {how}")
+    raise TraceError(f"{head.path} has no head orientation among {head.describe()}; see 'hmdwarp list formats'")
 
 
 def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
@@ -115,9 +133,7 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     Errors: TraceError for fewer columns, or an unknown order.
     """
     if head.width < 8:
-        raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
-        )
+        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: a time and a pose")
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
     stated = By.FORMAT if options.format == name else By.NOBODY
@@ -136,10 +152,8 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
     """Return four quaternion columns in the order x y z w. Errors: TraceError if unknown."""
     if order is None:
-        raise TraceError(
-            f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
-            f"({head.describe()}); say --quat-order wxyz or --quat-order xyzw"
-        )
+        what = f"nothing tells whether w comes first or last in its quaternions ({head.describe()})"
+        raise TraceError(f"{head.path}: {what}; say --quat-order wxyz or --quat-order xyzw")
     a, b, c, d = columns
     return (b, c, d, a) if order == "wxyz" else (a, b, c, d)
 
@@ -176,7 +190,7 @@ def columns_read(head: Head, layout: Layout, device: str) -> str:
     """
     names = head.names or []
     parts: dict[str, tuple[int | None, ...]] = {
-        **{"time": (layout.time, layout.nanoseconds), "device": (layout.device,)},
+        **{"time": (layout.time, layout.rest), "device": (layout.device,)},
         **{"position": layout.position or (), "orientation": layout.orientation, "gaze": layout.gaze},
     }
     words = {
@@ -225,10 +239,8 @@ def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
     found = _arranged(head, cells, order)
     if found is None:
         last = ", nor 0,0,0,1 in the last row or column" if len(cells) == 16 else ""
-        raise TraceError(
-            f"{head.path}: its {len(cells)} numbers of a matrix are no rotations by {order or 'rows or columns'}{last}"
-            ": were the wrong columns read? --columns m=2-17 names them"
-        )
+        what = f"its {len(cells)} numbers of a matrix are no rotations by {order or 'rows or columns'}{last}"
+        raise TraceError(f"{head.path}: {what}: were the wrong columns read? --columns m=2-17 names them")
     return found
 
 
@@ -272,19 +284,6 @@ def _holds(numbers: NDArray[np.float64], order: str) -> bool:
 # `TraceFormat.sniff`), and how it is read.
 
 
-def _sniff_named(head: Head) -> int:
-    return 10 if head.names is not None else 0
-
-
-def _sniff_json(head: Head) -> int:
-    return 20 if head.source.kind == "json" and head.names is not None else 0
-
-
-def _sniff_ros2(head: Head) -> int:
-    whole = head.names is not None and find_columns(head.names).nanoseconds is not None
-    return 50 if whole and any("header" in name.lower() for name in head.names or ()) else 0
-
-
 def _sniff_ticks(head: Head) -> int:
     """Recognise stamps of 18 digits."""
     time = head.column("timestamp") if head.names else 0
@@ -306,11 +305,6 @@ def _sniff_frames(head: Head) -> int:
     frames = [int(r[1]) for r in rows]
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
     return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
-
-
-def _sniff_matrices(head: Head) -> int:
-    alone = head.names is None and head.width >= 12 and sum(map(is_number, head.rows[0])) >= 12
-    return 50 if alone and _bare_matrix(head) else 0
 
 
 def _bare_matrix(head: Head) -> Cells | None:
@@ -344,30 +338,16 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
 
 def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     if head.width < 6:
-        raise TraceError(
-            f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame and a quaternion"
-        )
+        raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame, w x y z")
     turn, by = ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), By.USER if options.quat_order else By.FORMAT
     return Layout(time=0, orientation=turn, columns_by=By.FORMAT, order_by=by, unit_by=By.FORMAT, **facts)
 
 
-def _of_ticks(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
-    return (
-        named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
-    )
-
-
 def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     if {"yaw", "pitch", "roll"} <= set(head.names or ()) and head.column("w") is None:
-        raise TraceError(
-            f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
-            "read the twin of this file that holds quaternions"
-        )
+        what = "Euler angles only, mislabelled (its 'yaw' is the pitch)"
+        raise TraceError(f"{head.path} gives {what}: read the twin of this file that holds quaternions")
     return named_layout(head, options, **facts)
-
-
-def _of_colmap(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
-    return Layout(time=None, orientation=(1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts)
 
 
 def _of_messages(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
@@ -394,17 +374,27 @@ def refuse_hanging(head: Head, track: PoseTrack) -> None:
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
     if np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5:
-        raise TraceError(
-            f"{head.path} has the shape of 't frame w x y z', but read so the head hangs upside down: "
-            "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
-        )
+        what = "has the shape of 't frame w x y z', but read so the head hangs upside down"
+        how = "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
+        raise TraceError(f"{head.path} {what}: {how}")
 
 
 SNIFFS: dict[str, Callable[[Head], int]] = {
-    **{"named": _sniff_named, "json": _sniff_json, "ros2": _sniff_ros2, "ticks": _sniff_ticks},
-    **{"frames": _sniff_frames, "matrices": _sniff_matrices},
-}
+    "named": lambda head: 10 * (head.names is not None),
+    "json": lambda head: 20 * (head.source.kind == "json" and head.names is not None),
+    "ros2": lambda head: 50 * (
+        any("header" in name.lower() for name in head.names or ())
+        and any(unit == "ns" for *_, unit in find_columns(head.names or []).pairs)
+    ),
+    "matrices": lambda head: 50 * (
+        head.names is None and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
+    ),
+    **{"ticks": _sniff_ticks, "frames": _sniff_frames},
+}  # fmt: skip
 LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
-    **{"matrices": _of_matrices, "frames": _of_frames, "ticks": _of_ticks, "multiviewpoint": _of_multiviewpoint},
-    **{"colmap": _of_colmap, "messages": _of_messages},
-}
+    **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint, "messages": _of_messages},
+    "colmap": lambda _, __, facts: Layout(None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts),
+    "ticks": lambda head, options, facts: (
+        named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")
+    ),
+}  # fmt: skip

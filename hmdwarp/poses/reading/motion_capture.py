@@ -97,8 +97,7 @@ _QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
 _TURNING = {f"ORNT.{part}" for part in ("x", "y", "z", *_QUATERNION[:3])}
 # SpatialAxes: right or left, anterior or posterior, superior or inferior.
 _DIRECTIONS = {
-    **{"R": ("right", ""), "S": ("up", ""), "A": ("ahead", "")},
-    **{"L": ("right", "-"), "I": ("up", "-"), "P": ("ahead", "-")},
+    key: (way, "-" * (key in "LIP")) for way, keys in (("right", "RL"), ("up", "SI"), ("ahead", "AP")) for key in keys
 }
 
 
@@ -115,9 +114,7 @@ def _bids_made(path: Path, text: str) -> Made:
     rate = rate if isinstance(rate, int | float) and rate > 0 else None
     lines = [line.split("\t") for line in text.splitlines() if line.strip()]
     if lines and len(lines[0]) != len(channels):
-        raise TraceError(
-            f"{path}: {len(lines[0])} columns, but {len(channels)} rows in its channels.tsv: they must agree"
-        )
+        raise TraceError(f"{path}: {len(lines[0])} columns, {len(channels)} rows in its channels.tsv: they must agree")
     quaternion = [f"ORNT.{part}" for part in _QUATERNION]
     turn = quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
     parts = [part for part in at if part.startswith("POS")] + turn

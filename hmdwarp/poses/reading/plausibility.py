@@ -174,7 +174,10 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
         return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own, ranked))
     presets = [load_preset(name) for name in preset_names()]
     fitting = [p for p in presets if reading_of(p.axes).same(best)]
-    better = fitting[0].axes if fitting else _right_handed(best)
+    ahead = np.roll(np.abs(best.up), 1)  # on the ground, the next axis after up; all right-handed
+    sides = ((np.cross(ahead, best.up), best.up, ahead), (np.cross(best.gaze, best.crown), best.crown, best.gaze))
+    world, head = (",".join(map(axis_word, side)) for side in sides)
+    better = fitting[0].axes if fitting else parse_axes(f"world={world} head={head}")
     clear = top - ranked[1][0] > CLEAR and not evidence.faults(best)
     alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
     near = [reading for score, reading in ranked if score > top - CLEAR]
@@ -212,16 +215,9 @@ def _open(evidence: Evidence, here: Reading, points: float, ranked: list[tuple[f
 _READINGS = [Reading(up, crown, gaze) for up, crown, gaze in itertools.product(_SIGNED, repeat=3) if not crown @ gaze]
 
 
-def _right_handed(reading: Reading) -> Axes:
-    """Return right-handed axes of a reading; forward on the ground is the next axis after up."""
-    ahead = np.roll(np.abs(reading.up), 1)
-    world = ",".join(axis_word(v) for v in (np.cross(ahead, reading.up), reading.up, ahead))
-    head = ",".join(axis_word(v) for v in (np.cross(reading.gaze, reading.crown), reading.crown, reading.gaze))
-    return parse_axes(f"world={world} head={head}")
-
-
 # What heads do: rates of trackers, how far from the origin of a tracked place, how fast.
 RATES_HZ = (10.0, 2000.0)
+IMPOSSIBLE_HZ = (0.01, 1e6)  # below and above this a clock was misread
 FARTHEST_M = 50.0
 _FASTEST_WALK_M_S = 12.0
 _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
@@ -369,12 +365,11 @@ def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Return the direction in the world, (3,), that is up for the head.
 
-    None if the motion is ambiguous.
-
-    People turn and nod far more than they tilt their heads sideways, so the axis through the ears
-    stays level: up is the direction it has the smallest component in. That is trusted if this
-    component is small (5 %, an rms roll of 13 degrees) and the next direction has five times as
-    much, and 5 % at least (the head has turned). At most 100,000 rows, evenly spaced, are used.
+    None if the motion is ambiguous. People turn and nod far more than they tilt their heads
+    sideways, so the axis through the ears stays level: up is the direction it has the smallest
+    component in. That is trusted if this component is small (5 %, an rms roll of 13 degrees) and
+    the next direction has five times as much, and 5 % at least (the head has turned). At most
+    100,000 rows, evenly spaced, are used.
     """
     q = orientation[:: max(1, len(orientation) // 100_000)]
     if len(q) < 100:

@@ -36,8 +36,7 @@ _FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
 }
 _LISTS = {
     "foxglove.FrameTransforms": "foxglove.FrameTransform",
-    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped",
-    "tf/tfMessage": "geometry_msgs/TransformStamped",  # of the first tf
+    **dict.fromkeys(("tf2_msgs/TFMessage", "tf/tfMessage"), "geometry_msgs/TransformStamped"),  # the first tf's, too
 }
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
@@ -115,9 +114,7 @@ class PoseMessages:
         if not rows:
             types, held = ", ".join([*_FIELDS, *_LISTS]), [f"{topic} ({what})" for topic, what in self.held.items()]
             others = f" that can be read; it holds {', '.join(held[:8])}" if held else ""
-            raise TraceError(
-                f"{self.path} is {self.file} without poses{others}: expected messages of {types}, {self.wanted}"
-            )
+            raise TraceError(f"{self.path} is {self.file} without poses{others}: expected {types}, {self.wanted}")
         if part := part_of(self.path):
             self.defects.append(Defect("part-alone", part, "the others are not read"))
         text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()

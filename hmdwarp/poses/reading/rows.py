@@ -20,7 +20,7 @@ from ...errors import TraceError, counted
 from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, Euler
 from .file_head import COMMENT_SIGNS, Head, is_number, split
-from .times import WIDTH, Stamps, parse_fields, parse_one, stamps_of
+from .times import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
 
 Numbers = NDArray[np.float64]
 MOST_ROWS = 20_000_000  # of about 150 bytes each in memory
@@ -118,9 +118,7 @@ class RowReader:
             return
         where = f"{head.path}: line {head.first_line}"
         if len(head.rows) == 1 and self._width < len(names):
-            raise TraceError(
-                f"{where}: the only row ends after {self._width} of {len(names)} fields; the file was cut off"
-            )
+            raise TraceError(f"{where}: the only row ends after {self._width} of {len(names)} fields; it was cut off")
         raise self._wrong_width(where, self._width, len(names))
 
     def _wrong_width(self, where: str, found: int, wanted: int) -> TraceError:
@@ -145,10 +143,8 @@ class RowReader:
                 text = rest + block
                 cut = text.rfind(newline) + 1
                 if not cut and len(text) > _LONGEST_LINE:
-                    raise TraceError(
-                        f"{self.head.path}: line {line} is longer than {_LONGEST_LINE // 1024} KiB: this is no row "
-                        "of numbers"
-                    )
+                    what = f"line {line} is longer than {_LONGEST_LINE // 1024} KiB"
+                    raise TraceError(f"{self.head.path}: {what}: this is no row of numbers")
                 rest = text[cut:]
                 if cut:
                     count = text.count(newline, 0, cut)
@@ -178,7 +174,7 @@ class RowReader:
         layout = self.layout
         kinds: list[tuple[Any, ...]] = [("v", np.float64, (len(self._columns),))]
         columns = list(self._columns)
-        for name, column in (("t", layout.time), ("d", layout.device), ("n", layout.nanoseconds)):
+        for name, column in (("t", layout.time), ("d", layout.device), ("r", layout.rest)):
             if column is not None:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
@@ -189,11 +185,15 @@ class RowReader:
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
                 return None
-            stamps = parse_fields(table["t"]) if layout.time is not None else None
+            clock: Any = None if layout.time is None else table["t"]
+            if layout.rest is not None and layout.rest_unit == "date":
+                clock = np.strings.add(np.strings.add(table["r"], b" "), clock)
+            stamps = None if clock is None else parse_fields(clock)
             if layout.device is not None and table["d"].view(np.uint8).reshape(count, -1)[:, -1].any():
                 return None  # a name longer than its field would pass for another
-            if stamps is not None and layout.nanoseconds is not None:
-                stamps.billionths += parse_fields(table["n"]).whole
+            if stamps is not None and layout.rest is not None and layout.rest_unit != "date":
+                stamps.billionths += parse_fields(table["r"]).whole * UNITS_NS[layout.rest_unit]
+                stamps.decimals = None
         except (ValueError, OverflowError):
             return None
         device = None if layout.device is None else np.ascontiguousarray(table["d"])
@@ -232,7 +232,7 @@ class RowReader:
             for i, t in enumerate(pieces.decode("utf-8", "replace").split("\n"), chunk.line)
             if t.strip(" \t\r\x00")
         ]
-        rows: list[tuple[list[float], tuple[int, int, bool], bytes]] = []
+        rows: list[tuple[list[float], tuple[int, int, bool, int], bytes]] = []
         lines: list[int] = []
         for k, (number, text) in enumerate(found):
             bare = text.strip()
@@ -260,7 +260,7 @@ class RowReader:
         device = None if self.layout.device is None else np.array([row[2] for row in rows], dtype=np.bytes_)
         return self._rows(stamps, table, device, np.array(lines, dtype=np.int32))
 
-    def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
+    def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool, int], bytes]:
         where = f"{self.head.path}: line {number}"
         fields = split(text, self.head.separator)
         if len(fields) == self._width + 1 and fields[-1] == "":
@@ -268,13 +268,15 @@ class RowReader:
         if len(fields) != self._width:
             raise self._wrong_width(where, len(fields), self._width)
         row = [self._number(fields[c], c, where) for c in self._columns]
-        time = (0, 0, False)
+        time = (0, 0, False, 0)
         if self.layout.time is not None:
             field = fields[self.layout.time]
             try:
-                time = parse_one(field.replace(",", ".") if self.head.decimal_comma else field)
-                if self.layout.nanoseconds is not None:
-                    time = (time[0], time[1] + parse_one(fields[self.layout.nanoseconds])[0], time[2])
+                rest = "" if self.layout.rest is None else fields[self.layout.rest]
+                dated = f"{rest} " if self.layout.rest_unit == "date" else ""
+                time = parse_one(dated + (field.replace(",", ".") if self.head.decimal_comma else field))
+                if rest and not dated:
+                    time = (time[0], time[1] + parse_one(rest)[0] * UNITS_NS[self.layout.rest_unit], time[2], 10)
             except ValueError as error:
                 raise TraceError(f"{where}: {self._names[self.layout.time]}: {error}{_REPAIR}") from None
         device = b"" if self.layout.device is None else fields[self.layout.device].encode("utf-8", "replace")
@@ -295,8 +297,15 @@ class RowReader:
             raise TraceError(f"{self.head.path} holds no usable row{cut}")
         stamped, stamps = [p.stamps for p in parts if p.stamps is not None], None
         if stamped:
-            whole, billionths = ([getattr(s, name) for s in stamped] for name in ("whole", "billionths"))
-            stamps = Stamps(np.concatenate(whole), np.concatenate(billionths), any(s.clock for s in stamped))
+            whole, billionths = (
+                np.concatenate([getattr(s, name) for s in stamped]) for name in ("whole", "billionths")
+            )
+            if self.layout.rest is not None and billionths.max() >= BILLION:  # a clock of its own
+                whole, billionths = np.divmod(billionths, BILLION)
+            decimals = (
+                None if any(s.decimals is None for s in stamped) else np.concatenate([s.decimals for s in stamped])
+            )
+            stamps = Stamps(whole, billionths, any(s.clock for s in stamped), decimals)
             del stamped, whole, billionths
         columns: dict[str, Any] = {}
         for name in ("stamps", "orientation", "position", "device", "line", "gaze"):
@@ -340,10 +349,8 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     matrices = numbers.reshape(-1, 3, 3)
     off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
-        raise TraceError(
-            f"{head.path}: half of its matrices are no rotations (off by {np.median(off):.3g} from orthonormal, "
-            f"determinant {np.median(np.linalg.det(matrices)):.3g}): were the wrong columns read?"
-        )
+        what = f"off by {np.median(off):.3g}, determinant {np.median(np.linalg.det(matrices)):.3g}"
+        raise TraceError(f"{head.path}: half of its matrices are no rotations ({what}): were the wrong columns read?")
     out = np.zeros((len(matrices), 4))
     turns = np.linalg.det(matrices) > 0.1  # lost tracking writes zeros
     out[turns] = Rotation.from_matrix(matrices[turns]).as_quat()

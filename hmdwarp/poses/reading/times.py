@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import datetime
 import decimal
+import math
 import re
 
 import attrs
@@ -16,33 +17,36 @@ from numpy.typing import NDArray
 from .. import quaternions
 
 BILLION = 1_000_000_000
-WIDTH = 32  # bytes kept of a time field; longer ones take the slow path
+WIDTH = 48  # bytes kept of a time field; chunks with longer ones take the slow path
 _LARGEST = 2**62
+_DAY_S = 86400
+_UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
 # Unix time from 2000 to 2100, and how far apart key frames of a map may be.
 _UNIX_S, _APART_S = (946_684_800, 4_102_444_800), 30.0
+DATE = re.compile(r"(?:[0-9]{4}[-/.][0-9][0-9]?[-/.][0-9][0-9]?|[0-9][0-9]?[-/.][0-9][0-9]?[-/.][0-9]{4})$")
 _CLOCK = re.compile(
-    r"(?:([0-9]{4}[-/.][0-9][0-9]?[-/.][0-9][0-9]?|[0-9][0-9]?[-/.][0-9][0-9]?[-/.][0-9]{4})[T _])?"
-    r"([0-9]{1,2}):([0-9][0-9]):([0-9][0-9])(?:[.,:]([0-9]+))?(?: ?([AP])M)?(?:Z|[+-][0-9][0-9]:?[0-9][0-9])?$",
+    rf"(?:({DATE.pattern[:-1]})[T _])?([0-9]{{1,2}}):([0-9]{{1,2}}):([0-9]{{1,2}})(?:[.,:]([0-9]+))?(?: ?([AP])M)?"
+    r"(?: ?(?:Z|(?:UTC|GMT)?(?:([+-])([0-9][0-9]):?([0-9][0-9])?)?))?$",
     re.IGNORECASE,
 )
 UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
 _NAMES = "seconds", "milliseconds", "microseconds", "ticks of 100 ns", "nanoseconds"
 UNIT_NAMES = dict(zip(UNITS_NS, _NAMES, strict=True))
+_COUNTED = {3: "milliseconds", 6: "microseconds", 7: "ticks of 100 ns", 9: "nanoseconds"}  # by the digits of a second
 
 
 @attrs.define
 class Stamps:
-    """whole (n,) int64 and billionths (n,) int64 in 0..1e9-1, in the file's unit; clock.
+    """Times in the file's unit."""
 
-    Written as HH:MM:SS, so in seconds.
-    """
-
-    whole: NDArray[np.int64]
-    billionths: NDArray[np.int64]
-    clock: bool = False
+    whole: NDArray[np.int64]  # (n,)
+    billionths: NDArray[np.int64]  # (n,) in 0..1e9-1
+    clock: bool = False  # written as HH:MM:SS, so in seconds
+    decimals: NDArray[np.int8] | None = None  # (n,) how many were written; above 9: unknown
 
     def __getitem__(self, keep: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Stamps:
-        return Stamps(self.whole[keep], self.billionths[keep], self.clock)
+        decimals = None if self.decimals is None else self.decimals[keep]
+        return Stamps(self.whole[keep], self.billionths[keep], self.clock, decimals)
 
     def __len__(self) -> int:
         return len(self.whole)
@@ -58,26 +62,36 @@ class Stamps:
 
 
 def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
-    """Parse plain decimal stamps at once, others one by one. Errors: ValueError."""
+    """Parse plain decimal stamps at once, others one by one. Errors: ValueError, also if cut."""
+    fields = np.ascontiguousarray(fields)
+    if fields.view(np.uint8).reshape(len(fields), -1)[:, -1].any():
+        raise ValueError("a longer field than is kept")
     fast = _parse_plain(fields)
     return fast if fast is not None else stamps_of([parse_one(field.decode("latin-1")) for field in fields.tolist()])
 
 
-def stamps_of(parsed: list[tuple[int, int, bool]]) -> Stamps:
+def stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:
     """Return stamps of what `parse_one` gives."""
-    whole, parts = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1))
-    return Stamps(whole, parts, any(stamp[2] for stamp in parsed))
+    whole, parts, decimals = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1, 3))
+    return Stamps(whole, parts, any(stamp[2] for stamp in parsed), decimals.astype(np.int8))
 
 
-def parse_one(text: str) -> tuple[int, int, bool]:
-    """Return (whole, billionths, written as a clock) of one stamp. Errors: ValueError."""
+def parse_one(text: str) -> tuple[int, int, bool, int]:
+    """Return whole, billionths, whether it is a clock, decimals of a stamp. Errors: ValueError."""
     text = text.strip().strip('"').strip()
     clock = _CLOCK.match(text)
     if clock:
-        day, hours, minutes, seconds, fraction, half = clock.groups()
+        day, hours, minutes, seconds, fraction, half, sign, *offset = clock.groups()
         hour = int(hours) % 12 + (12 if half in "pP" else 0) if half else int(hours)
-        whole = ((_days(day) * 24 + hour) * 60 + int(minutes)) * 60 + int(seconds)
-        return whole, int((fraction or "0")[:9].ljust(9, "0")), True
+        east = (-1 if sign == "-" else 1) * (int(offset[0] or 0) * 60 + int(offset[1] or 0))
+        days = 0
+        if day:  # where neither of two numbers is over 12, the day comes before the month
+            a, b, c = map(int, re.split("[-/.]", day))
+            year, month, date = (a, b, c) if a > 31 else (c, a, b) if b > 12 else (c, b, a)
+            days = datetime.date(year, month, date).toordinal() - _UNIX_DAY
+        whole = ((days * 24 + hour) * 60 + int(minutes) - east) * 60 + int(seconds)
+        digits = fraction or ""
+        return whole if day else whole % _DAY_S, int(digits[:9].ljust(9, "0")), True, min(len(digits), 10)
     if "_" in text:
         raise ValueError(f"'{text}' is no time")
     try:
@@ -88,63 +102,56 @@ def parse_one(text: str) -> tuple[int, int, bool]:
     if not value.is_finite() or value.adjusted() > 18:
         raise ValueError(f"'{text}' is no time")
     if value.adjusted() < -30:
-        return 0, 0, False
+        return 0, 0, False, 10
     with decimal.localcontext(prec=60):
         whole = int(value.to_integral_value(decimal.ROUND_FLOOR))
         parts = int((value - whole) * BILLION)
     if abs(whole) >= _LARGEST:
         raise ValueError(f"time '{text}' is beyond 2^62")
-    return whole, parts, False
-
-
-def _days(day: str | None) -> int:
-    """Return the days of a date before a clock; 0 without one.
-
-    Where the year comes last, day and month are distinguished by which is over 12, and taken as day
-    and month where neither is: only a recording over midnight would notice.
-    """
-    if not day:
-        return 0
-    a, b, c = map(int, re.split("[-/.]", day))
-    year, month, date = (a, b, c) if a > 31 else (c, a, b) if b > 12 else (c, b, a)
-    return datetime.date(year, month, date).toordinal()
+    digits = text.partition(".")[2]
+    return whole, parts, False, min(len(digits), 10) if digits.isdigit() or not digits else 10
 
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
     """Parse digits with at most one point and a sign; None for anything else or too long."""
-    n = len(fields)
-    # One row per character position: the loop below then runs over neighbouring bytes.
-    text = np.ascontiguousarray(np.ascontiguousarray(fields).view(np.uint8).reshape(n, -1).T)
-    if text[-1].any():
+    ahead, _, rest = np.strings.partition(fields, b".")
+    negative, digits = np.strings.startswith(ahead, b"-"), np.strings.lstrip(ahead, b"-")
+    length, decimals = np.strings.str_len(digits), np.strings.str_len(rest)
+    plain = np.strings.isdigit(digits) & (np.strings.isdigit(rest) | (decimals == 0))  # ".5" takes the slow path too
+    if not (plain & (np.strings.str_len(ahead) == length + negative)).all():
         return None
-    whole, parts = np.zeros(n, np.int64), np.zeros(n, np.int64)
-    weight = np.full(n, BILLION, np.int64)  # 10^(9 - decimals seen); 0 once more than nine were seen
-    digits, pointed = np.zeros(n, np.int8), np.zeros(n, bool)
-    negative = text[0] == ord("-")
-    for j, c in enumerate(text):
-        if not c.any():
-            break
-        digit = c - np.uint8(ord("0"))  # wraps around: any non-digit is above 9
-        is_digit = digit <= 9
-        point = c == ord(".")
-        if (point & pointed).any() or not (is_digit | point | (c == 0) | (negative if j == 0 else False)).all():
-            return None
-        before = is_digit & ~pointed
-        whole = np.where(before, whole * 10 + digit, whole)
-        digits += before
-        after = is_digit & pointed
-        weight = np.where(after, weight // 10, weight)
-        parts += np.where(after, weight * digit, 0)
-        pointed |= point
-    # ".5" takes the slow path, and so does what might overflow: 19 digits (nanoseconds since 1970)
-    # wrap from 9.2e18 on.
-    if (digits == 0).any() or (digits > 19).any() or ((digits == 19) & (negative | (text[0] > ord("3")))).any():
+    # 19 digits, nanoseconds since 1970, wrap from 9.2e18 on.
+    if (length > 19).any() or ((length == 19) & (negative | (digits > b"4"))).any():
         return None
-    if negative.any():
-        borrow = negative & (parts > 0)
-        whole = np.where(negative, -whole - borrow, whole)
-        parts = np.where(borrow, BILLION - parts, parts)
-    return Stamps(whole, parts)
+    whole = digits.astype(np.int64)
+    parts = np.strings.ljust(rest, 9, b"0").astype("S9").astype(np.int64)
+    borrow = negative & (parts > 0)
+    whole, parts = np.where(negative, -whole - borrow, whole), np.where(borrow, BILLION - parts, parts)
+    return Stamps(whole, parts, decimals=np.minimum(decimals, 10).astype(np.int8))
+
+
+def as_counts(stamps: Stamps) -> tuple[Stamps, str] | None:
+    """Read fractions that are counts without leading zeros: 12.5 of nanoseconds is 5 ns after 12.
+
+    None where they are decimals. Counts never begin with 0, unlike one decimal in ten; as decimals
+    they fall when a digit is added, or end with 0 where others are longer.
+    """
+    decimals = stamps.decimals
+    if decimals is None or decimals.min() == decimals.max() or decimals.max() > 9:
+        return None
+    if ((decimals > 1) & (stamps.billionths < BILLION // 10)).any():
+        return None
+    counts = stamps.billionths // 10 ** (9 - decimals.astype(np.int64))
+    falls = int(np.count_nonzero((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0)))
+    if not falls and not ((counts > 0) & (counts % 10 == 0) & (decimals < decimals.max())).any():
+        return None
+    found: dict[float, tuple[Stamps, str]] = {}
+    for size, unit in _COUNTED.items():
+        read = Stamps(stamps.whole, counts * 10 ** (9 - size), stamps.clock)
+        steps = read.steps()
+        if size >= decimals.max() and 4 * np.count_nonzero(steps < 0) <= falls and (steps > 0).any():
+            found.setdefault(round(float(np.log(steps.max() / np.median(steps[steps > 0]))), 1), (read, unit))
+    return found[min(found)] if found else None  # the most even; of such the coarsest
 
 
 def guess_unit(stamps: Stamps, median_step: float) -> str:
@@ -186,7 +193,6 @@ def to_ns(stamps: Stamps, unit: str) -> tuple[NDArray[np.int64], int]:
     return (stamps.whole - first) * scale + stamps.billionths * scale // BILLION - first_part * scale // BILLION, epoch
 
 
-_DAY_S = 86400
 # A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large;
 # those of other sizes only where nothing is lost in between.
 _BITS, _OTHER_BITS, _SCALES = (32, 31), (33, 30, 24, 16), (1, 10**3, 10**6, 10**9)
@@ -194,9 +200,16 @@ _LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top,
 _SHORTEST = 20  # steps a wrap
 _NEAR, _NEAREST = 1000, 5  # steps from the last stamp before a wrap to the first after it
 _SMOOTH = 3.0  # times the largest of the turns around it
+# A leap of the clock: seconds, steps, rows compared on either side, and how far they turn a head.
+_PAUSE_S, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30.0, 1000, 5, 3e-4
+YEARS_S = 10 * 365.25 * 86400  # no recording pauses so long
 _MOST_ROWS = 3  # rows in succession with a stamp that is none
 _MOST_SHARE = 0.01
 _LEAST_ROWS = 20
+# Coarse clocks: how exactly steps are looked at, of how many sizes, the least tick (and of a mean
+# step), how near multiples are (15.6 ms printed as 15 and 16), what share of one size is steady.
+_PRINTED_NS, _MOST_SIZES, _FEW_SIZES, _LEAST_TICK_NS, _LEAST_TICK = 100_000, 400, 7, 2_000_000, 0.2
+_OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
 _IN_LINE = 10.0  # median steps
 _ABSURD = 20.0  # times all other steps together
 
@@ -214,7 +227,11 @@ def midnights(stamps: Stamps) -> Wraps | None:
     """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
     over = np.diff(stamps.whole) < -_DAY_S // 2
     over &= (stamps.whole[1:] < _DAY_S) & (stamps.whole[:-1] < _DAY_S)
-    return _counted_on(stamps, over, _DAY_S * BILLION, "midnight") if stamps.clock and over.any() else None
+    return (
+        _counted_on(stamps, np.flatnonzero(over) + 1, _DAY_S * BILLION, "midnight")
+        if stamps.clock and over.any()
+        else None
+    )
 
 
 def wraps_of(stamps: Stamps, orientation: NDArray[np.float64]) -> Wraps | None:
@@ -243,22 +260,74 @@ def wraps_of(stamps: Stamps, orientation: NDArray[np.float64]) -> Wraps | None:
             over &= _smooth(orientation)
         if over.any():
             what = f"2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
-            return _counted_on(stamps, over, 2**bits * BILLION // scale, what)
+            return _counted_on(stamps, np.flatnonzero(over) + 1, 2**bits * BILLION // scale, what)
     return None
 
 
-def _counted_on(stamps: Stamps, over: NDArray[np.bool_], length: int, what: str) -> Wraps:
-    rounds = np.concatenate([[0], np.cumsum(over)])
-    whole, billionths = divmod(length, BILLION)
-    parts = stamps.billionths + rounds * billionths
-    counted = Stamps(stamps.whole + rounds * whole + parts // BILLION, parts % BILLION, stamps.clock)
-    return Wraps(np.flatnonzero(over) + 1, counted, what)
+def _counted_on(stamps: Stamps, rows: NDArray[np.intp], shift: int | list[int], what: str) -> Wraps:
+    """Move the stamps from each of these rows on by as many billionths."""
+    moved = [divmod(one, BILLION) for one in (shift if isinstance(shift, list) else [shift] * len(rows))]
+    parts, wholes = stamps.billionths.copy(), np.zeros(len(stamps), np.int64)
+    wholes[rows], more = np.array([one[0] for one in moved]), np.zeros(len(stamps), np.int64)
+    more[rows] = [one[1] for one in moved]
+    parts += np.cumsum(more)
+    return Wraps(rows, Stamps(stamps.whole + np.cumsum(wholes) + parts // BILLION, parts % BILLION, stamps.clock), what)
+
+
+def clock_changes(stamps: Stamps, unit: str, orientation: NDArray[np.float64]) -> Wraps | None:
+    """Count on where a recording goes on with another clock: time leaps, and the head does not.
+
+    A head that turns, and is where it was going to be, has not paused for half a minute. Of one at
+    rest only a leap of years says so.
+    """
+    steps, n = stamps.steps(), len(stamps)
+    rising = steps[steps > 0]
+    step = float(np.median(rising)) if len(rising) else math.inf
+    leap = np.abs(steps) * (UNITS_NS[unit] / BILLION)
+    far = np.flatnonzero((leap > _PAUSE_S) & (np.abs(steps) > _LONG_PAUSE * step))
+    far = far[(far >= _AROUND) & (far < n - _AROUND)]
+    if not 0 < len(far) * _SHORTEST <= n:
+        return None
+    found = []
+    for at in far.tolist():
+        turned = _turned(orientation[at - _AROUND : at + _AROUND + 2])
+        own, others = float(turned[_AROUND]), np.delete(turned, _AROUND)
+        moves = float(np.median(others)) > _TURNS_RAD
+        if own <= _SMOOTH * float(others.max(initial=0.0)) and (moves or leap[at] > YEARS_S):
+            found.append(at)
+    if not found:
+        return None
+    steady = int(step) * BILLION + round(step % 1 * BILLION)
+    shifts = [
+        steady - int(wholes) * BILLION - int(parts)
+        for wholes, parts in zip(np.diff(stamps.whole)[found], np.diff(stamps.billionths)[found], strict=True)
+    ]
+    leaps = ", ".join(f"{float(steps[at]) * UNITS_NS[unit] / BILLION:+.6g} s" for at in found[:3])
+    return _counted_on(stamps, np.array(found) + 1, shifts, leaps)
+
+
+def unit_change(stamps: Stamps) -> int | None:
+    """Return the row from which a clock counts a unit 10^3, 10^6 or 10^9 as large or small."""
+    steps = stamps.steps()
+    if len(steps) < 2 * _SHORTEST:
+        return None
+    at = int(np.argmax(np.abs(steps)))
+    before, after = (part[part > 0] for part in (steps[:at], steps[at + 1 :]))
+    if min(len(before), len(after)) < _SHORTEST:
+        return None
+    ratio = abs(math.log10(float(np.median(after) / np.median(before))))
+    return at + 1 if any(abs(ratio - power) < 0.05 for power in (3, 6, 9)) else None
+
+
+def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the angle of each step of quaternions of any length, (n - 1,)."""
+    unit = orientation / np.maximum(np.linalg.norm(orientation, axis=1, keepdims=True), 1e-9)
+    return quaternions.angle_between(unit[:-1], unit[1:])
 
 
 def _smooth(orientation: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return of each step whether it turns the head no more than those around it."""
-    unit = orientation / np.maximum(np.linalg.norm(orientation, axis=1, keepdims=True), 1e-9)
-    angle = quaternions.angle_between(unit[:-1], unit[1:])
+    angle = _turned(orientation)
     padded = np.pad(angle, 3, mode="edge")
     around = np.max([padded[k : k + len(angle)] for k in (0, 1, 2, 4, 5, 6)], axis=0)
     return np.asarray(angle <= _SMOOTH * around + np.radians(1.0))
@@ -305,3 +374,72 @@ def _far_ends(steps: NDArray[np.float64]) -> range:
     if far < _MOST_ROWS:
         return range(far + 1)
     return range(far + 1, len(steps) + 1) if len(steps) - far <= _MOST_ROWS else range(0)
+
+
+@attrs.frozen(eq=False)
+class CoarseClock:
+    """A clock that stands still between its ticks, though the head does not."""
+
+    tick_ns: float
+    even_ns: NDArray[np.int64] | None  # (n,) evenly spaced times that fit every stamp; None where none do
+    error_rad: float  # by how much stamps misplace a head, at the 95th percentile
+    jittering: NDArray[np.intp]  # rows whose step is not the commonest
+
+
+def coarse_clock(time_ns: NDArray[np.int64], orientation: NDArray[np.float64]) -> CoarseClock | None:
+    """Find a clock whose ticks are so long that rows seem to come in turns fast and slow.
+
+    All steps are then few multiples of a tick. Those of a recorder that leaves rows out are as
+    well, but there a longer step turns the head further.
+    """
+    steps = np.diff(time_ns)
+    if len(steps) < 2 * _SHORTEST or (tick := _tick(steps)) is None:
+        return None
+    ticks = np.rint(steps / tick)
+    wide = min(2 * math.ceil(2 * tick / steps.mean()) + 5, len(steps))
+    turned = _turned(orientation)
+    weight = np.convolve(np.ones(len(steps)), np.ones(wide), "same")
+    near, often = (np.convolve(one, np.ones(wide), "same") / weight for one in (turned, ticks))
+    even, stamped = np.abs(turned - near).sum(), np.abs(turned - near * ticks / np.maximum(often, 1e-9)).sum()
+    if not even < _EVENER * stamped:
+        return None
+    common = np.bincount(ticks.astype(np.int64)).argmax()
+    fitted = _evenly(time_ns, tick)
+    off = np.full(len(time_ns), tick / 2) if fitted is None else np.abs(fitted - time_ns)
+    speed = near / max(float(steps.mean()), 1.0)
+    return CoarseClock(tick, fitted, float(np.quantile(off[1:] * speed, 0.95)), np.flatnonzero(ticks != common) + 1)
+
+
+def _tick(steps: NDArray[np.int64]) -> float | None:
+    """Return the tick of which common steps are several multiples; None for a fine clock."""
+    sizes, counts = np.unique(np.rint(steps / _PRINTED_NS), return_counts=True)
+    if len(sizes) > _MOST_SIZES:
+        return None
+    common = sizes[(counts * 200 > len(steps)) | (len(sizes) < _FEW_SIZES)] * _PRINTED_NS
+    apart = np.abs(common[:, None] - common).ravel()
+    for size in sorted({*common.tolist(), *apart.tolist()}, reverse=True):
+        if size < max(_LEAST_TICK_NS, _LEAST_TICK * steps.mean()):
+            return None
+        ticks = np.rint(steps / size)
+        fits = (np.abs(steps / size - ticks) < _OFF_TICK) & ((ticks > 0) | (steps < _PRINTED_NS))
+        if fits.mean() > 0.98:
+            usual = float(np.count_nonzero(ticks == max(np.median(ticks), 1)))
+            return float(steps[fits].sum() / ticks[fits].sum()) if usual < _ONE_SIZE * len(steps) else None
+    return None
+
+
+def _evenly(time_ns: NDArray[np.int64], tick: float) -> NDArray[np.int64] | None:
+    """Return times, even over each run without a gap, within half a tick of every stamp."""
+    out = time_ns.copy()
+    limit = 3 * max(tick, float(np.diff(time_ns).mean()))
+    for run in np.split(np.arange(len(time_ns)), np.flatnonzero(np.diff(time_ns) > limit) + 1):
+        late = (time_ns[run] - time_ns[run[0]]).astype(np.float64)
+        ticked = np.flatnonzero(np.diff(late)) + 1  # a tick is about to begin at the rows before
+        if len(ticked) < 3:
+            return None
+        slope, first = np.polyfit(ticked, late[ticked], 1)
+        line = first + slope * np.arange(len(run))
+        if slope <= 0 or np.ptp(late - line) > _IN_TICK * tick:
+            return None
+        out[run] = time_ns[run[0]] + np.rint(line).astype(np.int64)
+    return out if (np.diff(out) > 0).all() else None

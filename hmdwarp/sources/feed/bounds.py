@@ -22,8 +22,7 @@ class Bound:
     least: float
     most: float
     unit: str = ""
-    # Whether 0 is allowed too, and stands for none.
-    or_none: bool = False
+    or_none: bool = False  # whether 0 is allowed too, and stands for none
 
     def check(self, *numbers: float) -> None:
         """Check numbers of a message. Errors: OutOfBounds, for NaN too."""

@@ -47,17 +47,13 @@ from .sockets import (
     zmq_module,
 )
 
-# Bytes of frames that wait for all clients.
-MOST_OF_ALL = 4 * MOST_OF_CLIENT
+MOST_OF_ALL = 4 * MOST_OF_CLIENT  # bytes of frames that wait for all clients
 # Frames that wait for a client: the one that is under way, and the next.
 _MOST_WAITING = 2
 _MOST_CLIENTS = 64
-# What a frame waits for may come at any time, but tells nobody.
-_LOOK_MS = 2
-# Frames that wait longer than this for their client make room for others'.
-_STUCK_NS = 1_000_000_000
-# When a frame waits that does not.
-_NEVER_NS = 1 << 63
+_LOOK_MS = 2  # what a frame waits for may come at any time, but tells nobody
+_STUCK_NS = 1_000_000_000  # frames that wait longer than this for their client make room for others'
+_NEVER_NS = 1 << 63  # when a frame waits that does not
 # Lines of one kind and address, and all lines, in a second.
 _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
@@ -68,8 +64,7 @@ class _Waiting:
 
     bytes: int
     since_ns: int
-    # The library's; done once it has handed over the last byte to the system.
-    tracker: Any
+    tracker: Any  # the library's; done once it has handed over the last byte to the system
 
 
 @attrs.define(eq=False)
@@ -82,8 +77,7 @@ class _Client:
     ask: tuple[Ask, int] | None = None
     passed_over: int = 0
     waiting: deque[_Waiting] = attrs.field(factory=deque)
-    # Time that the server took for it; raised to the others' where it did not ask.
-    spent_ns: int = 0
+    spent_ns: int = 0  # time that the server took for it; raised to the others' where it did not ask
 
     @property
     def address(self) -> str:

@@ -36,8 +36,7 @@ ANY = 0
 NONE = 255
 MOST_BYTES = int(bounds.MESSAGE.most)
 _KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", UNCHANGED: "no change"}
-# Magic, version, kind, bytes of the whole message.
-_HEAD = struct.Struct("<4sHHI")
+_HEAD = struct.Struct("<4sHHI")  # magic, version, kind, bytes of the whole message
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
 # width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
 # number of further layers, what follows, frames a second, Mbit/s of an eye's video, step of depth.
@@ -51,8 +50,7 @@ _HIDES, _SESSION, _FOVEA, _INPUTS = 1, 2, 4, 8
 # Number of the session, age of a frame when it is seen, whether to leave out what has not changed,
 # number of frames whose fate is told.
 _SESSION_HEAD = struct.Struct("<IqBxH")
-# Id of a frame, whether it arrived, the instant from which the server may know.
-_FATE = struct.Struct("<QBq")
+_FATE = struct.Struct("<QBq")  # id of a frame, whether it arrived, the instant from which the server may know
 # The gaze in the head's axes, degrees across that are sharp, pixels that one beyond holds.
 _LOOK = struct.Struct("<4dI")
 # How many inputs; of each its instant, action, target, and the hand's ray.
@@ -64,8 +62,7 @@ _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
 _ID = struct.Struct("<Q")
 _POSE = struct.Struct("<7d")
-# world_from_eye, head_from_eye, left, right, down, up.
-_EYE = struct.Struct("<18d")
+_EYE = struct.Struct("<18d")  # world_from_eye, head_from_eye, left, right, down, up
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
@@ -74,8 +71,7 @@ _STEP = struct.Struct("<f")
 _CODE = np.dtype("<u2")
 _NO_TOKEN = bytes(32)
 Size = tuple[int, int]
-# Of a whole message.
-Data = bytes | memoryview
+Data = bytes | memoryview  # of a whole message
 
 
 @attrs.frozen
@@ -84,14 +80,10 @@ class Wish:
 
     colour: int = ANY
     depth: int = ANY
-    # CRF of the video, 0 (best) to 51; None for the codec's own.
-    crf: int | None = None
-    # Frames a second that are requested; the rate control of a video reads it.
-    rate_hz: float = 60.0
-    # Of one eye's video in place of a quality; 0 for none.
-    bitrate_mbit: float = 0.0
-    # 1/m, of coded depth; 0 for the server's choice.
-    depth_step: float = 0.0
+    crf: int | None = None  # CRF of the video, 0 (best) to 51; None for the codec's own
+    rate_hz: float = 60.0  # frames a second that are requested; the rate control of a video reads it
+    bitrate_mbit: float = 0.0  # of one eye's video in place of a quality; 0 for none
+    depth_step: float = 0.0  # 1/m, of coded depth; 0 for the server's choice
 
 
 # The two forms that are not coded: 12 bytes a pixel as drawn, and 6.
@@ -112,14 +104,10 @@ class Fate:
 class Session:
     """What a client has of layers that build on the frames before."""
 
-    # Of another number than in the request before, the server begins them anew.
-    number: int
-    # From drawing a frame to showing it, as far as that is known.
-    age_ns: int = 0
-    # Whether a frame in which nothing has moved is left out.
-    only_changes: bool = False
-    # Of frames of this session, each told until a later request has been answered.
-    fates: tuple[Fate, ...] = ()
+    number: int  # of another number than in the request before, the server begins them anew
+    age_ns: int = 0  # from drawing a frame to showing it, as far as that is known
+    only_changes: bool = False  # whether a frame in which nothing has moved is left out
+    fates: tuple[Fate, ...] = ()  # of frames of this session, each told until a later request has been answered
 
 
 MOST_FATES, MOST_INPUTS = int(bounds.FATES.most), int(bounds.INPUTS.most)
@@ -141,16 +129,11 @@ class BadRequest(Malformed):
 class Ask:
     """A head pose upstream: draw a frame for these eyes."""
 
-    # Rises by at least 1 from one request to the next; 1 for the first.
-    number: int
-    # On the client's clock.
-    sent_ns: int
-    # Of the scene: what moves is drawn where it is then.
-    time_ns: int
-    # For which the head pose is; later than time_ns if it was predicted.
-    head_ns: int
-    # The newest frame that the client has, 0 for none.
-    received: int
+    number: int  # rises by at least 1 from one request to the next; 1 for the first
+    sent_ns: int  # on the client's clock
+    time_ns: int  # of the scene: what moves is drawn where it is then
+    head_ns: int  # for which the head pose is; later than time_ns if it was predicted
+    received: int  # the newest frame that the client has, 0 for none
     # (w, h) of one eye.
     size: Size
     head: Pose
@@ -158,16 +141,12 @@ class Ask:
     # SHA-256 of the shared secret; zeros for none.
     token: bytes = _NO_TOKEN
     wish: Wish = Wish()
-    # Whether the pictures must be decodable without any before.
-    anew: bool = False
-    # Layers that the client reads besides colour and depth; None for nothing.
-    wanted: Wanted | None = None
-    # Only where the server's frames have said that they may have it.
-    session: Session | None = None
+    anew: bool = False  # whether the pictures must be decodable without any before
+    wanted: Wanted | None = None  # layers that the client reads besides colour and depth; None for nothing
+    session: Session | None = None  # only where the server's frames have said that they may have it
     # Likewise: pictures come coarser away from the views' gaze, on the grid in layer "foveated".
     fovea: Fovea | None = None
-    # What people did until the instant to draw; likewise.
-    inputs: tuple[InputEvent, ...] = ()
+    inputs: tuple[InputEvent, ...] = ()  # what people did until the instant to draw; likewise
 
 
 @attrs.frozen(eq=False)
@@ -204,8 +183,7 @@ class FrameMessage:
     """A frame downstream, with the exact views it was drawn for."""
 
     number: int
-    # As the request had it, on the client's clock.
-    asked_ns: int
+    asked_ns: int  # as the request had it, on the client's clock
     # On the server's clock.
     received_ns: int
     sent_ns: int
@@ -225,18 +203,15 @@ class FrameMessage:
     # next one's is 1 more.
     begins: bool = True
     place: int = 0
-    # Further layers of each eye; () for none.
-    layers: tuple[Layers, ...] = ()
-    # Whether the server leaves out what requests say is hidden of their views.
-    takes_hidden: bool = False
+    layers: tuple[Layers, ...] = ()  # further layers of each eye; () for none
+    takes_hidden: bool = False  # whether the server leaves out what requests say is hidden of their views
     # Whether requests may have a session, and the last 16 bits of the id that its began with.
     takes_session: bool = False
     began: int = 0
     # Whether requests may have a fovea; the client's: the grid of each eye's foveated pictures.
     takes_fovea: bool = False
     grids: tuple[FoveaGrid, ...] = ()
-    # Whether requests may have inputs: what is drawn reacts to them.
-    takes_inputs: bool = False
+    takes_inputs: bool = False  # whether requests may have inputs: what is drawn reacts to them
 
     @property
     def is_coded(self) -> bool:
@@ -302,8 +277,7 @@ class Unchanged:
 
 
 Message = Ask | FrameMessage | Refusal | Unchanged
-# Of a message: bytes, or an array whose bytes follow in the order of its indices.
-Piece = bytes | NDArray[Any]
+Piece = bytes | NDArray[Any]  # of a message: bytes, or an array whose bytes follow in the order of its indices
 
 
 def request_bytes(eyes: int) -> int:

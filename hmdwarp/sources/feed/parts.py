@@ -20,13 +20,11 @@ Size = tuple[int, int]
 Array = NDArray[Any]
 Rows = tuple[tuple[float, ...], ...]
 
-# Name of a layer, and how much of it.
-WANTED = struct.Struct("<16sI")
+WANTED = struct.Struct("<16sI")  # name of a layer, and how much of it
 # Rows and columns of settings; they follow the list, of each layer whose amount there is 0.
 SETTINGS = struct.Struct("<HH")
 _SETTING = struct.Struct("<d")
-# Name of a layer, eye, format, whether it is packed, width, height, bytes.
-HEAD = struct.Struct("<16sBBBxIII")
+HEAD = struct.Struct("<16sBBBxIII")  # name of a layer, eye, format, whether it is packed, width, height, bytes
 # By number of the format: how numbers are stored, and how many there are a pixel, or in one place
 # of a table.
 FORMATS: dict[int, tuple[np.dtype, int]] = {
@@ -49,8 +47,7 @@ class BadPart(ValueError):
 class Wanted:
     """Which further layers a client reads, and the shown picture, whose size some of them have."""
 
-    # Name of each, and how much of it: a number, or rows of settings.
-    layers: tuple[tuple[str, int | Rows], ...]
+    layers: tuple[tuple[str, int | Rows], ...]  # name of each, and how much of it: a number, or rows of settings
     # (w, h) of the shown picture, and the field of view of each eye's.
     size: Size
     fovs: tuple[Fov, ...]
@@ -80,8 +77,7 @@ class Packed:
 
 
 Part = Array | Packed
-# The parts of each layer of one eye, in the order of its declaration.
-Layers = Mapping[str, Sequence[Part]]
+Layers = Mapping[str, Sequence[Part]]  # the parts of each layer of one eye, in the order of its declaration
 
 
 def packed(numbers: Array) -> Packed:

@@ -9,8 +9,7 @@ from .caller import Caller
 from .message import FULL, Ask, FrameMessage, Wish
 
 _ANSWER_NS, _AGAIN_NS = 10_000_000_000, 1_000_000_000
-# Unanswered in a row: then no more requests are sent.
-_MOST_UNANSWERED = 3
+_MOST_UNANSWERED = 3  # unanswered in a row: then no more requests are sent
 
 
 class Viewer:

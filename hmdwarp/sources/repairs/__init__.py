@@ -48,10 +48,8 @@ LEAST_SURE, MOST_SURE = np.float32(2.0**-10), np.float32(1 - 2.0**-10)
 class MeasuredDepth:
     """Depth of one picture, and how sure it is; (h, w), the top row first."""
 
-    # 1/m along -z; 0 is infinitely far, NaN is no depth.
-    inverse_depth: Pixels
-    # 1 as measured, less where it is a guess, 0 where there is no depth.
-    confidence: Pixels
+    inverse_depth: Pixels  # 1/m along -z; 0 is infinitely far, NaN is no depth
+    confidence: Pixels  # 1 as measured, less where it is a guess, 0 where there is no depth
 
     @classmethod
     def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
@@ -87,8 +85,7 @@ class RepairChain:
     """Repairs, one after the other; without any, depth stays as it was."""
 
     steps: tuple[Repair, ...] = ()
-    # The shortest text that makes the same chain.
-    text: str = "none"
+    text: str = "none"  # the shortest text that makes the same chain
 
     def run(self, colour: Pixels, inverse_depth: NDArray[Any]) -> MeasuredDepth:
         """Return the repaired depth of a picture.

@@ -19,12 +19,9 @@ _DIAGONAL = np.float32(np.sqrt(2))
 class CompleteSettings(SurfaceSettings):
     """How a gap is closed."""
 
-    # Standard deviation of colours of one surface, sRGB of 0 to 1.
-    colour: float = 0.08
-    # Share of the picture's longer side at which the confidence has fallen to a half.
-    reach: float = 0.075
-    # Confidence below which a guess is not taken: the pixel stays a hole.
-    least: float = 0.0
+    colour: float = 0.08  # standard deviation of colours of one surface, sRGB of 0 to 1
+    reach: float = 0.075  # share of the picture's longer side at which the confidence has fallen to a half
+    least: float = 0.0  # confidence below which a guess is not taken: the pixel stays a hole
 
     def __attrs_post_init__(self) -> None:
         if not (0 < self.colour < float("inf") and 0 < self.reach < float("inf")):

@@ -1,5 +1,6 @@
 from .camera import Camera as Camera
 from .camera import parse_intrinsics as parse_intrinsics
+from .camera import parse_projection as parse_projection
 from .frame_files import FrameFile as FrameFile
 from .frame_files import assumptions_of as assumptions_of
 from .frame_files import read_frame as read_frame

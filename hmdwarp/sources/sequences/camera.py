@@ -29,22 +29,8 @@ _LISTS = ("distortion", "distortion_coefficients", "distortion_params", "dist_co
 # Names of a 3x3 matrix of intrinsics: of Open3D, OpenCV, ROS and others.
 MATRICES = ("intrinsic_matrix", "camera_matrix", "intrinsic", "K", "k")
 _CAMERA_KEYS = (
-    *(
-        "intrinsics",
-        "fx",
-        "fy",
-        "cx",
-        "cy",
-        "w",
-        "h",
-        "width",
-        "height",
-        "centre",
-        "depth_scale",
-        "camera_model",
-        "model",
-    ),
-    *("fl_x", "fl_y", "camera_angle_x", "camera_angle_y"),
+    *("intrinsics", "fx", "fy", "cx", "cy", "w", "h", "width", "height", "centre", "depth_scale", "camera_model"),
+    *("model", "fl_x", "fl_y", "camera_angle_x", "camera_angle_y"),
 )
 # In a key that may change what depth, poses or pixels mean.
 _GEOMETRIC = re.compile(
@@ -69,10 +55,9 @@ class Camera:
     fy: float
     cx: float
     cy: float
-    # (w, h) that they are for; None for any.
-    size: Size | None = None
-    # The coordinate of the first pixel's middle, as in Fov.from_intrinsics.
-    centre: float = 0.0
+    size: Size | None = None  # (w, h) that they are for; None for any
+    centre: float = 0.0  # the coordinate of the first pixel's middle, as in Fov.from_intrinsics
+    projected: Fov | None = None  # in place of the numbers above, by a projection matrix
 
     @classmethod
     def of(cls, numbers: Iterable[float]) -> Camera:
@@ -88,6 +73,8 @@ class Camera:
                 f"{where}: its intrinsics are for {wide}x{high} pixels, its pictures have {found_wide}x{found_high}: "
                 "give those of the pictures by --intrinsics FX,FY,CX,CY"
             )
+        if self.projected is not None:
+            return self.projected
         try:
             return Fov.from_intrinsics(self.fx, abs(self.fy), self.cx, self.cy, *size, centre=self.centre)
         except InputError as error:
@@ -96,6 +83,9 @@ class Camera:
     @property
     def text(self) -> str:
         """The intrinsics in words."""
+        if self.projected is not None:
+            left, right, down, up = self.projected.tangents.tolist()
+            return f"projection from {left:.6g} to {right:.6g} and {down:.6g} to {up:.6g}"
         where = f", first pixel at {self.centre:g}" if self.centre else ""
         size = "" if self.size is None else " for {}x{}".format(*self.size)
         return ",".join(f"{number:.6g}" for number in (self.fx, self.fy, self.cx, self.cy)) + f" px{size}{where}"
@@ -118,6 +108,21 @@ def parse_intrinsics(text: str) -> Camera:
             "that the camera's y points up"
         )
     return Camera.of(numbers)
+
+
+def parse_projection(text: str) -> Camera:
+    """Return the camera of the 16 numbers of a projection matrix, by rows or columns.
+
+    As OpenGL, WebXR, Unity and OpenVR have it. Errors: InputError.
+    """
+    try:
+        numbers = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        numbers = []
+    try:
+        return Camera(1, 1, 0, 0, projected=Fov.from_projection(numbers))
+    except InputError as error:
+        raise InputError(f"--projection '{text}': {error}") from error
 
 
 def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -> Camera | None:

@@ -47,14 +47,10 @@ class FrameFile:
     """Files of one frame with depth, whose pixels are read later."""
 
     path: Path
-    # What states the facts: the frame itself, or the JSON next to it.
-    where: Path
-    # Of the keys that a camera JSON has.
-    facts: Mapping[str, Any]
-    # (w, h) in pixels.
-    size: tuple[int, int]
-    # Reads colour and depth.
-    arrays: Callable[[], Arrays] = attrs.field(repr=False)
+    where: Path  # what states the facts: the frame itself, or the JSON next to it
+    facts: Mapping[str, Any]  # of the keys that a camera JSON has
+    size: tuple[int, int]  # (w, h) in pixels
+    arrays: Callable[[], Arrays] = attrs.field(repr=False)  # reads colour and depth
 
     @cached_property
     def _kept(self) -> Arrays:

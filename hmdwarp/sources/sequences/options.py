@@ -23,10 +23,6 @@ LAYOUTS = {
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
-def _camera(text: str) -> sequences.Camera:
-    return sequences.parse_intrinsics(text)
-
-
 HEADING = "Recorded frames"  # of these options in help
 
 
@@ -50,15 +46,21 @@ class SequenceOptions(Declared):
     heading = HEADING
     # Name of a reader.
     layout: str | None = option(
-        None,
-        f"Layout of the recorded frames: {', '.join(sorted(LAYOUTS))}; by default it is detected.",
-        study=DISPLAY,
+        None, f"Layout of the recorded frames: {', '.join(sorted(LAYOUTS))}; by default it is detected.", study=DISPLAY
     )
     intrinsics: sequences.Camera | None = option(
         None,
         "Intrinsics of the recorded frames, FX,FY,CX,CY in pixels; a negative FY where the camera's y points up.",
         metavar="FX,FY,CX,CY",
-        parse=_camera,
+        parse=lambda text: sequences.parse_intrinsics(text=text),
+        study=DISPLAY,
+    )
+    projection: sequences.Camera | None = option(
+        None,
+        "In place of --intrinsics, the 4x4 projection matrix of Unity, WebXR, OpenGL or OpenVR: 16 numbers, by rows or "
+        "columns.",
+        metavar="M00,M01,..",
+        parse=lambda text: sequences.parse_projection(text=text),
         study=DISPLAY,
     )
     # Metres per unit.
@@ -107,6 +109,15 @@ class SequenceOptions(Declared):
         f"Picture of what a lens hides of recorded frames: black there; by default {MASK} beside them.",
         study=DISPLAY,
     )
+
+    def __attrs_post_init__(self) -> None:
+        if self.intrinsics is not None and self.projection is not None:
+            raise InputError("--intrinsics and --projection both state the camera: say one")
+
+    @property
+    def camera(self) -> sequences.Camera | None:
+        """The camera that the user states."""
+        return self.intrinsics or self.projection
 
     def refuse_unused(self) -> None:
         """Raise InputError for the first that is stated, where there are no recorded frames."""

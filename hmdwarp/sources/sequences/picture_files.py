@@ -229,8 +229,7 @@ class ExrPicture:
 
     path: Path
     channels: dict[str, NDArray[np.float32]]
-    # Names of views among those of layers; the first is that of channels without one.
-    views: tuple[str, ...]
+    views: tuple[str, ...]  # names of views among those of layers; the first is that of channels without one
 
     def _layers(self) -> dict[tuple[str, str], dict[str, str]]:
         """Return (view, layer) with the names of its channels by their last part."""

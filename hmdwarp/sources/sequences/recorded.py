@@ -37,10 +37,8 @@ class RecordedFrame:
     Pixels are read at each access, and not kept.
     """
 
-    # Of its file, for messages.
-    name: str
-    # Since the first frame of its sequence.
-    time_ns: int
+    name: str  # of its file, for messages
+    time_ns: int  # since the first frame of its sequence
     # World_from_eye in the axes of OpenXR.
     pose: Pose
     fov: Fov
@@ -49,8 +47,7 @@ class RecordedFrame:
     _read: Callable[[], Pictures] = attrs.field(repr=False)
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
-    # What a lens hides of it, None for nothing.
-    hidden: Hidden | None = None
+    hidden: Hidden | None = None  # what a lens hides of it, None for nothing
 
     @property
     def view(self) -> View:
@@ -124,12 +121,9 @@ class Sequence:
     # The recorded motion of the camera, world_from_head, from the first frame to the last: their
     # poses, and those between that the files have.
     track: PoseTrack
-    # What a user must know, one sentence each.
-    notes: tuple[str, ...] = ()
-    # What mends the depth of a frame before it is warped.
-    repair: RepairChain = RepairChain()
-    # Facts that all frames share, with who says them.
-    assumptions: tuple[Assumption, ...] = ()
+    notes: tuple[str, ...] = ()  # what a user must know, one sentence each
+    repair: RepairChain = RepairChain()  # what mends the depth of a frame before it is warped
+    assumptions: tuple[Assumption, ...] = ()  # facts that all frames share, with who says them
     # PSNR between two renders of one frame that differ by noise alone; None if unknown.
     noise_floor_db: float | None = None
     # What a right eye beside this one saw: as many frames, of the same instants and size. None

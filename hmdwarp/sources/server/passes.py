@@ -29,10 +29,8 @@ class Lighting:
     most_blockers: triangles that stop light, at most; None for those of the scene.
     """
 
-    # Of shaders, for where it is.
-    defines: ClassVar[tuple[str, ...]] = ("LAMPS",)
-    # Whether colours are drawn, or data in their place.
-    coloured: ClassVar[bool] = True
+    defines: ClassVar[tuple[str, ...]] = ("LAMPS",)  # of shaders, for where it is
+    coloured: ClassVar[bool] = True  # whether colours are drawn, or data in their place
 
     def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
         self._gl, self._scene = gpu.gl, scene

@@ -19,21 +19,16 @@ from .targets import MOST_SETTINGS, LastUsed
 from .visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 
 Array = NDArray[np.float64]
-# From sending to the news of the arrival, until the first news says it.
-FIRST_ROUND_TRIP_NS = 200_000_000
-# The head's speed is the fastest between two of so many frames.
-FRAMES = 16
-# An eye that is this near to a piece, or inside, sees all of it.
-NEAREST_M = 0.1
+FIRST_ROUND_TRIP_NS = 200_000_000  # from sending to the news of the arrival, until the first news says it
+FRAMES = 16  # the head's speed is the fastest between two of so many frames
+NEAREST_M = 0.1  # an eye that is this near to a piece, or inside, sees all of it
 
 
 class Sender:
     """The pieces of one layer for one kind of client."""
 
-    # What was sent, a frames.layers.Book.
-    book: Any
-    # Whether nothing waits to be sent.
-    complete = False
+    book: Any  # what was sent, a frames.layers.Book
+    complete = False  # whether nothing waits to be sent
 
     def has_more(self, now_ns: int) -> bool:
         """Return whether anything waits to be sent."""

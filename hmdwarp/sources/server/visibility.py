@@ -143,10 +143,8 @@ class Chunks:
     # (n,) index ranges.
     first: NDArray[np.int64]
     count: NDArray[np.int64]
-    # (n,) the batch each belongs to.
-    batch: NDArray[np.int64]
-    # (7, n) as projection.boxes_of returns them, relative to the scene's origin.
-    boxes: NDArray[np.float64]
+    batch: NDArray[np.int64]  # (n,) the batch each belongs to
+    boxes: NDArray[np.float64]  # (7, n) as projection.boxes_of returns them, relative to the scene's origin
 
 
 def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:

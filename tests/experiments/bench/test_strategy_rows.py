@@ -38,8 +38,7 @@ OPTIONS = attrs.evolve(
     guard=1.2,
     instants=2,
 )
-# The refreshes of twelve that are measured, each with its eye: they take turns.
-MEASURED = ((3, 0), (9, 1))
+MEASURED = ((3, 0), (9, 1))  # the refreshes of twelve that are measured, each with its eye: they take turns
 
 
 @pytest.fixture(scope="module")

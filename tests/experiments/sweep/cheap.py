@@ -31,8 +31,7 @@ SECONDS = 0.02
 class Task:
     number: int
     kind: str = "plain"
-    # A file that crosses with the case.
-    file: str = ""
+    file: str = ""  # a file that crosses with the case
 
 
 @attrs.frozen

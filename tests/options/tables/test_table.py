@@ -10,18 +10,9 @@ from hmdwarp.errors import InputError
 from hmdwarp.options import KeyFault, Table, parsed
 
 DATA = {
-    "text": "x",
-    "empty": " ",
-    "lines": "a\nb",
-    "number": 2.5,
-    "whole": 3,
-    "huge": 0x1 << 20_000,
-    "nan": math.nan,
-    "flag": True,
-    "texts": ["a", "b"],
-    "table": {"inner": 1},
-    "tables": [{"a": 1}, {"a": "x"}],
-}
+    "text": "x", "empty": " ", "lines": "a\nb", "number": 2.5, "whole": 3, "huge": 0x1 << 20_000, "nan": math.nan,
+    "flag": True, "texts": ["a", "b"], "table": {"inner": 1}, "tables": [{"a": 1}, {"a": "x"}],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

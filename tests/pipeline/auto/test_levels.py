@@ -20,35 +20,22 @@ def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -
         "flip": {"mean": flip, "p95": flip},
     }
     return {
-        "warp": warp,
-        "fill": fill,
-        "trace": "walk",
-        "scene": "room",
-        "latency_ms": 200.0,
-        "size": [640, 400],
-        "time_ms": {"total": {"median": total, "p95": total}},
-        "quality": figures,
-        **case,
-    }
+        "warp": warp, "fill": fill, "trace": "walk", "scene": "room", "latency_ms": 200.0, "size": [640, 400],
+        "time_ms": {"total": {"median": total, "p95": total}}, "quality": figures, **case,
+    }  # fmt: skip
 
 
 ROWS = [
-    row("none", "none", 1.0, 0.3),
-    row("rotation", "none", 2.0, 0.15),
-    row("forward", "interpolate", 8.0, 0.05),
-    row("forward", "none", 7.0, 0.16),
-    row("mesh:cut=slope", "interpolate", 40.0, 0.02),
+    row("none", "none", 1.0, 0.3), row("rotation", "none", 2.0, 0.15), row("forward", "interpolate", 8.0, 0.05),
+    row("forward", "none", 7.0, 0.16), row("mesh:cut=slope", "interpolate", 40.0, 0.02),
     row("mesh", "interpolate", 90.0, 0.021),
-]
+]  # fmt: skip
 
 
 def test_the_ladder_holds_what_is_worth_its_time():
     assert [str(level) for level in levels_from(ROWS)] == [
-        "none",
-        "rotation",
-        "forward + interpolate",
-        "mesh:cut=slope + interpolate",
-    ]
+        "none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate",
+    ]  # fmt: skip
     assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
 
 
@@ -102,17 +89,10 @@ def test_rows_that_measured_nothing_are_left_out():
 def test_the_choice_and_the_next_step_up():
     chosen = choose(ROWS, 10)
     assert chosen == {
-        "budget_ms": 10.0,
-        "warp": "forward",
-        "fill": "interpolate",
-        "settings": {},
-        "total_ms": 8.0,
-        "flip": 0.05,
-        "psnr_db": 35.0,
-        "sizes": [(640, 400)],
-        "cases": 1,
+        "budget_ms": 10.0, "warp": "forward", "fill": "interpolate", "settings": {}, "total_ms": 8.0, "flip": 0.05,
+        "psnr_db": 35.0, "sizes": [(640, 400)], "cases": 1,
         "next": {"warp": "mesh:cut=slope", "fill": "interpolate", "total_ms": 40.0, "flip": 0.02, "psnr_db": 38.0},
-    }
+    }  # fmt: skip
     best = choose(ROWS, 1e6)
     assert best["next"] is None
     assert best["settings"] == {"cut": "slope"}

@@ -16,8 +16,7 @@ TURN = (0.0, 0.0, 0.0, 1.0)
 HEAD = (0.0, 1.6, 0.0)
 ANGLES = (-0.7, 0.7, -0.6, 0.6)
 SENT = ("velocity", "ids", "overlay", "transparent", "peeled", "reflection", "cube")
-# How much there may be of layers of which there is more than 1.
-MOST = {"peeled": 16, "reflection": 3}
+MOST = {"peeled": 16, "reflection": 3}  # how much there may be of layers of which there is more than 1
 # What docs/feed.md allows, at its ends and between.
 COORDINATES = (0.0, 1.6, -3.0, 1e-300, -5e-324, 1e3, -1e6, 12345.678, 1e9, -1e9)
 INSTANTS = (0, 1, -1, 10**9, 10**12, -(10**18), 2**62, -(2**62))
@@ -163,22 +162,14 @@ def any_request(rng: random.Random, number: int, pixels: int = 1 << 12) -> bytes
         # A cube is as dense as the shown picture, so this is what its size follows from.
         more |= {"shown": any_size(rng, 64), "shown_angles": any_angles(rng, 0.1)}
     return request(
-        number,
-        size=any_size(rng, pixels),
-        eyes=tuple(one_eye() for _ in range(rng.randint(1, 2))),
+        number, size=any_size(rng, pixels), eyes=tuple(one_eye() for _ in range(rng.randint(1, 2))),
         formats=(rng.choice((0, 0, 1, 2, 3, 4, 5, 6, 9, 255)), rng.choice((0, 5, 1, 2, 3, 9))),
-        quality=rng.choice((0, 1, 27, 52)),
-        anew=rng.choice((0, 1, 255)),
-        rate=rng.choice(RATES),
-        mbit=rng.choice(BIT_RATES),
-        step=rng.choice(STEPS),
-        sent=rng.choice((None, *INSTANTS)),
-        instants=(rng.choice(INSTANTS), rng.choice(INSTANTS)),
-        received=rng.choice((0, number - 1, 2**64 - 1)),
-        head=pose(place(), any_turn(rng)),
-        inputs=tuple(any_input(rng) for _ in range(rng.choice((0, 0, 1, 3)))),
+        quality=rng.choice((0, 1, 27, 52)), anew=rng.choice((0, 1, 255)), rate=rng.choice(RATES),
+        mbit=rng.choice(BIT_RATES), step=rng.choice(STEPS), sent=rng.choice((None, *INSTANTS)),
+        instants=(rng.choice(INSTANTS), rng.choice(INSTANTS)), received=rng.choice((0, number - 1, 2**64 - 1)),
+        head=pose(place(), any_turn(rng)), inputs=tuple(any_input(rng) for _ in range(rng.choice((0, 0, 1, 3)))),
         **more,
-    )
+    )  # fmt: skip
 
 
 def any_input(rng: random.Random) -> bytes:

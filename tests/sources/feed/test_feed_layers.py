@@ -195,9 +195,6 @@ def test_broken_frames_are_taken_or_refused():
 def test_every_field_of_a_body_crosses():
     """Another one, if a field is added: numbers of a body are its fields."""
     assert {field.name for field in attrs.fields(RigidState)} == {
-        "pose",
-        "velocity_m_s",
-        "angular_velocity_rad_s",
-        "acceleration_m_s2",
-    }
+        "pose", "velocity_m_s", "angular_velocity_rad_s", "acceleration_m_s2",
+    }  # fmt: skip
     assert layers.get("ids").numbers(BodyIds(None, (RigidState(TURNED),))).shape == (1, 16)

@@ -75,11 +75,8 @@ def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, mo
 
 def test_settings_of_the_server_are_not_changed_and_others_are(serving, monkeypatch):
     changes = {
-        3: [Command("latency")],
-        4: [Command("scene")],
-        5: [Command("guard", 1.75)],
-        6: [Command("warp", "none")],
-    }
+        3: [Command("latency")], 4: [Command("scene")], 5: [Command("guard", 1.75)], 6: [Command("warp", "none")],
+    }  # fmt: skip
     display = OffscreenDisplay(asked=changes, keeps=True)
     summary = run_on(monkeypatch, display, options(serving.address, pictures=12)).summary
     assert sum("latency and scene are the server's" in line for line in display.said) == 1

@@ -29,8 +29,7 @@ zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[
 
 Odd = Callable[[bytes], bytes]
 NAN, INF = struct.pack("<f", np.nan), struct.pack("<f", -np.inf)
-# As zlib, a thousandth of that.
-BOMB = functools.cache(lambda: zlib.compress(bytes(8192 * 8192 * 8)))
+BOMB = functools.cache(lambda: zlib.compress(bytes(8192 * 8192 * 8)))  # as zlib, a thousandth of that
 
 
 def pixels(asked: bytes) -> int:

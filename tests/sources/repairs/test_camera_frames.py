@@ -21,13 +21,9 @@ SIZE = (160, 120)
 LATER_NS = 500_000_000  # 6 cm and 0.6 degrees
 MIXED = "mixed"  # a fault of ours: each depth is the mean of 3 x 3, as a time-of-flight camera has it
 FAULTS = {
-    "none": {},
-    "gaps": {"edge_gaps": 0.7},
-    "noise": {"noise": 0.0025},
-    "shift": {"shift": (-3.0, 2.0)},
-    MIXED: {},
+    "none": {}, "gaps": {"edge_gaps": 0.7}, "noise": {"noise": 0.0025}, "shift": {"shift": (-3.0, 2.0)}, MIXED: {},
     "all": {"shift": (2.0, 1.0), "edge_gaps": 0.5, "noise": 0.0025, "far_m": 6.0, "readout_ns": 10**7},
-}
+}  # fmt: skip
 
 
 def pose(time_ns: int) -> Pose:

@@ -165,14 +165,11 @@ def test_a_depth_key_that_is_not_read_is_named(tmp_path):
 
 
 MATRIX_FORMS = {
-    "nested rows": lambda m: m.tolist(),
-    "flat rows": lambda m: m.ravel().tolist(),
-    "three rows": lambda m: m[:3].tolist(),
-    "nested columns": lambda m: m.T.tolist(),
-    "flat columns": lambda m: m.T.ravel().tolist(),
-    "three columns": lambda m: m[:3].T.tolist(),
+    "nested rows": lambda m: m.tolist(), "flat rows": lambda m: m.ravel().tolist(),
+    "three rows": lambda m: m[:3].tolist(), "nested columns": lambda m: m.T.tolist(),
+    "flat columns": lambda m: m.T.ravel().tolist(), "three columns": lambda m: m[:3].T.tolist(),
     "flat three columns": lambda m: m[:3].T.ravel().tolist(),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("form", MATRIX_FORMS)

@@ -18,7 +18,7 @@ from published_folders import (
     write_traced,
     write_with_info,
 )
-from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
+from recorded_folders import CX, CY, FX, FY, MIRRORED, SIZE, STATED, fov_of, taken, write_numbered, write_tum
 from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp import View, Warper, WarpMap
@@ -358,6 +358,43 @@ def test_whole_numbers_are_instants_of_the_trace_in_the_unit_that_fits(per_secon
         file.rename(file.with_name(f"{round(float(file.stem) * per_second)}.png"))
     found = sequences.open(folder, PUBLISHED["traced"].options)
     assert len(found.frames) >= 3 and found.rate_hz == pytest.approx(30, rel=0.03)
+
+
+@pytest.mark.parametrize("layout", ["traced", "tum"])
+def test_clocks_that_are_apart_are_told_with_how_far(layout, folder):
+    """The poses' clock is 10^9 s ahead."""
+    (write_tum if layout == "tum" else write_traced)(folder, taken(3))
+    file = folder / ("groundtruth.txt" if layout == "tum" else "trajectory.txt")
+    file.write_text(re.sub(r"(?m)^1(\d{9})", r"2\1", file.read_text()))
+    with pytest.raises(InputError, match=r"the clocks are 1e\+09 s apart \(.*; expected one clock"):
+        sequences.open(folder, PUBLISHED["traced"].options if layout == "traced" else SequenceOptions())
+
+
+@pytest.mark.parametrize("name", ["cam{}_{:04}", "{1:04}_{0}", "frame{1}.{0}"])
+def test_pictures_of_a_rig_of_cameras_are_refused_with_their_names(name, folder):
+    PUBLISHED["traced"].write(folder, taken(6))
+    for side in ("rgb", "depth"):
+        for i, file in enumerate(sorted((folder / side).iterdir())):
+            file.rename(file.with_name(f"{name.format(('left', 'right')[i % 2], i // 2)}{file.suffix}"))
+    with pytest.raises(InputError, match="pictures of several cameras .*left.*right"):
+        sequences.open(folder, PUBLISHED["traced"].options)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_projection_matrix_states_the_camera(turned, folder):
+    """That of the frames' own intrinsics, as OpenGL has it, by rows or columns."""
+    wide, high = SIZE
+    matrix = np.diag([2 * FX / wide, 2 * FY / high, -1.002, 0])
+    matrix[:3, 2], matrix[2, 3], matrix[3, 2] = (1 - (2 * CX + 1) / wide, (2 * CY + 1) / high - 1, -1.002), -0.2, -1
+    text = ",".join(map(repr, (matrix.T if turned else matrix).ravel().tolist()))
+    write_numbered(folder, taken(1))
+    stated = SequenceOptions(projection=sequences.parse_projection(text), depth_scale=1e-3)
+    fov = sequences.open(folder, stated).frames[0].fov
+    assert np.allclose(fov.tangents, fov_of().tangents, atol=1e-9)
+    with pytest.raises(InputError, match="--projection '1,2': projection is .*16 numbers"):
+        sequences.parse_projection("1,2")
+    with pytest.raises(InputError, match="--intrinsics and --projection both state the camera"):
+        attrs.evolve(stated, intrinsics=sequences.parse_intrinsics("1,1,0,0"))
 
 
 def test_whole_numbers_of_an_array_have_no_unit(folder):

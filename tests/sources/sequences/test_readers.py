@@ -33,18 +33,10 @@ from hmdwarp import WarpMap
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import Origin
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import (
-    RecordedFrame,
-    Sequence,
-    SequenceOptions,
-    depth_notes,
-    parse_intrinsics,
-    readers,
-)
+from hmdwarp.sources.sequences import RecordedFrame, Sequence, SequenceOptions, depth_notes, parse_intrinsics, readers
 from hmdwarp.sources.sequences.camera import camera_of
 
-# Half a step of 16 bits in millimetres, the coarsest unit.
-DEPTH_WITHIN_M = 0.5e-3 + 1e-6
+DEPTH_WITHIN_M = 0.5e-3 + 1e-6  # Half a step of 16 bits in millimetres, the coarsest unit
 
 
 FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS

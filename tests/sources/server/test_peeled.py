@@ -29,11 +29,8 @@ def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facin
     for k, depth in enumerate(depths_m):
         r = half * depth
         corners = [
-            (-r * facing, -r, -depth),
-            (r * facing, -r, -depth),
-            (r * facing, r, -depth),
-            (-r * facing, r, -depth),
-        ]
+            (-r * facing, -r, -depth), (r * facing, -r, -depth), (r * facing, r, -depth), (-r * facing, r, -depth),
+        ]  # fmt: skip
         light = np.full((4, 3), k + 1.0)
         triangles = [(0, 1, 2), (0, 2, 3)]
         meshes.append(

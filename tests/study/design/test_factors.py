@@ -50,11 +50,8 @@ def test_lists_of_values_are_crossed():
     assert names(design) == NAMES
     settings = [dict(condition.settings) for condition in design.parts[0].conditions[:4]]
     assert [(setting["latency"], setting["warp"], setting["fill"]) for setting in settings] == [
-        (200, "forward", "none"),
-        (200, "none", "none"),
-        (400, "forward", "none"),
-        (400, "none", "none"),
-    ]
+        (200, "forward", "none"), (200, "none", "none"), (400, "forward", "none"), (400, "none", "none"),
+    ]  # fmt: skip
 
 
 def test_a_condition_s_own_name_comes_first_and_values_become_plain_words():

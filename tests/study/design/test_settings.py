@@ -73,11 +73,8 @@ def test_a_setting_means_what_the_option_means(monkeypatch, settings, arguments)
 def test_options_of_the_run_are_added(tmp_path):
     options = live_options({"latency": 100}, source="offscreen", trace="walk", record=tmp_path / "x.csv", seconds=3)
     assert (options.source, options.trace, options.record, options.seconds) == (
-        "offscreen",
-        "walk",
-        tmp_path / "x.csv",
-        3,
-    )
+        "offscreen", "walk", tmp_path / "x.csv", 3,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -143,12 +140,9 @@ def test_files_are_found_from_the_study_file(tmp_path):
     settings = {"scene": "mine.glb", "headset": "mine.toml", "delay-trace": "d.csv", "bench": "b.json", "warp": "mesh"}
     folder = tmp_path / "studies"
     assert resolve_paths(folder, settings) == {
-        "scene": str(folder / "mine.glb"),
-        "headset": str(folder / "mine.toml"),
-        "delay_trace": str(folder / "d.csv"),
-        "bench": str(folder / "b.json"),
-        "warp": "mesh",
-    }
+        "scene": str(folder / "mine.glb"), "headset": str(folder / "mine.toml"), "delay_trace": str(folder / "d.csv"),
+        "bench": str(folder / "b.json"), "warp": "mesh",
+    }  # fmt: skip
     assert resolve_paths(Path("beside"), {"scene": "mine.glb"}) == {
         "scene": str(Path.cwd() / "beside" / "mine.glb")
     }  # wherever one works later

@@ -282,12 +282,9 @@ def test_a_late_command_does_not_answer_the_next_question(monkeypatch, gpu, path
     given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
     console = ScriptedConsole(lambda state: next(given, ()) if state.phase == "asking" else ())
     ran = run(
-        monkeypatch,
-        gpu,
-        path,
-        Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None),
+        monkeypatch, gpu, path, Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None),
         console,
-    )
+    )  # fmt: skip
     assert ran.session.status == COMPLETE
     assert [answer.value for answer in contents(path).answers] == [3.0, 2.0]
     assert ("remark", "trial/1/grade/grade") in events(path, "remark")

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Rows
 from decimal import Decimal, InvalidOperation
@@ -163,6 +164,19 @@ def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
     return f"{unit:.6g} m per unit" + ("" if only_for is None else " for {}x{}".format(*only_for))
 
 
+def refuse_rig(where: Path, pictures: Iterable[Path]) -> None:
+    """Raise InputError for the same numbers under several names, as rigs of cameras have them."""
+    named: dict[str, set[str]] = defaultdict(set)
+    for path in pictures:
+        if (found := re.search(r"^(.*?)(\d+)(\D*)$", path.stem)) and re.search("[A-Za-z]", found[1] + found[3]):
+            named[f"{found[1]}N{found[3]}"].add(found[2])
+    if len(named) > 1 and 2 * len(set.intersection(*named.values())) >= max(map(len, named.values())) > 1:
+        raise InputError(
+            f"{where}: pictures of several cameras ({', '.join(sorted(named)[:6])}): put those of one, with their "
+            "depth, in a folder of their own"
+        )
+
+
 def intrinsics_fact(camera: Camera, by: By) -> Assumption:
     """Return the entry for the intrinsics of a camera."""
     return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
@@ -193,6 +207,7 @@ class Folder:
         self.pairs: list[Pair] = []
         self.frames: list[RecordedFrame] = []  # in place of pairs
         self.notes: list[str] = []
+        self.clocks: dict[str, tuple[float, float]] = {}  # first and last ns of what is paired by instants
         self.facts: list[Assumption] = []
         self.track: PoseTrack | None = None  # a denser motion than the frames' own, on their clock
         self.size: Size | None = None  # by default that of the first picture
@@ -224,7 +239,7 @@ class Folder:
         named = stated.get("depth_scale")
         if named is not None and self.options.depth_scale is None:
             scale_of(folder / CAMERA, named)
-        found, camera_by = first_stated(self.options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
+        found, camera_by = first_stated(self.options.camera, camera_of(folder / CAMERA, stated) or own, camera)
         scale, scale_by = first_stated(self.options.depth_scale, named or own_scale, unit)
         if found is None:
             raise InputError(
@@ -282,7 +297,11 @@ class Folder:
     def numbered(self, pattern: str) -> dict[int, Path]:
         """Return files by the first number in their names."""
         files = (path for path in sorted(self.path.glob(pattern)) if not path.name.startswith("."))
-        return {int(found.group()): path for path in files if (found := re.search(r"[0-9]+", path.name))}
+        numbers = [(int(found.group()), path) for path in files if (found := re.search(r"[0-9]+", path.name))]
+        if doubled := next((pair for pair in itertools.pairwise(sorted(numbers)) if pair[0][0] == pair[1][0]), None):
+            names = " and ".join(path.name for _, path in doubled)
+            raise InputError(f"{self.path}: {names} have one number: put those of one camera in a folder of its own")
+        return dict(numbers)
 
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
         """Return the pictures of colour and depth, by their names, else their numbers or instants.
@@ -291,6 +310,7 @@ class Folder:
         """
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
+        refuse_rig(colours, first)
         parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
         ways: list[list[list[Any]]] = [[[path.stem for path in side] for side in (first, second)]]
         if all(itertools.chain(*parts)):  # by all of their numbers, else the last of each
@@ -344,6 +364,7 @@ class Folder:
         """
         frames = sorted(self.frames or self._frames(), key=lambda frame: frame.time_ns)
         if not frames:
+            self.refuse_apart()
             raise InputError(f"{self.path}: no frame with colour, depth and a pose; expected {self.layout.summary}")
         for before, after in zip(frames, frames[1:], strict=False):
             if before.time_ns == after.time_ns:
@@ -366,6 +387,13 @@ class Folder:
             )
         notes, assumptions = tuple(self.notes), tuple(facts.values())
         return Sequence(name, self.path, self.layout.name, tuple(frames), track, notes, assumptions=assumptions)
+
+    def refuse_apart(self) -> None:
+        """Raise InputError where two clocks have no instant in common."""
+        firsts, lasts = zip(*self.clocks.values(), strict=True) if self.clocks else ((0,), (0,))
+        if (apart := max(firsts) - min(lasts)) > 0:
+            spans = "; ".join(f"{name}: {a / 1e9:.6f} to {b / 1e9:.6f} s" for name, (a, b) in self.clocks.items())
+            raise InputError(f"{self.path}: the clocks are {apart / 1e9:.6g} s apart ({spans}); expected one clock")
 
     def _check_steps(self, times_s: Rows[float]) -> None:
         apart_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 1.0
@@ -525,8 +553,7 @@ def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
         one for one in files if one.suffix.lower() in endings and not one.name.startswith(".") and one.name != MASK
     ]
     return sorted(
-        found,
-        key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in re.split(r"([0-9]+)", path.stem)],
+        found, key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in re.split(r"([0-9]+)", path.stem)]
     )
 
 

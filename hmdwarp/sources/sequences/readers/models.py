@@ -77,7 +77,7 @@ def seven_scenes(at: Folder) -> None:
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
     own, depth_camera, scale = _stated(at)
     at.state(own=own, own_scale=scale)
-    if not (own or at.options.intrinsics):
+    if not (own or at.options.camera):
         at.notes.append("Colour and depth of 7-Scenes are of two cameras and not registered to each other.")
     _add_matching(at, "frame-*[0-9].color.*", "frame-*[0-9].depth.*", "frame-*[0-9].pose.txt", depth_camera)
 
@@ -167,7 +167,7 @@ def scannet(at: Folder) -> None:
     # Sets that shrank their colour to the depth's pixels left the file of the larger one.
     if own is not None and not _centred(own, size) and size == depth_size:
         own = of_depth
-    if own is not None and at.options.intrinsics is None and not _centred(own, size):
+    if own is not None and at.options.camera is None and not _centred(own, size):
         raise InputError(
             f"{at.path}: intrinsic_color.txt has its centre at {own.cx:g},{own.cy:g}, which is not the middle of "
             f"pictures of {size[0]}x{size[1]}: give those of the pictures by --intrinsics FX,FY,CX,CY"
@@ -237,7 +237,7 @@ def open3d(at: Folder) -> None:
     at.state(own=own[0])
     poses = at.poses(((place, one.get("extrinsic")) for place, one in zip(places, cameras, strict=True)), inverse=True)
     for number, (pair, pose, camera) in enumerate(zip(files, poses, own, strict=True)):
-        at.add(*pair, number, pose, camera=camera if at.options.intrinsics is None else None)
+        at.add(*pair, number, pose, camera=camera if at.options.camera is None else None)
 
 
 def _camera_of_open3d(where: str, parameters: Any) -> Camera:
@@ -311,7 +311,7 @@ def colmap(at: Folder) -> None:
     at.state(unit=1.0 if of_stereo else None, own=next(iter(own.values()), None))
     at.depth_of = _depth_of_colmap
     for number, image, depth in chosen:
-        camera = own[image.camera_id] if at.options.intrinsics is None else None
+        camera = own[image.camera_id] if at.options.camera is None else None
         at.add(pictures / image.name, depth, number, pose_of(at.axes, image.position, image.rotation), camera=camera)
     at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY))
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
@@ -402,10 +402,10 @@ def nerfstudio(at: Folder) -> None:
     wheres = [f"{file}, frame {number}" for number in range(len(whole))]
     poses = at.poses(((where, one.get("transform_matrix")) for where, one in zip(wheres, whole, strict=True)), unit)
     times = _times(at, wheres, whole)
-    camera, camera_by = first_stated(at.options.intrinsics, camera_of(file, {**data, **whole[0]}, _CENTRE), None)
+    camera, camera_by = first_stated(at.options.camera, camera_of(file, {**data, **whole[0]}, _CENTRE), None)
     for number, (where, entry, pose) in enumerate(zip(wheres, whole, poses, strict=True)):
         facts = {**data, **entry}
-        own = at.options.intrinsics or camera_of(where, facts, _CENTRE)
+        own = at.options.camera or camera_of(where, facts, _CENTRE)
         if own is None:
             raise InputError(
                 f"{where}: no fl_x and no camera_angle_x; expected intrinsics in the file, or --intrinsics"
@@ -509,7 +509,7 @@ def folder(at: Folder) -> None:
     times = [time - min(own) for time in own] or [at.instant_ns(number) for number in range(len(found))]
     at.frames = [_own_frame(at, one, time_ns) for one, time_ns in zip(found, times, strict=True)]
     if found:
-        at.facts = assumptions_of(found[0], at.options.intrinsics, at.options.depth_scale)
+        at.facts = assumptions_of(found[0], at.options.camera, at.options.depth_scale)
         at.clock(*(("time_s or time_ns of each frame", By.FILE) if stated else ()))
         at.notes = list(dict.fromkeys(note for frame in found for note in frame.notes))[:1]
 
@@ -526,7 +526,7 @@ def _time_ns(found: FrameFile) -> int:
 
 
 def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
-    scale, camera = at.options.depth_scale or found.depth_scale, at.options.intrinsics
+    scale, camera = at.options.depth_scale or found.depth_scale, at.options.camera
     if scale is not None:
         scale_of(found.where, scale)
     if found.encoding not in (None, "srgb", "linear"):

@@ -74,6 +74,9 @@ def tum(at: Folder) -> None:
         raise InputError(str(error)) from error
     colours, depths = (sorted(map(_listed, at.rows(file))) for file in ("rgb.txt", "depth.txt"))
     at.track, times, lost = trace.track, np.array([time_ns for time_ns, _ in depths]), 0
+    if colours and depths:
+        at.clocks = {"rgb.txt": (colours[0][0], colours[-1][0]), "depth.txt": (depths[0][0], depths[-1][0])}
+        at.clocks["groundtruth.txt"] = _span(trace)
     for time_ns, colour in colours:
         nearest = int(np.abs(times - time_ns).argmin()) if depths else 0
         if depths and abs(int(times[nearest]) - time_ns) <= _WITHIN_NS:
@@ -92,6 +95,12 @@ def tum(at: Folder) -> None:
         )
     if lost:
         at.notes.append(f"{lost} frames were left out: groundtruth.txt has no pose at their instants.")
+
+
+def _span(trace: LoadedTrace) -> tuple[int, int]:
+    """Return the first and the last instant of a trace on its own clock."""
+    track = trace.track
+    return track.epoch_ns + track.start_ns, track.epoch_ns + track.end_ns
 
 
 def _listed(row: Row) -> tuple[int, str]:
@@ -304,7 +313,7 @@ def stray_scanner(at: Folder) -> None:
     cameras = [Camera.of(row.floats(4, 9, whole=False)) for row in rows if len(row.words) >= 13]
     shared, at.notes = shared_camera(cameras, video.size)
     at.state(own=shared or Camera.of(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
-    own = shared is None and len(cameras) == len(rows) and at.options.intrinsics is None
+    own = shared is None and len(cameras) == len(rows) and at.options.camera is None
     depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
     at.size = video.size
     for number, row in enumerate(rows):
@@ -360,7 +369,7 @@ def rtabmap(at: Folder) -> None:
         raise InputError(f"{at.path}: no row of {file.name} has a picture and depth; expected {at.layout.summary}")
     shared, at.notes = shared_camera(cameras, cameras[0].size or (1, 1))
     at.state(own=shared or cameras[0])
-    own = shared is None and at.options.intrinsics is None
+    own = shared is None and at.options.camera is None
     for camera, (stem, number, row, matrix) in zip(cameras, found, strict=True):
         pose = pose_of_square(at.axes, row.where, matrix)
         at.add(colours[stem], depths[stem], number, pose, row.nanoseconds(), camera=camera if own else None)
@@ -424,7 +433,7 @@ def traced(at: Folder) -> None:
         trace, axes = _trace(found[0], at)
     except TraceError as error:
         raise InputError(str(error)) from error
-    instants, clock = _instants(at.path, files, trace)
+    instants, clock = _instants(at, files, trace)
     by = By.FILE if "named" in clock else By.NOBODY
     rated = at.options.frames_rate_hz is not None
     at.facts += [axes, Assumption(CLOCK, clock, by, "--frames-rate" if rated else "")]
@@ -450,13 +459,13 @@ def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
     return trace, attrs.evolve(said, what=AXES, option="--frames-axes")
 
 
-def _instants(path: Path, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
+def _instants(at: Folder, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
     """Return the instant of each picture on the trace's clock, and how that is known."""
     track, whole = trace.track, [one for colour, _ in files if (one := _number(colour)) is not None]
-    first, last = (track.epoch_ns + time_ns for time_ns in (track.start_ns, track.end_ns))
+    first, last = _span(trace)
+    in_seconds = any("." in colour.name.removesuffix(colour.suffix) for colour, _ in files)
     if len(whole) == len(files) and any(b - a != 1 for a, b in zip(whole, whole[1:], strict=False)):
         # Whole numbers are seconds of no clock but a count, and a count covers little of a trace.
-        in_seconds = any("." in colour.name.removesuffix(colour.suffix) for colour, _ in files)
         for unit, size in (({"s": 10**9} if in_seconds else {}) | _WHOLE).items():
             instants = [int(stem * size) for stem in whole]
             inside = sum(first <= instant <= last for instant in instants)
@@ -464,8 +473,11 @@ def _instants(path: Path, files: list[tuple[Path, Path]], trace: LoadedTrace) ->
                 return instants, f"pictures are named by the trace's clock, in {unit}"
     if len(track) == len(files):
         return (track.time_ns + track.epoch_ns).tolist(), "the trace's, a pose for each picture in order"
+    if len(whole) == len(files) and in_seconds:
+        at.clocks = {"pictures": (float(min(whole)) * 1e9, float(max(whole)) * 1e9), trace.path.name: (first, last)}
+        at.refuse_apart()
     raise InputError(
-        f"{path}: {len(track)} poses in {trace.path.name} for {len(files)} pictures, whose names are no instants of "
+        f"{at.path}: {len(track)} poses in {trace.path.name} for {len(files)} pictures, whose names are no instants of "
         f"it ({files[0][0].stem}, and {first / 1e9:.6f} to {last / 1e9:.6f} s); expected a pose for each, or such names"
     )
 

@@ -30,18 +30,12 @@ class Drawing:
     # The view as the eye has it, without guard band, and (w, h) pixels of it.
     view: View
     size: tuple[int, int]
-    # The scene's clock.
-    time_ns: int = 0
-    # The layers to draw.
-    needs: Needs = Needs()
-    # (w, h) of the display's picture, where this one has another resolution.
-    shown_size: tuple[int, int] | None = None
-    # Whether plane mirrors show only what the picture itself shows, see Server.
-    marched: bool = False
-    # How old the frame will be when it is seen.
-    age_ns: int = 0
-    # For whom it is drawn, where that matters; None for the one that there is.
-    client: Hashable = None
+    time_ns: int = 0  # the scene's clock
+    needs: Needs = Needs()  # the layers to draw
+    shown_size: tuple[int, int] | None = None  # (w, h) of the display's picture, where this one has another resolution
+    marched: bool = False  # whether plane mirrors show only what the picture itself shows, see Server
+    age_ns: int = 0  # how old the frame will be when it is seen
+    client: Hashable = None  # for whom it is drawn, where that matters; None for the one that there is
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
         """Return another picture at the same instant, lit in the same way, without layers.
@@ -72,8 +66,7 @@ class DrawContext:
     # The scene's textures on the GPU.
     textures: SceneTextures
     framebuffers: Framebuffers
-    # The passes of the plain surfaces.
-    colour: ScenePasses
+    colour: ScenePasses  # the passes of the plain surfaces
     # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
     # depth: with an r32f texture too.
     acquire: Callable[..., Target]
@@ -83,8 +76,7 @@ class DrawContext:
     passes_for: Callable[[Drawing], ScenePasses]
     # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
     draw_colour: Callable[[ScenePasses, View, moderngl.Texture, int], None]
-    # renderer(scene): a server of another scene; who makes it closes it.
-    renderer: Callable[[Scene], Renderer]
+    renderer: Callable[[Scene], Renderer]  # renderer(scene): a server of another scene; who makes it closes it
 
 
 class Part(ABC):

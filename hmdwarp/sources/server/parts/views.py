@@ -23,18 +23,15 @@ from . import DrawContext, Drawing, Part, parts
 Array = NDArray[np.float64]
 Size = tuple[int, int]
 
-# Candidates stand at these parts of how far the eye moves while a frame is under way.
-RINGS = (0.1, 0.4, 1.0)
-# An eye that stands still may begin to move.
-LEAST_M = 0.02
+RINGS = (0.1, 0.4, 1.0)  # candidates stand at these parts of how far the eye moves while a frame is under way
+LEAST_M = 0.02  # an eye that stands still may begin to move
 # Where the eye may be when the frame is seen, in the same unit: along its motion and across it.
 EXPECTED = ((1.0, 0.0), (0.5, 0.0), (0.75, 0.25), (0.75, -0.25))
 # By how much more a held inverse depth is that of something else: of itself, and in 1/m. Between
 # pixels an eighth as dense, that of a floor seen aslant differs by less.
 _NEARER, _FLOOR = 0.1, 0.02
 _UP = np.array([0.0, 1.0, 0.0])
-# The choice is made at this part of the resolution, on both axes.
-_COARSE = 8
+_COARSE = 8  # the choice is made at this part of the resolution, on both axes
 
 
 @parts.register
