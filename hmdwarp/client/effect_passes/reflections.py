@@ -15,7 +15,7 @@ from ..carry import as_image
 from ..effects import ShownPass
 from ..inputs import PassInputs, ShownPicture
 from ..warps import Output
-from ..warps.iterative import Iterative
+from ..warps.iterative import OF_A_PART, Iterative
 from .closing import Closing
 
 GLOSSY = "glossy_reflections"
@@ -39,7 +39,7 @@ class Reflections(ShownPass):
         self._compose = gpu.shaders.compute("effects/reflect.comp", grid="shown", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
         with gpu.shaders.hidden.skipping(False):  # holes are closed from all around them
-            self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
+            self._warp = Iterative(gpu, self.rendered_size, shown, OF_A_PART, Output(depth=glossy))
         self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
