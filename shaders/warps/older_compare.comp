@@ -5,9 +5,9 @@
 layout(local_size_x = 64) in;
 layout(rgba16f) readonly uniform image2D shown_colour;
 layout(rgba16f) readonly uniform image2D looked_up;
-// Three pictures with a pixel for each block, one above the other: difference (rgb) and count; then of
+// Four pictures with a pixel for each block, one above the other: difference (rgb) and count; then of
 // square roots of luminance: difference, its product with the gradient (x, y), gradient along x;
-// products of gradients (xx, xy, yy), gradient along y.
+// products of gradients (xx, xy, yy), gradient along y; squared difference.
 layout(rgba32f) writeonly uniform image2D sums;
 uniform ivec2 blocks; // columns and rows of them
 
@@ -26,6 +26,7 @@ void main() {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
     if (block.x >= blocks.x) return;
     vec4 differences = vec4(0.0), shifts = vec4(0.0), products = vec4(0.0);
+    float squares = 0.0;
     for (int k = 0; k < SIDE * SIDE / 4; ++k) {
         ivec2 pixel = block * SIDE + 2 * ivec2(k % (SIDE / 2), k / (SIDE / 2));
         vec4 newest = imageLoad(shown_colour, pixel), older = imageLoad(looked_up, pixel);
@@ -37,9 +38,11 @@ void main() {
         float saw = older.a * newest.a;
         differences += saw * vec4(newest.rgb - older.rgb, 1.0);
         shifts += saw * vec4(difference, slope * difference, slope.x);
+        squares += saw * difference * difference;
         products += saw * vec4(slope.x * slope, slope.y * slope.y, slope.y);
     }
     imageStore(sums, block, differences);
     imageStore(sums, block + ivec2(0, blocks.y), shifts);
     imageStore(sums, block + ivec2(0, 2 * blocks.y), products);
+    imageStore(sums, block + ivec2(0, 3 * blocks.y), vec4(squares));
 }

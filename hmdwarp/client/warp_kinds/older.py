@@ -43,7 +43,7 @@ class OlderFrames:
         self._join = [gpu.shaders.compute("warps/older_join.comp", OLDER=count) for count in range(1, most + 1)]
         self._looked_up = [allocate(gpu.gl, shown_size, COLOUR) for _ in range(most)]
         self._told = [allocate(gpu.gl, self._blocks, COLOUR) for _ in range(most)]
-        self._sums = allocate(gpu.gl, (self._blocks[0], 3 * self._blocks[1]), (4, "f4"))
+        self._sums = allocate(gpu.gl, (self._blocks[0], 4 * self._blocks[1]), (4, "f4"))
 
     def add(
         self,
