@@ -27,7 +27,7 @@ def machine_line(data: Row, *, defaults: bool = True) -> str:
 
 
 def times_table(rows: list[Row], trace: str = "look-around") -> str:
-    """Return what warp and fill take together for one eye at each size, the quickest warp first.
+    """Return what warp and fill take for one eye, for warps of every size, the quickest first.
 
     rows: of bench.json, at one latency. Median and 95th percentile in ms.
     """
@@ -35,7 +35,8 @@ def times_table(rows: list[Row], trace: str = "look-around") -> str:
     sizes = sorted({tuple(row["size"]) for row in here})
     times = {(row["warp"], row["fill"], tuple(row["size"])): row["time_ms"]["total"] for row in here}
     fills = list(dict.fromkeys(row["fill"] for row in here))
-    warps = sorted({row["warp"] for row in here}, key=lambda warp: times[warp, fills[0], sizes[0]]["median"])
+    warps = {row["warp"] for row in here if all((row["warp"], fills[0], size) in times for size in sizes)}
+    warps = sorted(warps, key=lambda warp: times[warp, fills[0], sizes[0]]["median"])
     heads = ["warp", *(f"{fill}, {size[0]}x{size[1]}" for size in sizes for fill in fills)]
     cells = [[_cell(times.get((warp, fill, size))) for size in sizes for fill in fills] for warp in warps]
     return markdown(heads, [[f"`{warp}`", *line] for warp, line in zip(warps, cells, strict=True)])

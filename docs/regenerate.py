@@ -39,31 +39,21 @@ SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
 # Tables that a command or a script prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
-    "trace formats": ("-m hmdwarp list formats --markdown", True),
-    "layouts": ("-m hmdwarp list layouts --markdown", True),
-    "clients": ("-m hmdwarp list clients --markdown", True),
-    "feed": ("docs/measure/feed_cost.py", True),
     "codecs": ("docs/measure/codec_rates.py", True),
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
-    "speed": ("docs/measure/speed.py", False),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
-    "speed aims": ("docs/measure/speed.py --aims", True),
     "foveation": ("docs/measure/foveated.py", True),
-    "panels": ("docs/measure/panel_text.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
-    "held out": ("tests/held_out.py", True),
-    "sweeps": ("docs/measure/sweep_scale.py", True),
-    "coverage": ("-m tests.study.coverage", True),
 }
 
 
-def run(command: str, folder: Path, *, said: bool = False, statuses: Sequence[int] = (0,), **environment: str) -> str:
+def run(command: str, folder: Path, *, said: bool = False, **environment: str) -> str:
     """Run Python and return what it prints, said: on stderr. Raises: SystemExit."""
     print(command, flush=True)
     words, how = [sys.executable, *shlex.split(command.format(folder=folder))], {"cwd": ROOT, "text": True}
     done = subprocess.run(words, check=False, capture_output=True, env={**os.environ, **environment}, **how)
-    if done.returncode not in statuses:
+    if done.returncode:
         raise SystemExit(done.stderr)
     return (done.stderr if said else done.stdout).rstrip()
 
@@ -126,7 +116,7 @@ def read(paths: Iterable[str]) -> list[dict[str, Any]]:
 
 def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
-    from hmdwarp.report.bench.charts import pareto_plot_png
+    from hmdwarp.report.bench.page import pareto_plot_png
 
     later = "--latency 400,600,800 --instants 3 --rounds 1"
     plain = "bench --predict none --size 800x500"
@@ -259,19 +249,21 @@ def strategies_suite(folder: Path, *ready: str) -> None:
 
 
 def strategies(folder: Path, *ready: str) -> None:
-    """Compare all strategies: what each is, the figures, and who can run it."""
+    """Compare all strategies: what each is, which for whom, and figures, at 400 ms."""
     from hmdwarp.client.classes import client_names
     from hmdwarp.client.strategies import strategies as every
-    from hmdwarp.report.compare_page import assigned_table, chosen_markdown, compare_markdown, ran_text
+    from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, ran_text
 
     command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
-    listed = [(f"`{each.name}`", each.crosses, each.client, each.late) for each in sorted(every, key=lambda s: s.name)]
-    replace("strategies", markdown(("strategy", "crosses the link", "the client", "late"), listed, texts=4))
-    ran = f"Each run: {ran_text(data['rows'])}.\n\n"
-    replace("strategies chosen", ran + chosen_markdown(data, (2, 5)))
-    replace("strategies measured", ran + compare_markdown(data["rows"]))
-    replace("strategies assigned", assigned_table(data).markdown())
+    told = "{0.crosses}. The client {0.client}. Late: {0.late}."
+    replace(
+        "strategies", bullets((f"`{each.name}`", told.format(each)) for each in sorted(every, key=lambda s: s.name))
+    )
+    rows = [row for row in data["rows"] if row["latency_ms"] == 400]
+    ran = f"Each run: {ran_text(rows)}.\n\n"
+    replace("strategies chosen", ran + chosen_markdown({**data, "rows": rows}, (5,)))
+    replace("strategies measured", ran + compare_markdown(row for row in rows if row["trace"] == "walk"))
 
 
 def rgbd(_: Path, *ready: str) -> None:
@@ -293,12 +285,6 @@ def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
     from hmdwarp.report import summary_markdown
 
     replace(marker, summary_markdown(read(ready) or [hmdwarp("thesis", folder / "thesis", "results.json")]))
-
-
-def live_cost(folder: Path) -> None:
-    """Measure the loop outside OpenGL and the garbage collector; status 1: above its limit."""
-    parts = [run(f"docs/measure/live_cost.py {gc}", folder, statuses=(0, 1), COLUMNS="110") for gc in ("", "--gc")]
-    replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
 
 
 def fill_fronts(folder: Path, *sequences: str) -> None:
@@ -367,25 +353,31 @@ def kills(folder: Path) -> None:
 
 
 def keys(_: Path) -> None:
-    """Write the keys of a live run and of a question, and the scales, from the program's lists."""
+    """Write the keys of a live run and the scales, from the program's lists."""
     from hmdwarp.cli.catalogue import entries
     from hmdwarp.display import CONTROLS, MOVING, and_mouse
-    from hmdwarp.study.dialogs.buttons import CONTROLS as ANSWERS
 
     live = [(f"`{key}`", what) for key, what in MOVING]
     live += [(f"`{f'{each.key} {each.back}'.strip()}`{and_mouse(each)}", each.what) for each in CONTROLS]
-    replace("controls", markdown(("key", "what it does"), live, texts=2))
-    answers = []
-    for each in (each for each in ANSWERS if each.what):
-        names = (each.written or each.key, *(key for key in each.also if "KP" not in key))
-        answers.append((", ".join(f"`{name}`" for name in names) + and_mouse(each), each.what))
-    answers.append(("mouse", "points at the scale, the wheel moves, a click answers"))
-    replace("keys", markdown(("key", "what it does"), answers, texts=2))
-    scales = []
-    for row in entries("scales"):
-        asks = row["asks"].split(":")[0] if row["kind"] == "questionnaire" else row["asks"]
-        scales.append((f"`{row['name']}`", row["summary"], asks, row["source"]))
-    replace("scales", markdown(("scale", "what it is", "asks", "source"), scales, texts=4))
+    replace("controls", bullets(live))
+    scales = [(f"`{row['name']}`", row["summary"], row["source"]) for row in entries("scales")]
+    replace("scales", bullets(scales))
+
+
+def bullets(rows: Iterable[Sequence[str]]) -> str:
+    """Return a list of what each is; a third text stands behind it."""
+    return "\n".join(f"- {first}: {'; '.join(filter(None, rest))}" for first, *rest in rows)
+
+
+def assumed_list(kind: str) -> str:
+    """Return what the formats or layouts read, and what each assumes where nothing states it."""
+    from hmdwarp.cli.catalogue import entries
+
+    rows = []
+    for row in entries(kind):
+        assumed = ", ".join(name.replace("_", " ") for name, text in row.items() if " (not stated" in text)
+        rows.append((f"`{row['name']}`", row["summary"], assumed and f"assumed: {assumed}"))
+    return bullets(rows)
 
 
 def lists_of_tests(_: Path) -> None:
@@ -404,7 +396,7 @@ def bounds(_: Path) -> None:
     """Write what the numbers of the feed's messages may be."""
     from hmdwarp.sources.feed.bounds import BOUNDS
 
-    replace("bounds", markdown(("number", "from, to"), [(bound.what, bound.text) for bound in BOUNDS], texts=2))
+    replace("bounds", bullets((bound.what, bound.text) for bound in BOUNDS))
 
 
 def pictures(folder: Path) -> None:
@@ -426,9 +418,10 @@ OWN: Mapping[str, Callable[..., None]] = {
     "strategies-suite": strategies_suite,
     "rgbd": rgbd,
     "thesis": thesis,
-    "live-cost": live_cost,
     "fill-fronts": fill_fronts,
     "kills": kills,
+    "trace formats": lambda _: replace("trace formats", assumed_list("formats")),
+    "layouts": lambda _: replace("layouts", assumed_list("layouts")),
     "keys": keys,
     "hard-cases": lists_of_tests,
     "trace layouts": lists_of_tests,

@@ -55,7 +55,7 @@ def _take(*, shared: bool = False) -> moderngl.Context:
 def _put_back(gpu: Gpu) -> None:
     if gpu.gl not in _made or gpu._reset_status():
         return _release(gpu)
-    gpu._collect()
+    gpu.forget_released()
     gpu.gl.enable_only(moderngl.NOTHING)
     gpu.gl.finish()
     gpu.gl.__exit__(None, None, None)

@@ -1,4 +1,4 @@
-"""Whether parameters that were fitted hold elsewhere: a table for docs/bench.md.
+"""Whether parameters that were fitted hold elsewhere; docs/bench.md says what came of it.
 
 Each is varied on both halves of hmdwarp's suites (`halves` in suites.toml): where the best value on
 the half to fit on is not the one in use, it says what either gives on the half that was held out.

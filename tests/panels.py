@@ -35,7 +35,7 @@ def headset_for(lens: str) -> Headset:
 def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
     """A world whose shown view has the headset's field of view."""
     world = World(gpu, seed, size, moved=moved)
-    world.shown_view = View(world.shown_view.pose, headset.fov(eye))
+    world.shown_view = View(world.shown_view.pose, headset.eyes[eye].fov)
     if not moved:
         world.rendered_view = world.shown_view
         world.upload(gpu)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import io
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -138,8 +138,8 @@ def _packed(messages: Messages, time_ns: int, form: str, pixels: np.ndarray, hea
     return "sensor_msgs/CompressedImage", time_ns, messages.compressed(time_ns, form, stream.getvalue())
 
 
-def write_bag(folder: Path, kind: str, rows: Iterator[Logged], messages: Messages) -> None:
-    """Write .bag, .db3 or .mcap into a folder."""
+def write_bag(folder: Path, kind: str, rows: Iterable[Logged], messages: Messages, packed: Sequence[str] = ()) -> None:
+    """Write .bag, .db3 or .mcap into a folder. packed: compression, its mode first for ROS 2."""
     from rosbags import rosbag1, rosbag2
 
     if kind == ".bag":
@@ -149,6 +149,11 @@ def write_bag(folder: Path, kind: str, rows: Iterator[Logged], messages: Message
         plugin = rosbag2.StoragePlugin.MCAP if kind == ".mcap" else rosbag2.StoragePlugin.SQLITE3
         writer = rosbag2.Writer(folder / "made", version=9, storage_plugin=plugin)
         pack = messages.store.serialize_cdr
+    if packed:
+        names = (
+            (rosbag2.CompressionMode, rosbag2.CompressionFormat) if packed[1:] else (rosbag1.Writer.CompressionFormat,)
+        )
+        writer.set_compression(*(kinds[name] for kinds, name in zip(names, packed, strict=True)))
     with writer:
         connections: dict[str, Any] = {}
         for topic, msgtype, time_ns, message in rows:

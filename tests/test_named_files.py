@@ -11,6 +11,7 @@ import os
 import resource
 import shutil
 import socket
+import struct
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,7 +21,7 @@ import pytest
 from PIL import Image
 from published_folders import PUBLISHED, Form
 from recorded_folders import HAS_EXR, LAYOUTS, taken
-from ros_bags import BAGS, HAS_ROSBAGS
+from ros_bags import BAGS, BEGINS_NS, HAS_ROSBAGS, Messages, write_bag
 
 import hmdwarp
 from hmdwarp.client.classes import load_client
@@ -34,12 +35,13 @@ from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import file_head
 from hmdwarp.poses.reading import pose_messages as bags
+from hmdwarp.poses.reading import rows as reading_rows
 from hmdwarp.resources import folder as shipped
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
 from hmdwarp.sources.feed.key_pairs import public_key
 from hmdwarp.sources.feed.options import secret_in
-from hmdwarp.sources.sequences import read_frame, read_view
+from hmdwarp.sources.sequences import SequenceOptions, read_frame, read_view
 from hmdwarp.study.analysis.findings import load_claims
 from hmdwarp.study.analysis.long_table import from_csv
 from hmdwarp.study.design import load_design
@@ -166,6 +168,51 @@ def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
     assert len(load_trace(tmp_path / "head.csv.gz").track) == 60_000
     monkeypatch.setattr(file_head, "TRACE", attrs.evolve(file_head.TRACE, most_bytes=len(rows) - 1))
     refused(lambda: load_trace(tmp_path / "head.csv.gz"), f"more than {len(rows) - 1} bytes, unpacked")
+    monkeypatch.undo()
+    (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows[:27].encode() + b"0,0,0,0,0,0,0,1\n" * (1 << 21)))
+    refused(lambda: load_trace(tmp_path / "head.csv.gz"), "more than 16777216 bytes, unpacked")
+
+
+def test_a_trace_has_so_many_rows_at_most(tmp_path, monkeypatch):
+    lines = ["time_ns,x,y,z,qx,qy,qz,qw\n", *(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(101))]
+    monkeypatch.setattr(reading_rows, "MOST_ROWS", 100)
+    (tmp_path / "head.csv").write_text("".join(lines[:-1]))
+    assert len(load_trace(tmp_path / "head.csv").track) == 100
+    (tmp_path / "head.csv").write_text("".join(lines))
+    refused(lambda: load_trace(tmp_path / "head.csv"), "more than 100 rows; expected fewer: cut it")
+
+
+@pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed")
+def test_pixels_of_an_exr_are_bounded_by_what_they_unpack_to(tmp_path):
+    """No pixel of it is read: it holds as many as before."""
+    LAYOUTS["exr"][1](tmp_path, taken(1))
+    (file,) = tmp_path.glob("*.exr")
+    head, name, rest = file.read_bytes().partition(b"dataWindow\0box2i\0\x10\0\0\0")
+    file.write_bytes(head + name + struct.pack("<4i", 0, 0, 6000, 6000) + rest[16:])
+    form = Form("folder", print, SequenceOptions())
+    refused(lambda: read_all(form, tmp_path), "bytes of pixels, unpacked", "at most 536870912")
+
+
+@pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed")
+@pytest.mark.parametrize(
+    ("kind", "packed"),
+    [(".bag", ["BZ2"]), (".bag", ["LZ4"]), (".db3", ["FILE", "ZSTD"]), (".db3", ["MESSAGE", "ZSTD"]),
+     (".mcap", ["STORAGE", "ZSTD"])],
+)  # fmt: skip
+def test_a_bag_unpacks_to_so_many_bytes_at_most(tmp_path, kind, packed):
+    """Of 17 MB of zeros and of one; what is packed is a few kB."""
+    messages = Messages(1 if kind == ".bag" else 2)
+
+    def topics(side: int) -> list[str]:
+        folder = tmp_path / str(side)
+        folder.mkdir()
+        image = messages.image(BEGINS_NS, np.zeros((side, side, 3), np.uint8), "bgr8")
+        write_bag(folder, kind, [("/camera", "sensor_msgs/Image", BEGINS_NS, image)], messages, packed)
+        bag = bags.Bag(next(folder.glob("*.bag"), folder))
+        return [topic for topic, _, _ in bag.messages(["/camera"])]
+
+    assert topics(600) == ["/camera"]
+    refused(lambda: topics(2400), "cannot be read as a bag", "unpacked")
 
 
 # --- layouts of recorded frames

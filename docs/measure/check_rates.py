@@ -107,8 +107,10 @@ def main() -> None:
     found = list(results(recorded, chosen.cases, faults))
     outcomes = Counter(trial.outcome for trial in found)
     shares = ", ".join(f"{outcomes[outcome]} {outcome}" for outcome in OUTCOMES)
-    print(f"Of {len(found)} random cases with {faults} {'fault' if faults == 1 else 'faults'}: {shares}.\n")
-    print_table(("misread as", "cases", *OUTCOMES), table(found))
+    print(f"Of {len(found)} random cases with {faults} {'fault' if faults == 1 else 'faults'}: {shares}.")
+    print("Kinds that were not always right:\n")
+    rows = [(name, cases, right, *rest) for name, cases, right, *rest in table(found) if right != cases]
+    print_table(("misread as", "cases", *OUTCOMES), rows)
 
 
 if __name__ == "__main__":

@@ -30,7 +30,7 @@ from hmdwarp.poses import load_trace, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
-LATENCIES_MS = (0.0, 20.0, 50.0, 100.0)
+LATENCIES_MS = (0.0, 100.0)
 FRAMES = {
     "whole": {},
     "40 degrees": {"fovea_deg": 40.0},

@@ -1,4 +1,4 @@
-"""Pages and slow connections at the web's door beside an honest client: part of `make test-soak`.
+"""Pages, and slow connections at both doors, beside an honest client: part of `make test-soak`.
 
 Nobody may be shut out, and what the others held is free soon after they left. Prints its figures.
 """
@@ -15,7 +15,7 @@ from apparatus import options
 from serving import Serving
 from web.crowd import Crowd, held_by
 
-SLOW, PAGES = 200, 12
+SLOW, PAGES = 400, 12
 MOST_WAIT_S, BACK_S, GROWN_MIB = 5.0, 10.0, 64
 
 
@@ -38,8 +38,8 @@ def main() -> int:
             after_mib, after = held_by(process)
         back_s = time.monotonic() - left_s
     print(
-        f"{seconds:g} s beside {SLOW} unfinished requests and {PAGES} bad pages: {crowd.frames} frames, the longest "
-        f"wait {crowd.longest_s:.2f} s ({alone.longest_s:.2f} s alone)"
+        f"{seconds:g} s beside {SLOW} unfinished requests at both doors and {PAGES} bad pages: {crowd.frames} frames, "
+        f"the longest wait {crowd.longest_s:.2f} s ({alone.longest_s:.2f} s alone)"
     )
     print(
         f"{back_s:.1f} s after they left: {after} descriptors of {before} before, {after_mib} MiB of {before_mib}, "

@@ -13,7 +13,7 @@ import sys
 from contextlib import suppress
 from typing import NoReturn
 
-from ._retired import instead_of
+from ._app import instead_of
 from ._signals import Ended, end_cleanly
 
 INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT

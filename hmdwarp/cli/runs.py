@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from functools import partial
-from typing import Any
 
 import attrs
 import typer
@@ -55,26 +54,25 @@ def choose(said: Said) -> None:
     options = RunOptions.of(said)
     choice = run.choose(options, sayer(said["quiet"] or said["json"]))
     if said["json"]:
-        typer.echo(as_json(_entry(options, choice)))
+        level, *_ = levels = [
+            {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
+            for one in (choice.level, *choice.levels)
+            if one is not None
+        ]
+        typer.echo(
+            as_json(
+                {
+                    "command": choice.command(sys.argv[2:]),
+                    "budget_ms": options.budget_ms,
+                    "guard": choice.options.guard,
+                    **level,
+                    "levels": levels[1:],
+                    "notes": choice.notes,
+                }
+            )
+        )
     else:
         _told(choice)
-
-
-def _entry(options: RunOptions, choice: run.Choice) -> dict[str, Any]:
-    """Return the choice for programs. Levels have the keys that bench.json's rows have."""
-    level, *_ = levels = [
-        {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
-        for one in (choice.level, *choice.levels)
-        if one is not None
-    ]
-    return {
-        "command": choice.command(sys.argv[2:]),
-        "budget_ms": options.budget_ms,
-        "guard": choice.options.guard,
-        **level,
-        "levels": levels[1:],
-        "notes": choice.notes,
-    }
 
 
 def _told(choice: run.Choice, *, quiet: bool = False) -> RunOptions:

@@ -25,7 +25,7 @@ from ..frames import Needs
 from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View
 from ..gpu.context import Gpu
-from ..gpu.shaders import Inputs, Uniforms
+from ..gpu.shaders import Uniforms
 from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
 from ..scenes import ATLAS, Background, Light, Scene, lamps_at
 from ..sources.server import Lighting
@@ -601,7 +601,7 @@ class SplatLight(Lighting):
     """Its indirect light is a picture that its owner sets, see Splats."""
 
     defines = ("LAMPS", "SPLATTED")
-    splats: Inputs
+    splats: Any
 
     def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         self.use_lamps(uniforms, time_ns)

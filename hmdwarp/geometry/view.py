@@ -251,13 +251,11 @@ def is_a(kind: type, *, optional: bool = False) -> Callable[[object, attrs.Attri
 
 def _check_polygons(_: object, __: object, polygons: Sequence[Polygon]) -> None:
     try:
-        is_right = all(frozen(point, 2) is not None for polygon in polygons for point in polygon)
-    except (InputError, *NO_NUMBERS):
-        is_right = False
-    if not is_right:
+        [frozen(point, 2) for polygon in polygons for point in polygon]
+    except (InputError, *NO_NUMBERS) as error:
         raise InputError(
             f"polygons {in_brief(polygons)}: expected a list of polygons, each of points (x, y) in tangents"
-        )
+        ) from error
 
 
 @attrs.frozen(eq=False)
@@ -300,13 +298,8 @@ class Hidden:
 
     def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
         """Return (w, 2), read-only: each column's first seen row, and the one after its last."""
-        key = fov, size
-        if key not in self._known:
-            self._known[key] = self._rows(fov, size)
-            self._known[key].flags.writeable = False
-        return self._known[key]
-
-    def _rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
+        if (known := self._known.get((fov, size))) is not None:
+            return known
         from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
         seen = self._inside(fov, size)
@@ -322,7 +315,9 @@ class Hidden:
         first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
         last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
         found = np.stack([np.maximum(first - pads[2], 0), np.minimum(last + pads[3], size[1])], axis=1)
-        return np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
+        made = self._known[fov, size] = np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
+        made.flags.writeable = False
+        return made
 
     def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
         from scipy.ndimage import binary_opening
@@ -358,12 +353,9 @@ Gaze = tuple[float, float, float]
 
 def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
     try:
-        x, y, z = (0, 0, -1) if gaze is None else gaze
-        is_right = x * x + y * y + z * z < math.inf
-    except NO_NUMBERS:
-        is_right = False
-    if not is_right:
-        raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None")
+        frozen((0, 0, -1) if gaze is None else gaze, 3)
+    except InputError as error:
+        raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None") from error
 
 
 @attrs.frozen(eq=False)

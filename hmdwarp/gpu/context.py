@@ -124,17 +124,6 @@ def contexts_kept() -> Iterator[None]:
             context.gl.release()
 
 
-def _taken() -> _Context:
-    if not _idle:
-        gl = create_context()
-        return _Context(gl, ShaderLibrary(gl))
-    before, context = getattr(_thread, "gpu", None), _idle.pop()
-    if before is not None:
-        before.gl.__exit__(None, None, None)
-    context.gl.__enter__()
-    return context
-
-
 class Gpu:
     """A context with its limits and caches; every pass gets this one object.
 
@@ -147,11 +136,18 @@ class Gpu:
     def __init__(self, gl: moderngl.Context | None = None) -> None:
         global _process  # noqa: PLW0603 (a fork copies it)
         check_not_forked()
-        self._context = _taken() if gl is None else _Context(gl, ShaderLibrary(gl))
+        self._before: Gpu | None = getattr(_thread, "gpu", None)
         self._is_own = gl is None
+        if gl is None and _idle:
+            self._context = _idle.pop()
+            if self._before is not None:
+                self._before.gl.__exit__(None, None, None)
+            self._context.gl.__enter__()
+        else:
+            gl = gl or create_context()
+            self._context = _Context(gl, ShaderLibrary(gl))
         self.gl = self._context.gl
         _process = self._process = os.getpid()
-        self._before: Gpu | None = getattr(_thread, "gpu", None)
         self._closed = False
         self._dropped: deque[Callable[[], object]] = deque()
         _thread.gpu = self
@@ -203,7 +199,7 @@ class Gpu:
         objects = self.gl.objects
         while objects:
             kept = objects.popleft()
-            if hasattr(kept, "release"):
+            if hasattr(kept, "release"):  # not the husk of what was released by hand
                 kept.release()
 
     def give_back_memory(self) -> None:
@@ -221,12 +217,6 @@ class Gpu:
         """Call `free` when the context is next made current; for finalizers, in any thread."""
         self._dropped.append(free)
 
-    def _collect(self) -> None:
-        while self.gl.objects:
-            thing = self.gl.objects.popleft()
-            if hasattr(thing, "release"):  # not the husk of what was released by hand
-                thing.release()
-
     @contextmanager
     def current(self) -> Iterator[Gpu]:
         """Direct GL calls of this thread to this context inside the block, and back after it.
@@ -242,7 +232,7 @@ class Gpu:
             if self._dropped or len(self.gl.objects) >= _MANY:
                 while self._dropped:
                     self._dropped.popleft()()
-                self._collect()
+                self.forget_released()
                 self.give_back_memory()
             yield self
         finally:
@@ -295,29 +285,24 @@ class Gpu:
                 return True
         return False
 
-    def _put_aside(self) -> bool:
-        """Leave the context to the next Gpu; return whether that is wanted."""
-        if _idle is None or not self._is_own or self._reset_status():
-            return False
-        for key, lent in list(self._context.lent.items()):
-            if lent.last is not self:
-                del self._context.lent[key]
-                lent.thing.release()
-            lent.last = None
-        self.gl.enable_only(moderngl.NOTHING)
-        self.gl.finish()
-        self.gl.__exit__(None, None, None)
-        _idle.append(self._context)
-        return True
-
     def _release(self) -> None:
-        self._collect()
-        if self._put_aside():
-            return
-        # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's
-        # in the same thread (BadAccess).
+        self.forget_released()
+        is_kept = _idle is not None and self._is_own and not self._reset_status()
+        if is_kept:
+            for key, lent in list(self._context.lent.items()):
+                if lent.last is not self:
+                    del self._context.lent[key]
+                    lent.thing.release()
+                lent.last = None
+            self.gl.enable_only(moderngl.NOTHING)
+            self.gl.finish()
+        # A context that is destroyed while current stays so in EGL, and GLX then refuses a
+        # window's in the same thread (BadAccess).
         self.gl.__exit__(None, None, None)
-        self.gl.release()
+        if is_kept and _idle is not None:
+            _idle.append(self._context)
+        else:
+            self.gl.release()
 
     def __enter__(self) -> Gpu:
         return self

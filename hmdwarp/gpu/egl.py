@@ -125,13 +125,10 @@ class EglContext:
         return self._egl.find(name.encode()) or 0
 
     def __enter__(self) -> None:
-        self._make_current(self._context)
+        _make_current(self._display, self._context)
 
     def __exit__(self, *_: object) -> None:
-        self._make_current(0)
-
-    def _make_current(self, context: int) -> None:
-        self._egl.call("eglMakeCurrent", ctypes.c_uint32, self._display, 0, 0, context)
+        self._egl.call("eglMakeCurrent", ctypes.c_uint32, self._display, 0, 0, 0)
 
     def release(self) -> None:
         """Destroy the context. Its display stays: others on the device share it."""
@@ -174,6 +171,11 @@ def create_context(version: int, *, shared: bool = False) -> moderngl.Context:
     return _on(chosen[0], version, shared)
 
 
+def _make_current(display: int, context: int) -> None:
+    if context:
+        _egl().call("eglMakeCurrent", ctypes.c_uint32, display, 0, 0, context)
+
+
 def _on(device: Device, version: int, shared: bool = False) -> moderngl.Context:
     before = _egl().current()
     made = EglContext(device, version, shared=shared)
@@ -182,14 +184,8 @@ def _on(device: Device, version: int, shared: bool = False) -> moderngl.Context:
     except Exception as error:  # moderngl raises bare Exception here
         made.__exit__()
         made.release()
-        _make_current(before)
+        _make_current(*before)
         raise OSError(str(error)) from error
-
-
-def _make_current(before: tuple[int, int]) -> None:
-    display, context = before
-    if context:
-        _egl().call("eglMakeCurrent", ctypes.c_uint32, display, 0, 0, context)
 
 
 def renderer_of(device: Device, version: int) -> str:
@@ -202,5 +198,5 @@ def renderer_of(device: Device, version: int) -> str:
     name = str(gl.info["GL_RENDERER"])
     gl.__exit__(None, None, None)
     gl.release()
-    _make_current(before)
+    _make_current(*before)
     return name

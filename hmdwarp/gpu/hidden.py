@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
 import moderngl
@@ -21,38 +21,20 @@ ACROSS = 150  # rectangles of the hidden area, about
 STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
 NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
 Size = tuple[int, int]
-Fov = Any
+SeenView = Any  # a geometry.View
 Strips = Literal["seen", "hidden", "edge"]
 Grid = Literal["rendered", "shown", "panel"]
 
 
-class HiddenArea(Protocol):
-    """What is hidden of a view, as geometry.Hidden has it."""
-
-    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]: ...
-
-    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]: ...
-
-
-class SeenView(Protocol):
-    """A geometry.View."""
-
-    @property
-    def fov(self) -> Fov: ...
-
-    @property
-    def hidden(self) -> HiddenArea | None: ...
-
-
 class _Whole:
-    """A view of which nothing is hidden, and its hidden area."""
+    """A view of which nothing is hidden, and its hidden area, as geometry.Hidden has it."""
 
     fov, hidden = None, None
 
-    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
+    def rows(self, fov: Any, size: Size) -> NDArray[np.int32]:
         return np.array([[0, size[1]]] * size[0], np.int32)
 
-    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
+    def seen(self, fov: Any, size: Size) -> NDArray[np.bool_]:
         return np.ones(size[::-1], bool)
 
 
@@ -72,7 +54,7 @@ class HiddenAreas:
         self.skips = False
         # The views that count now; nothing is hidden of one that is missing.
         self.views: dict[Grid, SeenView] = {}
-        self._made: WeakKeyDictionary[HiddenArea, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
+        self._made: WeakKeyDictionary[Any, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
 
     @contextmanager
     def skipping(self, skips: bool) -> Iterator[None]:
@@ -126,7 +108,18 @@ class HiddenAreas:
         program = self._shaders.draw("server/hidden.vert", "server/hidden.frag", NEAREST=nearest, **defines)
         made, key = self._made.setdefault(view.hidden, {}), (view.fov, size, program)
         if key not in made:
-            buffer = self._gl.buffer(_corners(view.hidden.rows(view.fov, size), size).tobytes())
+            # Triangles over all but the seen rows of each column. In a wide picture each is several
+            # columns wide and leaves what any of them sees. 1234x1370: llvmpipe draws those of 8
+            # columns in 3.5 ms of the 15 that they save, those of one in 9.5.
+            rows, columns = view.hidden.rows(view.fov, size), max(1, size[0] // ACROSS)
+            starts = np.arange(0, size[0], columns)
+            x = np.stack([starts, np.minimum(starts + columns, size[0])], axis=1)
+            below = np.minimum.reduceat(np.where(rows[:, 0] < rows[:, 1], rows[:, 0], size[1]), starts)
+            above = np.maximum.reduceat(rows[:, 1], starts)
+            edges = ((np.zeros_like(below), below), (np.maximum(above, below), np.full_like(above, size[1])))
+            left, right, low, high = np.concatenate([np.stack([x[:, 0], x[:, 1], *ends], axis=1) for ends in edges]).T
+            places = np.stack([left, low, right, low, left, high, left, high, right, low, right, high], axis=1)
+            buffer = self._gl.buffer((places.reshape(-1, 2) * 2.0 / size - 1).astype(np.float32).tobytes())
             made[key] = self._gl.vertex_array(program.program, [(buffer, "2f", "in_ndc")])
         framebuffer.viewport = (0, 0, *size)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
@@ -153,20 +146,3 @@ class HiddenAreas:
         program.uniforms.set(colour=0, size=size, seen_rows=UNIT)
         if count := self.bind(view, size, program.group[0], program.rows, of=of):
             program.program.run(count)
-
-
-def _corners(rows: NDArray[np.int32], size: Size) -> NDArray[np.float32]:
-    """Return triangles, in_ndc, of rectangles over all but the seen rows of each column.
-
-    In a wide picture each is several columns wide and leaves what any of them sees. 1234x1370:
-    llvmpipe draws those of 8 columns in 3.5 ms of the 15 that they save, those of one in 9.5.
-    """
-    columns = max(1, size[0] // ACROSS)
-    starts = np.arange(0, size[0], columns)
-    x = np.stack([starts, np.minimum(starts + columns, size[0])], axis=1)
-    below = np.minimum.reduceat(np.where(rows[:, 0] < rows[:, 1], rows[:, 0], size[1]), starts)
-    above = np.maximum.reduceat(rows[:, 1], starts)
-    edges = ((np.zeros_like(below), below), (np.maximum(above, below), np.full_like(above, size[1])))
-    left, right, low, high = np.concatenate([np.stack([x[:, 0], x[:, 1], *ends], axis=1) for ends in edges]).T
-    places = np.stack([left, low, right, low, left, high, left, high, right, low, right, high], axis=1)
-    return (places.reshape(-1, 2) * 2.0 / size - 1).astype(np.float32)

@@ -80,12 +80,15 @@ def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int])
     bind = gl_function("glBindFramebuffer", None, uint, uint)
     attach = gl_function("glFramebufferTexture2D", None, uint, uint, uint, uint, ctypes.c_int32)
     check = gl_function("glCheckFramebufferStatus", uint, uint)
-    drawn, read = _bound(_DRAW_BINDING), _bound(_READ_BINDING)
+    get = gl_function("glGetIntegerv", None, uint, ctypes.POINTER(ctypes.c_int32))
+    drawn, read = ctypes.c_int32(), ctypes.c_int32()
+    get(_DRAW_BINDING, ctypes.byref(drawn))
+    get(_READ_BINDING, ctypes.byref(read))
     bind(_FRAMEBUFFER, made.glo)
     attach(_FRAMEBUFFER, _DEPTH_ATTACHMENT, _TEXTURE_2D, texture, 0)
     status = check(_FRAMEBUFFER)
-    bind(_DRAW_FRAMEBUFFER, drawn)
-    bind(_READ_FRAMEBUFFER, read)
+    bind(_DRAW_FRAMEBUFFER, drawn.value)
+    bind(_READ_FRAMEBUFFER, read.value)
     place_holder.release()
     if status != _COMPLETE:
         made.release()
@@ -94,12 +97,6 @@ def depth_framebuffer(gl: moderngl.Context, texture: int, size: tuple[int, int])
             "use --no-depth-layer"
         )
     return made
-
-
-def _bound(which: int) -> int:
-    value = ctypes.c_int32()
-    gl_function("glGetIntegerv", None, ctypes.c_uint32, ctypes.POINTER(ctypes.c_int32))(which, ctypes.byref(value))
-    return value.value
 
 
 @contextmanager

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, TypeVar, cast
+from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError, ShaderError
 from ..resources import folder
@@ -99,15 +102,98 @@ def flatten(path: str, defines: Mapping[str, object] | None = None, root: Path |
     return out
 
 
-class Member(Protocol):
-    """A uniform of a linked program; moderngl publishes no types for `fmt` and `matrix`."""
+_GUARD = re.compile(r"\s*#\s*(?:if|endif)")
+_UNIFORM = re.compile(r"\s*uniform\s+(float|u?int|bool|[iu]?vec[234]|mat[234](?:x[234])?)\s+([^=;]+);\s*")
+_NAME = re.compile(r"\s*(\w+)\s*(?:\[\s*(\w+)\s*\])?\s*")
+_NUMBER = re.compile(r"\s*#\s*define\s+(\w+)\s+(\d+)\s*")
+_MOST_BYTES = 16384  # of a block, for every driver
+_BLOCK = "Uniforms_"
 
-    fmt: str  # its last letter is the scalar's type
-    matrix: bool
-    value: object
 
-    def write(self, data: bytes) -> None:
-        """Set the value as GLSL stores it."""
+class Block:
+    """The plain uniforms of a program's stages as one block of layout std140, in their texts.
+
+    Those with a default, of a size other than a number or its define, and lines that hold more than
+    a declaration stay outside; all do where one name has two types.
+    """
+
+    def __init__(self, flats: Sequence[Flattened]) -> None:
+        self.views: dict[str, NDArray[Any]] = {}  # where each is written, as NumPy has it
+        self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
+        self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
+        self._declared, self._numbers, self._end = dict[str, str](), dict[str, str](), 0
+        found = [self._without_its_uniforms(flat) for flat in flats]
+        members = "; ".join(self._declared.values())
+        for lines, place in found:
+            if place is not None:
+                lines.insert(place, f"layout(std140) uniform {_BLOCK} {{ {members}; }};")
+            self.texts.append("\n".join(lines) + "\n")
+        self.size = self._end + -self._end % 16
+
+    def _without_its_uniforms(self, flat: Flattened) -> tuple[list[str], int | None]:
+        """Return the lines that are left, and which the block precedes: a uniform's, or its #if."""
+        lines: list[str] = []
+        depth, outermost, place = 0, 0, None
+        for number, text in enumerate(flat.lines):
+            line, code = text, text.partition("//")[0]
+            if guard := _GUARD.match(code):
+                outermost = outermost if depth else number
+                depth += -1 if "endif" in guard.group() else 1
+            if (found := _UNIFORM.fullmatch(code)) and self._takes(*found.groups()):
+                place = place if place is not None else outermost if depth else number
+                line = ""
+            elif found := _NUMBER.fullmatch(code):
+                self._numbers[found.group(1)] = found.group(2)
+            lines.append(line)
+        return lines, place
+
+    def _takes(self, kind: str, names: str) -> bool:
+        """Lay out what is declared together; return False for what stays outside."""
+        parts = [found.groups("") for part in names.split(",") if (found := _NAME.fullmatch(part))]
+        counts = [self._numbers.get(size, size or "0") for _, size in parts]
+        if len(parts) <= names.count(",") or not all(map(str.isdecimal, counts)):
+            return False
+        axes, letter = re.findall(r"\d", kind), {"i": "i", "b": "i", "u": "I"}.get(kind[0], "f")
+        rows, columns = int(axes[-1]) if axes else 1, int(axes[0]) if kind[0] == "m" else 1
+        for (name, _), count in zip(parts, map(int, counts), strict=True):
+            text = f"{kind} {name}" + f"[{count}]" * (count > 0)
+            if (before := self._declared.setdefault(name, text)) != text:
+                self._end += _MOST_BYTES
+            if name in self.views or before != text:
+                continue
+            apart = columns > 1 or count > 0  # columns and elements are 16 bytes apart
+            at = self._end + -self._end % (16 if apart or rows > 2 else 4 * rows)
+            self._end = at + (16 * columns * max(count, 1) if apart else 4 * rows)
+            if self._end <= _MOST_BYTES:
+                shape = (count,) * (count > 0) + (rows,) * (rows > 1) + (columns,) * (columns > 1)
+                strides = (16 * columns,) * (count > 0) + (4,) * (rows > 1) + (16,) * (columns > 1)
+                self.views[name] = np.ndarray(shape, _DTYPES[letter], self.data, at, strides)
+                if not apart:
+                    self.packs[name] = partial(struct.Struct(f"{rows}{letter}").pack_into, self.data, at)
+        return True
+
+
+Program = TypeVar("Program", moderngl.Program, moderngl.ComputeShader)
+# Bindings of uniform blocks that a context has left: one a program, so that none is exchanged.
+_bindings: WeakKeyDictionary[moderngl.Context, Iterator[int]] = WeakKeyDictionary()
+
+
+def built(
+    gl: moderngl.Context, flats: Sequence[Flattened], build: Callable[..., Program], name: str
+) -> tuple[Program, Uniforms]:
+    """Return the program that `build` makes of the stages' texts, and its uniforms.
+
+    They are in a block, unless the context has no binding left, or the text does not compile with
+    it: another stage may have another meaning for a name. Errors: moderngl.Error.
+    """
+    block = Block(flats)
+    if 0 < block.size <= _MOST_BYTES:
+        free = _bindings.setdefault(gl, iter(range(gl.info["GL_MAX_UNIFORM_BUFFER_BINDINGS"])))
+        with suppress(moderngl.Error, StopIteration):
+            binding, program = next(free), build(*block.texts)
+            return program, Uniforms(program, flats, name, block, binding)
+    program = build(*(flat.text for flat in flats))
+    return program, Uniforms(program, flats, name)
 
 
 class Uniforms:
@@ -119,67 +205,82 @@ class Uniforms:
 
     _DECLARED = re.compile(r"uniform\s+\w+\s+([^;]+);")
 
-    def __init__(self, program: moderngl.Program | moderngl.ComputeShader, texts: list[str], name: str) -> None:
-        self._program, self._name = program, name
-        declared = " ".join(line.partition("//")[0] for line in texts)
+    def __init__(
+        self, program: Any, flats: Sequence[Flattened], name: str, block: Block | None = None, binding: int = 0
+    ) -> None:
+        self._name = name
+        declared = " ".join(line.partition("//")[0] for flat in flats for line in flat.lines)
         names = {
             re.sub(r"[\[=].*", "", part).strip()
             for match in self._DECLARED.finditer(declared)
             for part in match.group(1).split(",")
         }
-        self._members: dict[str, Member | None] = {
-            name: cast("Member | None", program.get(name, None)) for name in names
-        }
-        self._written: dict[
-            str, object
-        ] = {}  # values that cannot have changed, compared by identity, which costs nothing
-        self._last: dict[str, bytes] = {}
+        self._members: dict[str, Any] = {name: program.get(name, None) for name in names}
+        block = block if block is not None and _BLOCK in program else Block([])
+        self._views, self._packs = block.views, block.packs
+        self._data, self._sent = memoryview(block.data)[: block.size], bytearray(block.size)
+        if block.size:
+            program[_BLOCK].binding = binding
+            self._buffer = program.ctx.buffer(self._data)
+            self._buffer.bind_to_uniform_block(binding)
+        # Values that cannot have changed, compared by identity, which costs nothing.
+        self._written: dict[str, object] = {}
         self._settled: dict[str, object] | None = None
         # Called with a name, says whether the shader's text declares a uniform of that name.
         self.declares = self._members.__contains__
 
-    def set(self, **values: object) -> None:
+    def set(self, **values: Any) -> None:
         """Set numbers, vectors and matrices; float64 is rounded here, once.
 
         Matrices are row-major NumPy, as written in the formulas. The same number, tuple or
-        read-only array as the last time is not written again; a tuple holds numbers.
+        read-only array as the last time is not taken again; a tuple holds numbers. What is in the
+        block goes to the GPU in one write, if it has changed.
         Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
         # One function, as a refresh sets 130 uniforms: calls within it took longer than the writes.
-        written, last, members = self._written, self._last, self._members
+        written, members, views, packs = self._written, self._members, self._views, self._packs
         for name, value in values.items():
             if written.get(name, written) is value:
                 continue
-            member = members.get(name)
-            if member is None:
-                if name not in members:
-                    raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
+            view = views.get(name)
+            if view is None and members.get(name, members) is None:
                 continue
             written.pop(name, None)
             if self._settled is not None and name in self._settled:
                 self._settled = None
             try:
-                if isinstance(value, np.ndarray):
-                    constant = not value.flags.writeable and value.base is None
-                    array = np.swapaxes(value, -1, -2) if member.matrix else value  # columns, as GLSL has them
-                    data = np.ascontiguousarray(array, dtype=_DTYPES[member.fmt[-1]]).tobytes()
-                    if last.get(name) != data:
-                        member.write(data)
-                        last[name] = data
+                if view is None:
+                    self._set_outside(name, value)
+                elif not isinstance(value, np.ndarray) and name in packs:
+                    packs[name](*value) if view.ndim else packs[name](value)
+                elif np.shape(value) == view.shape:
+                    view[...] = value
+                elif view.ndim > 1 and view.strides[-1] != 4:  # a matrix, whose last axis is across its columns
+                    raise ValueError(f"expected an array of {view.shape}")
                 else:
-                    constant = type(value) in (int, float, tuple)
-                    last.pop(name, None)
-                    member.value = value
-            except (moderngl.Error, struct.error, TypeError, ValueError) as error:
+                    view[...] = np.reshape(value, view.shape)
+            except (moderngl.Error, struct.error, TypeError, ValueError, OverflowError) as error:
                 raise ShaderError(f"{self._name}: uniform '{name}' cannot take {value!r}: {error}") from error
-            if constant:
+            if type(value) in (int, float, tuple) or (
+                isinstance(value, np.ndarray) and not value.flags.writeable and value.base is None
+            ):
                 written[name] = value
+        if self._data != self._sent:
+            self._buffer.write(self._data)
+            self._sent[:] = self._data
+
+    def _set_outside(self, name: str, value: Any) -> None:
+        if name not in self._members:
+            raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(self._members))}")
+        member = self._members[name]
+        if isinstance(value, np.ndarray):
+            array = np.swapaxes(value, -1, -2) if member.matrix else value  # columns, as GLSL has them
+            member.write(np.ascontiguousarray(array, dtype=_DTYPES[member.fmt[-1]]).tobytes())
+        else:
+            member.value = value
 
     def set_declared(self, **values: object) -> None:
-        """Set the uniforms that the shader's text declares and ignore the rest.
-
-        For shaders that share one set of values.
-        """
+        """Set the uniforms that the shader's text declares; shaders may share one set of values."""
         self.set(**{name: value for name, value in values.items() if name in self._members})
 
     def settle(self, values: dict[str, object]) -> None:
@@ -192,18 +293,10 @@ class Uniforms:
             self._settled = values
 
 
-class Inputs(Protocol):
-    """Textures and uniforms that belong together."""
-
-    def use(self, uniforms: Uniforms, unit: int) -> None:
-        """Bind the textures from that unit on, and set the uniforms."""
-
-
 class Compute:
-    """A compute shader with strict uniforms.
+    """A compute shader with strict uniforms, for a grid of pixels.
 
-    run() covers a grid of pixels, rounding the work groups up. Made with HIDES, for a view's grid
-    and its strips, it leaves out what the lens hides of that view.
+    Made with HIDES, for a view's grid and its strips, it leaves out what the lens hides of it.
     """
 
     def __init__(
@@ -217,10 +310,9 @@ class Compute:
         flat = flatten(path, defines)
         self.path = path
         try:
-            self.program = gl.compute_shader(flat.text)
+            self.program, self.uniforms = built(gl, [flat], gl.compute_shader, path)
         except moderngl.Error as error:
             raise ShaderError(f"{path}: {flat.translate(str(error))}") from error
-        self.uniforms = Uniforms(self.program, flat.lines, path)
         sizes = dict(re.findall(r"local_size_([xyz])\s*=\s*(\w+)", flat.text))
         numbers = dict(re.findall(r"#define\s+(\w+)\s+(\d+)", flat.text))
         across, down = (str(sizes.get(axis, "1")) for axis in "xy")
@@ -271,7 +363,12 @@ class Draw:
     def __init__(self, gl: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, object]) -> None:
         flats = {"vertex": flatten(vertex, defines), "fragment": flatten(fragment, defines)}
         try:
-            self.program = gl.program(vertex_shader=flats["vertex"].text, fragment_shader=flats["fragment"].text)
+            self.program, self.uniforms = built(
+                gl,
+                list(flats.values()),
+                lambda vert, frag: gl.program(vertex_shader=vert, fragment_shader=frag),
+                fragment,
+            )
         except moderngl.Error as error:
             # What comes before any stage, then a stage and its part by turns: each line is of the
             # stage that it stands under. The linker may name none.
@@ -280,10 +377,9 @@ class Draw:
             told = [flats[stage].translate(part) for stage, part in zip(stages, parts[1::2], strict=True)]
             path = vertex if stages[:1] == ["vertex"] else fragment
             raise ShaderError(f"{path}: {before}{''.join(told)}") from error
-        self.uniforms = Uniforms(self.program, [*flats["vertex"].lines, *flats["fragment"].lines], fragment)
 
 
-Program = TypeVar("Program", Compute, Draw)
+Made = TypeVar("Made", Compute, Draw)
 
 
 class ShaderLibrary:
@@ -314,8 +410,8 @@ class ShaderLibrary:
         return self._get((vertex, fragment), defines, lambda: Draw(self._gl, vertex, fragment, defines))
 
     def _get(
-        self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Program], *over: object
-    ) -> Program:
+        self, paths: tuple[str, ...], defines: Mapping[str, object], make: Callable[[], Made], *over: object
+    ) -> Made:
         key = (*paths, *sorted(defines.items()), *over)
-        program: Program = self._cache.get(key) or self._cache.setdefault(key, make())
+        program: Made = self._cache.get(key) or self._cache.setdefault(key, make())
         return program

@@ -7,7 +7,7 @@ row.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Protocol
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -84,15 +84,8 @@ def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) ->
     return made[flags]
 
 
-class Releasable(Protocol):
-    """A texture, buffer, framebuffer or vertex array."""
-
-    def release(self) -> object:
-        """Free it."""
-
-
-def release_all(*things: Releasable) -> None:
-    """Release each of them, in this order."""
+def release_all(*things: Any) -> None:
+    """Release textures, buffers, framebuffers or vertex arrays, in this order."""
     for thing in things:
         thing.release()
 

@@ -101,13 +101,13 @@ def check_clocks(gl: moderngl.Context, clock: str, rounds: int = 5) -> ClockChec
 Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in order
 
 
+@attrs.define(eq=False)
 class Lap:
     """Some stages of a frame. Read their times later, when the GPU has long finished them."""
 
-    def __init__(
-        self, pending: list[tuple[str, moderngl.Query]], done: list[tuple[str, float]], free: list[moderngl.Query]
-    ) -> None:
-        self._pending, self._done, self._free = pending, done, free
+    _pending: list[tuple[str, moderngl.Query]]
+    _done: list[tuple[str, float]]
+    _free: list[moderngl.Query]
 
     def read(self) -> Stages:
         """Return the times of all stages; waits for the GPU if it has not finished.

@@ -94,22 +94,16 @@ def _vive_eye(data: Table, x: float, panel: tuple[float, float]) -> HeadsetEye:
         centres[colour] = (told.number("center_x"), -told.number("center_y"))  # there +y is down
     focal = _matrix(data, "intrinsics", (3, 3))[0, 0]
     lens = ViveLens(float(focal), centres, coefficients, data.within("undistort_r2_cutoff", 0, 100, above=True))
-    return HeadsetEye(Pose((x, 0, 0), _quaternion(turn)), _seen_through(lens, panel), panel, lens)
-
-
-def _seen_through(lens: ViveLens, panel: tuple[float, float]) -> Fov:
-    """Return the least field of view that holds what the panel shows of any colour."""
-    x, y = (np.linspace(-side / 2, side / 2, 129) for side in panel)
-    places = np.stack(np.meshgrid(x, y), axis=-1)
+    # The least field of view that holds what the panel shows of any colour.
+    places = np.stack(np.meshgrid(*(np.linspace(-side / 2, side / 2, 129) for side in panel)), axis=-1)
     shown = []
     for colour in COLOURS:
         from_centre = places - lens.centres[colour]
         r = np.hypot(*np.moveaxis(from_centre, -1, 0))
-        inside = r * r <= lens.cutoff_r2
-        shown.append((from_centre * lens.scales(colour, r)[..., None])[inside])
-    every = np.concatenate(shown)
-    (left, down), (right, up) = every.min(axis=0), every.max(axis=0)
-    return Fov.from_tangents((left, right, down, up))
+        shown.append((from_centre * lens.scales(colour, r)[..., None])[r * r <= lens.cutoff_r2])
+    (left, down), (right, up) = (ends(np.concatenate(shown), axis=0) for ends in (np.min, np.max))
+    fov = Fov.from_tangents((left, right, down, up))
+    return HeadsetEye(Pose((x, 0, 0), _quaternion(turn)), fov, panel, lens)
 
 
 def _quaternion(turn: Array) -> Any:
@@ -125,9 +119,22 @@ def _hmdq(data: Table, path: Path) -> Headset:
             "neither SteamVR's configuration (tracking_to_eye_transform) nor an export of hmdq (rec_rts and raw_eye)"
         )
     size = found.numbers("rec_rts", 2)
-    eyes = tuple(_hmdq_eye(found, side) for side in ("Left", "Right"))
+    eyes = []
+    for side in ("Left", "Right"):
+        raw = found.table("raw_eye").table(side)
+        fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
+        pose = _matrix(found.table("eye2head"), side, (3, 4))
+        meshes = found.table("ham_mesh") if "ham_mesh" in found and found.raw("ham_mesh") else Table({})
+        hidden: tuple[Polygon, ...] = ()
+        if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
+            left, right, down, up = fov.tangents
+            count = len(meshes.table(side).raw("verts_raw"))
+            matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
+            places = matrix * (right - left, up - down) + (left, down)
+            hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
+        eyes.append(HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden))
     summary = f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye"
-    return Headset(path.stem, summary, f"hmdq, {path.name}", size, REFRESH_HZ, eyes, emulated=REPORTED)
+    return Headset(path.stem, summary, f"hmdq, {path.name}", size, REFRESH_HZ, tuple(eyes), emulated=REPORTED)
 
 
 def _geometry(data: Table) -> Table | None:
@@ -138,21 +145,6 @@ def _geometry(data: Table) -> Table | None:
         if isinstance(data.raw(key), dict) and (found := _geometry(data.table(key))) is not None:
             return found
     return None
-
-
-def _hmdq_eye(data: Table, side: str) -> HeadsetEye:
-    raw = data.table("raw_eye").table(side)
-    fov = Fov.from_tangents([raw.number(f"tan_{end}") for end in ("left", "right", "bottom", "top")])
-    pose = _matrix(data.table("eye2head"), side, (3, 4))
-    meshes = data.table("ham_mesh") if "ham_mesh" in data and data.raw("ham_mesh") else Table({})
-    hidden: tuple[Polygon, ...] = ()
-    if side in meshes and meshes.raw(side):  # triangles, which lie in 0..1 of the view
-        left, right, down, up = fov.tangents
-        count = len(meshes.table(side).raw("verts_raw"))
-        matrix = _matrix(meshes.table(side), "verts_raw", (count - count % 3, 2))
-        places = matrix * (right - left, up - down) + (left, down)
-        hidden = tuple(tuple((float(x), float(y)) for x, y in corners) for corners in places.reshape(-1, 3, 2))
-    return HeadsetEye(Pose(pose[:, 3], _quaternion(pose[:, :3])), fov, hidden=hidden)
 
 
 _FOLDER = Path(__file__).parent
@@ -175,16 +167,13 @@ def load_headset(spec: str) -> Headset:
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
     name, distance, ipd = spec.partition(IPD)
-    if not distance:
-        return _loaded(name)
-    if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]*)?", ipd):
-        raise InputError(f"headset '{spec}': expected NAME{IPD} and millimetres")
-    return _loaded(name).with_ipd(float(ipd) * 1e-3)
-
-
-def _loaded(name: str) -> Headset:
+    if distance:
+        if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]*)?", ipd):
+            raise InputError(f"headset '{spec}': expected NAME{IPD} and millimetres")
+        return load_headset(name).with_ipd(float(ipd) * 1e-3)
     if name.endswith(DRAWN):
-        return _loaded(name.removesuffix(DRAWN)).without_hidden(name)
+        drawn = load_headset(name.removesuffix(DRAWN))
+        return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in drawn.eyes))
     if name.endswith(".json"):
         return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"

@@ -53,7 +53,7 @@ class _Round:
 
     def centre(self, colour: str) -> Pair:
         """Return where a colour's axis lies beside the lens's own, in units."""
-        raise NotImplementedError
+        return 0.0, 0.0
 
     def scales(self, colour: str, r: Array) -> Array:
         """Return the tangent that the lens shows at radius r from its axis, over r."""
@@ -72,10 +72,6 @@ class _OneAxis(_Round):
     # where it meets the eye's panel, from the panel's centre
     axis_from_centre_m: Pair
     unit_m: float
-
-    def centre(self, colour: str) -> Pair:
-        """Return the lens's own axis: the same for every colour."""
-        return 0.0, 0.0
 
     def mirrored(self) -> Self:
         """Return the other eye's lens."""

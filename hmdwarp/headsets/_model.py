@@ -52,11 +52,6 @@ class HeadsetEye:
         if self.panel_m is not None:
             refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
 
-    def check_hidden(self) -> None:
-        """Raise InputError for a hidden area that leaves nothing to see."""
-        if self.hidden_share > 0.9:
-            raise InputError(f"the hidden area covers {self.hidden_share:.0%} of the view: expected less than 90 %")
-
     def mirrored(self) -> HeadsetEye:
         """Return the other eye of a symmetric headset."""
         (x, y, z), (qx, qy, qz, qw) = self.head_from_eye.position_m.tolist(), self.head_from_eye.unit_quaternion
@@ -130,10 +125,8 @@ class Headset:
             refresh_hz=self.refresh_hz, **{name: value for name, value in given.items() if value is not None}
         )
         for eye in self.eyes:
-            eye.check_hidden()
-        self._check_directions()
-
-    def _check_directions(self) -> None:
+            if (share := eye.hidden_share) > 0.9:
+                raise InputError(f"the hidden area covers {share:.0%} of the view: expected less than 90 %")
         for side, cant in zip(("left", "right"), self.cants_deg, strict=False):
             way = "outwards" if cant >= 0 else "inwards"
             if abs(cant) > MOST_CANT_DEG[way]:
@@ -156,11 +149,6 @@ class Headset:
     def lens(self) -> Lens | None:
         """The left eye's lens; both eyes have one or none."""
         return self.eyes[0].lens
-
-    @property
-    def left_fov(self) -> Fov:
-        """The left eye's field of view, in its own axes."""
-        return self.eyes[0].fov
 
     @property
     def ipd_m(self) -> float:
@@ -189,7 +177,7 @@ class Headset:
         """Width over height of one eye's picture: the panel's, else that of square tangents."""
         if self.eyes[0].panel_m is not None:
             return self.eyes[0].panel_m[0] / self.eyes[0].panel_m[1]
-        left, right, down, up = self.left_fov.tangents.tolist()
+        left, right, down, up = self.eyes[0].fov.tangents.tolist()
         return float((right - left) / (up - down))
 
     def with_ipd(self, ipd_m: float) -> Headset:
@@ -203,14 +191,6 @@ class Headset:
             for eye, side in zip(self.eyes, (-1, 1), strict=True)
         ]
         return attrs.evolve(self, name=f"{self.name}:ipd={found:g}", eyes=tuple(moved))
-
-    def without_hidden(self, name: str) -> Headset:
-        """Return it, so named, with lenses that hide nothing."""
-        return attrs.evolve(self, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in self.eyes))
-
-    def fov(self, eye: int) -> Fov:
-        """Return the field of view of eye 0 (left) or 1 (right)."""
-        return self.eyes[eye].fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the eyes' views for a head pose, the left first."""
@@ -268,7 +248,7 @@ class CameraDisplay(Headset):
     @property
     def flat_view(self) -> tuple[Fov, float]:
         """The camera's own view."""
-        return self.left_fov, self.aspect
+        return self.eyes[0].fov, self.aspect
 
 
 def camera_display(

@@ -139,7 +139,7 @@ def parse_response(text: str) -> StageTimes | None:
             raise InputError(f"--response '{text}': {_WANTED}")
         said.add(stage)
         try:
-            times[stage] = None if value == MEASURED else float(value)
+            times[stage] = None if value == MEASURED else float(value.encode("ascii"))
         except ValueError:
             raise InputError(f"--response '{text}': {_WANTED}") from None
     return StageTimes(**times)

@@ -43,10 +43,10 @@ from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
 from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
+from .pool import MeasuringProcesses as MeasuringProcesses
 from .pool import QualityPool as QualityPool
 from .pool import WorstKeeper as WorstKeeper
 from .pool import worker_count as worker_count
-from .processes import MeasuringProcesses as MeasuringProcesses
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
 from .summary import LEVEL as LEVEL
 from .summary import QUALITY as QUALITY

@@ -27,7 +27,7 @@ from ..errors import MachineError
 from ..resources import import_extra, missing_extra
 from .job import Compared
 from .metric import Figure
-from .processes import MeasuringProcesses
+from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0

@@ -30,13 +30,13 @@ from .named_files import RATINGS as RATINGS
 from .named_files import keep_inside as keep_inside
 from .named_files import opened as opened
 from .named_files import text_in as text_in
-from .paper_fields import PAPER as PAPER
-from .paper_fields import PAPER_TABLES as PAPER_TABLES
-from .paper_fields import PaperOptions as PaperOptions
 from .shared_fields import AUTO as AUTO
 from .shared_fields import DEFAULT_GUARD as DEFAULT_GUARD
 from .shared_fields import FORCE as FORCE
+from .shared_fields import PAPER as PAPER
+from .shared_fields import PAPER_TABLES as PAPER_TABLES
 from .shared_fields import Guard as Guard
+from .shared_fields import PaperOptions as PaperOptions
 from .shared_fields import check_one_guard as check_one_guard
 from .shared_fields import force_field as force_field
 from .shared_fields import guard_band as guard_band
@@ -50,6 +50,8 @@ from .shared_fields import several as several
 from .shared_fields import split_names as split_names
 from .tables import KeyFault as KeyFault
 from .tables import Table as Table
+from .tables import fields_in as fields_in
 from .tables import parsed as parsed
 from .tables import quoted as quoted
+from .tables import read_by as read_by
 from .tables import text_of as text_of

@@ -91,7 +91,7 @@ def _converted(named: str, key: str, value: str, kind: Any) -> Any:
             raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
         return words[value]
     try:
-        number = kind(value)
+        number = kind(value.encode("ascii") if kind in (int, float) else value)
     except ValueError as error:
         raise InputError(f"{named}: {key} is '{value}': expected {_WANTED.get(kind, kind.__name__)}") from error
     if kind is float and not math.isfinite(number):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -13,7 +13,7 @@ import attrs
 
 from .. import geometry
 from ..errors import InputError, listed
-from .declared import CONDITION, Number, Option, as_path, option, option_of
+from .declared import CONDITION, Declared, Number, Option, as_path, one_of, option, option_of
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
 
@@ -161,7 +161,7 @@ def parse_guard(text: str) -> Guard | str:
     if text.strip() == AUTO:
         return AUTO
     try:
-        x, *y = map(float, re.split("[xX]", text))
+        x, *y = map(float, re.split(b"[xX]", text.encode("ascii")))
     except ValueError as error:
         raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
     if len(y) > 1:
@@ -221,3 +221,35 @@ def guard_band(options: HasGuard) -> geometry.GuardBand:
         if options.rendered_size is None
         else geometry.GuardBand(size=options.rendered_size)
     )
+
+
+PAPER_TABLES, PLOTS = {"latex": "tex", "csv": "csv", "markdown": "md"}, ("svg", "pdf")
+PAPER = ("paper/*.tex", "paper/*.csv", "paper/*.md", "paper/*.svg", "paper/*.pdf")
+
+
+def _kinds(known: Sequence[str], flag: str) -> Any:
+    check = one_of(*known)
+
+    def each(_: object, field: attrs.Attribute[Any], value: tuple[str, ...]) -> None:
+        for kind in value if isinstance(value, tuple | list) else (value,):
+            check(None, field, kind)
+
+    names = " and ".join(filter(None, (", ".join(known[:-1]), known[-1])))
+    return option(
+        (), f"Also write the page's {flag} as files for a paper, into paper/: {names}, with commas.", kind=str,
+        default=None, valid=each, parse=lambda text: tuple(filter(None, map(str.strip, text.split(",")))), name=flag,
+        metavar="KIND,..",
+    )  # fmt: skip
+
+
+@attrs.frozen
+class PaperOptions(Declared):
+    """What to write for a paper. Errors: InputError for an unknown kind."""
+
+    tables: tuple[str, ...] = _kinds(tuple(PAPER_TABLES), "tables")
+    plots: tuple[str, ...] = _kinds(PLOTS, "plots")
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anything is."""
+        return bool(self.tables or self.plots)

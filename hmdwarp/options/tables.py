@@ -197,6 +197,41 @@ class Table:
         return KeyFault(f"the key {named} is missing{hint}", self._path)
 
 
+_READ = "read"
+
+
+def read_by(
+    get: Callable[..., Any],
+    *limits: Any,
+    default: Any = attrs.NOTHING,
+    at: str = "",
+    required: bool = False,
+    **how: Any,
+) -> Any:
+    """Return an attrs field that is a key of a file, for `fields_in` to read.
+
+    get: the getter of Table; limits, how: what that takes after the key. default: of the field, and
+    of the key unless it is required. at: "table.key", by default the field's name.
+    """
+    return attrs.field(default=default, metadata={_READ: (get, limits, at, required, how)})
+
+
+def fields_in(table: Table, kind: type[attrs.AttrsInstance]) -> dict[str, Any]:
+    """Return the values of a class's fields that are keys, by name, in their order.
+
+    Keys of a table that the file lacks have their defaults. Errors: KeyFault.
+    """
+    found: dict[str, Any] = {}
+    for field in attrs.fields(kind):
+        if _READ in field.metadata:
+            get, limits, at, required, how = field.metadata[_READ]
+            inside, _, name = at.rpartition(".")
+            of = table if not inside else table.table(inside) if inside in table else Table({})
+            default = () if required or field.default is attrs.NOTHING else (field.default,)
+            found[field.name] = get(of, name or field.name, *limits, *default, **how)
+    return found
+
+
 def _named(path: KeyPath) -> str:
     """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
@@ -306,24 +341,21 @@ class LineFinder:
         if first in "\"'":
             self._skip(_STRING)
         elif first in "[{":
-            self._within(path, "]" if first == "[" else "}")
+            end = "]" if first == "[" else "}"
+            self._at += 1
+            number = 0
+            while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
+                if self._text[self._at] == ",":
+                    self._at += 1
+                elif end == "]":
+                    self._note((*path, number), self._at)
+                    self._value((*path, number))
+                    number += 1
+                else:
+                    self._pair(path)
+            self._at += 1
         else:
             self._skip(_SCALAR)
-
-    def _within(self, path: KeyPath, end: str) -> None:
-        """Scan an array or an inline table."""
-        self._at += 1
-        number = 0
-        while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
-            if self._text[self._at] == ",":
-                self._at += 1
-            elif end == "]":
-                self._note((*path, number), self._at)
-                self._value((*path, number))
-                number += 1
-            else:
-                self._pair(path)
-        self._at += 1
 
     def _skip(self, pattern: re.Pattern[str]) -> int:
         found = pattern.match(self._text, self._at)

@@ -112,7 +112,7 @@ class RecordingSource(Source):
         """What takes the place of a renderer, how much of it is shown, and to which eyes."""
         sequence, guard = self.sequence, self._guard
         (wide, high), (across, down) = sequence.frames[0].size, _degrees(sequence.frames[0].fov)
-        shown = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).left_fov))
+        shown = "{:.1f} x {:.1f} degrees".format(*_degrees(display_of(sequence, guard).eyes[0].fov))
         sentences = [
             f"{len(sequence.frames)} recorded frames of {sequence.path} ({sequence.layout}) take the place of a "
             f"renderer: {wide}x{high} pixels, {across:.1f} x {down:.1f} degrees.",

@@ -365,7 +365,20 @@ def timeline_svg(timeline: Sequence[Mapping[str, Any]]) -> str:
     labels: Style = {"x": "ms since the first of them was drawn", "y": "frame"}
     with canvas([dict(frame) for frame in timeline], size_in, **labels, grid="x") as axes:
         for row, frame in enumerate(timeline):
-            _draw_frame(axes, row, frame, named)
+            at = frame["drawn"]
+            for name in named:
+                label, colour, opacity, hatch = _PARTS[name]
+                length = frame["parts"][name]
+                axes.barh(
+                    row, length, _HIGH, left=at, label=label, color=colour, alpha=opacity, hatch=hatch, edgecolor=INK,
+                    linewidth=0,
+                )  # fmt: skip
+                at += length
+            axes.plot((at, frame["shown"]), (row, row), color=INK, linewidth=0.8, label=_WAITS)
+            axes.plot(
+                (frame["shown"], frame["until"]), (row, row), color=INK, linewidth=3, label=_SEEN, marker="|",
+                markersize=7,
+            )  # fmt: skip
         name_rows(axes, [str(frame["frame"]) for frame in timeline])
         axes.margins(x=0.01)
         handle_of = {handle.get_label(): handle for handle in axes.get_legend_handles_labels()[0]}
@@ -373,20 +386,3 @@ def timeline_svg(timeline: Sequence[Mapping[str, Any]]) -> str:
         above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 9}
         legend(axes, handles, **above, borderaxespad=0, handlelength=1.8, columnspacing=1.2)
         return svg_text(axes.get_figure())
-
-
-def _draw_frame(axes: Axes, row: int, frame: Mapping[str, Any], named: Sequence[str]) -> None:
-    at = frame["drawn"]
-    for name in named:
-        label, colour, opacity, hatch = _PARTS[name]
-        length = frame["parts"][name]
-        axes.barh(
-            row, length, _HIGH, left=at, label=label, color=colour, alpha=opacity, hatch=hatch, edgecolor=INK,
-            linewidth=0,
-        )  # fmt: skip
-        at += length
-    axes.plot((at, frame["shown"]), (row, row), color=INK, linewidth=0.8, label=_WAITS)
-    axes.plot(
-        (frame["shown"], frame["until"]), (row, row), color=INK, linewidth=3, label=_SEEN, marker="|",
-        markersize=7,
-    )  # fmt: skip

@@ -12,16 +12,7 @@ from numpy.typing import NDArray
 from ..metrics import PRIMARY, Figure, pareto
 from ..scenes.options import KNOWS
 from .bench.page import suite_section
-from .bench.rows import (
-    RATED,
-    Case,
-    Column,
-    Conditions,
-    by_name,
-    cases,
-    metric_columns,
-    table_of,
-)
+from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
 from .charts import (
     MARKER_PT,
     Drawn,
@@ -54,9 +45,8 @@ from .page import (
     reading_section,
     texts,
 )
-from .run_texts import axes_of_traces, source_facts
+from .run_texts import Table, axes_of_traces, counted, markdown, source_facts, terminal_table
 from .style import PAGE
-from .words import Table, counted, markdown, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -137,15 +127,40 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     if suite is not None:  # names as its table has them: a strategy over a link
         lines = [{**one, "warp": f"{one['strategy']}, {one['over']}", "strategy": ""} for one in suite["over_all"]]
         suite = {**suite, "over_all": lines}
+    first, several = rows[0], dict.fromkeys(row["scene"] for row in rows)
+    lived = ", ".join(dict.fromkeys(f"({row['over']})" for row in rows if row.get("over")))
+    facts = [
+        ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
+        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
+        ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
+        *([("scenes", ", ".join(several))] if len(several) > 1 else source_facts(first)),
+        *([("links", lived)] if lived else []),
+        ("an eye", "x".join(map(str, first["size"]))),
+        ("codec", first["link"]["codec"]),
+        ("each run", ran_text(rows)),
+    ]
+    notes = [f"{entry['strategy']} is left out: {entry['why']}." for entry in data["left_out"]]
+    shown = len(cases(data["rows"], OF_COMPARE))
+    if data.get("cases", shown) > shown:
+        notes.append(f"This page shows the first {shown} of {data['cases']} cases; compare.csv and .json have all.")
+    if data["clock"] != "gpu":
+        notes.append(
+            "No GPU: client times compare strategies with each other, and no class is measured by its budget of time."
+        )
+    if silent := [row for row in data["rows"] if "nothing" in row]:
+        notes.append(
+            f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
+            "are dashes, and no mean has them."
+        )
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
         heading=("Strategies of remote rendering", f"{count} of them, {counted(len(groups), 'case')}"),
-        facts=_facts(rows),
+        facts=[fact(label, text) for label, text in facts],
         command=data.get("command") or "",
         sections=(
             suite_section(suite),
-            notes_section(_notes(data)),
+            notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
             Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
             Section("By class of client", clients, id="clients", link="By class of client"),
             Section(
@@ -254,22 +269,6 @@ def _ordered(rows: Iterable[Row]) -> list[Row]:
     return sorted(rows, key=_error)
 
 
-def _facts(rows: Sequence[Row]) -> list[str]:
-    first, several = rows[0], dict.fromkeys(row["scene"] for row in rows)
-    lived = ", ".join(dict.fromkeys(f"({row['over']})" for row in rows if row.get("over")))
-    facts = [
-        ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
-        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
-        ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
-        *([("scenes", ", ".join(several))] if len(several) > 1 else source_facts(first)),
-        *([("links", lived)] if lived else []),
-        ("an eye", "x".join(map(str, first["size"]))),
-        ("codec", first["link"]["codec"]),
-        ("each run", ran_text(rows)),
-    ]
-    return [fact(label, text) for label, text in facts]
-
-
 def ran_text(rows: Sequence[Row]) -> str:
     """Return how long runs are, of how many people and scenes, and what clients know of motion."""
     refreshes, pictures = (
@@ -282,23 +281,6 @@ def ran_text(rows: Sequence[Row]) -> str:
         f"{refreshes / rows[0]['rate_hz']:.1f} s, {refreshes} refreshes, {counted(pictures, 'picture')} measured, of "
         f"{counted(people, 'recorded head')} in {counted(scenes, 'scene')}; {knows}"
     )
-
-
-def _notes(data: Mapping[str, Any]) -> list[str]:
-    notes = [f"{entry['strategy']} is left out: {entry['why']}." for entry in data["left_out"]]
-    shown = len(cases(data["rows"], OF_COMPARE))
-    if data.get("cases", shown) > shown:
-        notes.append(f"This page shows the first {shown} of {data['cases']} cases; compare.csv and .json have all.")
-    if data["clock"] != "gpu":
-        notes.append(
-            "No GPU: client times compare strategies with each other, and no class is measured by its budget of time."
-        )
-    if silent := [row for row in data["rows"] if "nothing" in row]:
-        notes.append(
-            f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
-            "are dashes, and no mean has them."
-        )
-    return [*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]
 
 
 def _table(group: Case) -> Table:

@@ -15,15 +15,18 @@ from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_se
 from .replay_page import made_with, size_fact, transit_section
 from .run_texts import (
     TIME_FIGURES,
+    Cell,
+    Line,
     Summary,
+    Table,
     budget_rows,
     drawing_text,
     eyes_text,
+    listed,
     miss_texts,
     source_facts,
     waited_text,
 )
-from .words import Cell, Line, Table, listed
 
 Column = Callable[[str], NDArray[np.float64]]
 
@@ -43,6 +46,10 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         (f"{change['time_s']:.2f} s", f"{_changed(change['what'])} ({change['reason']})") for change in live["changes"]
     ]
     charts = [Group("charts", _charts(summary, column)), Text(texts("live")["notes"]["charts"])]
+    collector = live["garbage_collector"]
+    when = "between the pictures" if collector["between"] else "at any time"
+    collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
+    notices = "; ".join(f"{text} ({count}×)" for text, count in live["notices"].items())
     return Page(
         kind="live",
         title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
@@ -56,7 +63,14 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
             transit_section(summary),
             Section("Changes", [Terms(changes, "changes")] if changes else []),
             Section("Over time", charts),
-            _reading(live),
+            reading_section(
+                "live",
+                *([("Shown over the picture", notices)] if notices else []),
+                ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
+                errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
+                waiting=str(live["waiting"]),
+                unseen=str(live["unseen"]),
+            ),
         ),
         made_with=made_with(summary),
     ).html()
@@ -118,21 +132,6 @@ def _changed(what: Mapping[str, Any]) -> str:
 
 def _value(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _reading(live: Mapping[str, Any]) -> Section:
-    collector = live["garbage_collector"]
-    when = "between the pictures" if collector["between"] else "at any time"
-    collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
-    notices = "; ".join(f"{text} ({count}×)" for text, count in live["notices"].items())
-    return reading_section(
-        "live",
-        *([("Shown over the picture", notices)] if notices else []),
-        ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
-        errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
-        waiting=str(live["waiting"]),
-        unseen=str(live["unseen"]),
-    )
 
 
 def _charts(summary: Summary, column: Column) -> list[Chart]:

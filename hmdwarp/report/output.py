@@ -73,7 +73,8 @@ class OutputFolder:
         self._staging = self.folder / f"{STAGING}{uuid.uuid4().hex[:8]}"
         self._lock = -1
         try:
-            self._made = _first_missing(self.folder)
+            missing = [p for p in (self.folder, *self.folder.parents) if not p.exists()]
+            self._made = missing[-1] if missing else None
             self.folder.mkdir(parents=True, exist_ok=True)
             with _locked(self.folder):  # else another run takes a folder just made for one left behind
                 # One that was killed while it gave the names has no `last` next to them.
@@ -238,12 +239,6 @@ def _lock(folder: Path) -> int:
         return handle
     os.close(handle)
     return -1
-
-
-def _first_missing(path: Path) -> Path | None:
-    """Return the outermost folder of `path` that does not exist yet, None if all do."""
-    missing = [p for p in (path, *path.parents) if not p.exists()]
-    return missing[-1] if missing else None
 
 
 SCHEMA = 1

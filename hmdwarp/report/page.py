@@ -17,8 +17,8 @@ import attrs
 from markupsafe import Markup
 
 from .files import jpeg_bytes
+from .run_texts import name_pieces
 from .style import css_variables
-from .words import name_pieces
 
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 Pairs = list[tuple[str, str]]

@@ -15,8 +15,8 @@ from .charts import Drawn, drawing
 from .files import inert_text
 from .output import OutputFolder
 from .page import Chart, Page, Section
+from .run_texts import Line, Table
 from .style import PAPER_COLOURS
-from .words import Line, Table
 
 _LATEX = {
     **{letter: f"\\{letter}" for letter in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}",

@@ -31,17 +31,21 @@ from .page import (
 from .run_texts import (
     QUALITY_FIGURES,
     TIME_FIGURES,
+    Cell,
+    Line,
     Summary,
+    Table,
     coding_rows,
     eyes_text,
     filled_rows,
     frame_rows,
+    listed,
     model_rows,
     response_rows,
     source_facts,
     source_text,
+    terminal_table,
 )
-from .words import Cell, Line, Table, listed, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -229,15 +233,14 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
     )
     pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
     frames = (summary.get("link") or {}).get("timeline") or ()
-    timeline = timeline_svg(frames) if _differ(frames) else ""
+    timeline = (
+        timeline_svg(frames)
+        if (len({tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}) > 1)
+        else ""
+    )
     title = "The last frames, part by part"
     drawn = [Heading(title), Chart.of("", timeline, title, "wide plain")] if timeline else []
     return Section("Frames in transit", [Group("pairs", pairs), *drawn, Text(texts("replay")["notes"]["transit"])])
-
-
-def _differ(frames: Sequence[Mapping[str, Any]]) -> bool:
-    """Return whether frames took different times: else the chart shows one staircase of equals."""
-    return len({tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}) > 1
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
@@ -360,7 +363,14 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     from rich.text import Text
 
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
-    table = terminal_table(title=title, caption=_caption(summary, baselines), padding=(0, 1))
+    clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
+    lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
+    lines[1] += "".join(
+        f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
+    )
+    table = terminal_table(
+        title=title, caption="\n".join([*lines, how_sure(summary, mark="*" if baselines else None)]), padding=(0, 1)
+    )
     table.add_column("")
     tails = 2 if len(baselines) < 2 else 1
     for number, name in enumerate(column_names(summary, *baselines)):
@@ -393,12 +403,3 @@ def summary_html(summary: Summary, *baselines: Summary) -> str:
 def _table_head(figure: Figure) -> str:
     label = f"Time, {figure.label.lower()}" if figure in TIME_FIGURES else figure.label
     return f"{label} [{figure.unit}]" if figure.unit else label
-
-
-def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
-    clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
-    lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
-    lines[1] += "".join(
-        f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
-    )
-    return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])

@@ -19,7 +19,7 @@ from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
 from .page import Page, Picture, Section, Sentences, Text, fact, machine_pairs
-from .words import counted
+from .run_texts import counted
 
 _FIGURES = ("quality", "regions", "filled", "against", "link", "coding", "second_eye", "gaze", "measured")
 _MAGNIFY = 16

@@ -24,7 +24,7 @@ from .page import (
     minutes,
     reading_section,
 )
-from .words import Table, markdown, plain
+from .run_texts import Table, markdown, plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.
@@ -132,19 +132,19 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
 
 
 def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
-    """Return the verdicts as a Markdown table, one row for each experiment.
-
-    results: contents of results.json; an experiment that several have is that of the last.
-    """
+    """Return names of claims that hold or cannot be told, and a table of the others."""
     experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
-    used = {id(data): data for _, data in experiments.values()}.values()
+    used = [data for _, data in experiments.values()]
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
-    heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")
-    lines = [list(heads), ["---"] * len(heads)]
-    for one, _ in experiments.values():
-        where = one["holds_at"] if _is_conditional(one) else ""
-        claim = f"{one['claim']} ({one['source']})"
-        line = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"] + _weak(one), where)
-        lines.append([text.replace("|", "/") for text in line])
+    lines = [["claim", "ours", "rule", "verdict"], ["---"] * 4]
+    named: dict[str, list[str]] = {"holds": [], "cannot be told": []}
+    for name, (one, _) in experiments.items():
+        if one["verdict"] in named:
+            named[one["verdict"]].append(f"`{name}`" + _weak(one))
+            continue
+        where = f" ({one['holds_at'].partition(':')[0]})" if _is_conditional(one) else ""
+        claim, verdict = f"{one['claim']} ({one['source']})", one["verdict"] + _weak(one) + where
+        lines.append([text.replace("|", "/") for text in (claim, one["ours"] or "–", one["rule"], verdict)])
     made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
-    return f"{made}\n\n{markdown(lines)}".rstrip("\n")
+    told = "".join(f"\n{verdict.capitalize()}: {'; '.join(names) or '–'}." for verdict, names in named.items())
+    return f"{made}{told}\n\n{markdown(lines)}".rstrip("\n")

@@ -165,7 +165,7 @@ class ReplayRun(Run[RunOptions]):
     @property
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
-        return self.source.headset.left_fov.pixels_per_degree(self.sizes.shown)
+        return self.source.headset.eyes[0].fov.pixels_per_degree(self.sizes.shown)
 
     @functools.cached_property
     def _pairs(self) -> PairPass:

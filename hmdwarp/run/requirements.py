@@ -136,7 +136,7 @@ def _parse(text: str) -> tuple[Requirement, ...]:
 
 def _number(text: str) -> float | None:
     try:
-        value = float(text)
+        value = float(text.encode("ascii"))
     except ValueError:
         return None
     return value if math.isfinite(value) else None
@@ -167,7 +167,7 @@ def _tolerances(text: str) -> Tolerance:
                 + (f"; did you mean '{near}'?" if near else "")
             )
         try:
-            found[name.strip()] = float(number)
+            found[name.strip()] = float(number.encode("ascii"))
         except ValueError as error:
             raise InputError(f"--tolerance {part}: expected a number after '=', found '{number}'") from error
         if not 0 <= found[name.strip()] < math.inf:

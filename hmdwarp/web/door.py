@@ -16,12 +16,11 @@ import mimetypes
 import re
 import secrets
 import socket
-import ssl
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 import zmq
@@ -81,20 +80,13 @@ class Lock:
     pair: KeyPair | None = None
 
 
-class Log(Protocol):
-    """What takes a page's reports; then it is closed."""
-
-    def take(self, text: str) -> None: ...
-    def close(self) -> None: ...
-
-
 class Door:
     """Serve the page at HOST:PORT, and pass browsers' messages on to a server of the feed.
 
     feed: its address, as the server says it. about: what the page is told, by key. files: by path,
     what makes JSON, such as a trace. certificate: a PEM file with key and certificate, made if
-    missing; None for plain HTTP. log: makes what takes the reports of a connection. places: those
-    of the feed's door, whose limits hold here too.
+    missing; None for plain HTTP. log: makes what takes the reports of a connection, and is closed
+    then. places: those of the feed's door, whose limits hold here too.
     Errors: InputError for an address that cannot be listened at, and for one beyond this machine
     without a certificate unless is_open.
     """
@@ -109,20 +101,24 @@ class Door:
         lock: Lock | None = None,
         certificate: Path | None = None,
         is_open: bool = False,
-        log: Callable[[], Log] | None = None,
+        log: Callable[[], Any] | None = None,
         places: Places | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        if not (is_local(_checked(address)) or certificate or is_open):
+        on, separator, number = address.rpartition(":")
+        if not (separator and on and (number == "*" or (are_digits(number) and int(number) < 65536))):
+            raise InputError(f"--web {address}: expected HOST:PORT, such as 127.0.0.1:5580, or * for a free port")
+        if not (is_local(f"tcp://{address}") or certificate or is_open):
             raise InputError(
                 f"--web {address}: beyond this machine it wants --certificate FILE.pem, made if missing, without "
                 "which a browser offers no VR; or give --open to send pictures and cookies unencrypted"
             )
         self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
         self._log, self._places = log, places or Places(lambda _, __, text: say(text))
-        self._tls: ssl.SSLContext | None = None
+        self._tls: Any = None
+        self._scheme = "http" if certificate is None else "https"
         if certificate is not None:
-            self._tls, fingerprint, is_new = certified(certificate, address.rpartition(":")[0])
+            self._tls, fingerprint, is_new = certified(certificate, on)
             if is_new:
                 say(f"made {certificate}, with a private key, which stays here")
             say(f"the SHA-256 fingerprint of {certificate}: {fingerprint}")
@@ -130,7 +126,7 @@ class Door:
         self._made = {f"/{name}": make for name, make in files.items()}
         for path in PAGE.iterdir():
             if path.suffix in (".html", ".css", ".js"):
-                self._files[f"/{path.name}"] = _File(path.read_bytes(), mimetypes.guess_type(path.name)[0] or "")
+                self._files[f"/{path.name}"] = path.read_bytes(), mimetypes.guess_type(path.name)[0] or ""
         self._files["/"] = self._files.pop("/index.html")
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
         # A secret of its own makes cookies that a server started anew knows again.
@@ -150,10 +146,6 @@ class Door:
     def address(self) -> str:
         """What to open once, with a token that counts once."""
         return f"{self._scheme}://{self._place}/?token={self._token}"
-
-    @property
-    def _scheme(self) -> str:
-        return "http" if self._tls is None else "https"
 
     async def _begin(self) -> tuple[web.AppRunner, Visitors]:
         app = web.Application(middlewares=[self._guard], client_max_size=0)
@@ -222,7 +214,7 @@ class Door:
         found = self._files.get(request.path)
         if found is None:
             return web.Response(status=404, text="not here\n")
-        return web.Response(body=found.content, content_type=found.kind, charset="utf-8")
+        return web.Response(body=found[0], content_type=found[1], charset="utf-8")
 
     async def _pass(self, request: Any) -> Any:
         """Pass messages both ways until either end goes, or says nothing at all."""
@@ -265,6 +257,7 @@ class Door:
             probe.bind((host.strip("[]"), 0))
             port = int(probe.getsockname()[1])
         self._places.guests[port] = address
+        self._visitors.count()
         set_options(zmq, server, _FEED | {"IPV6": "[" in host})
         if (pair := self._lock.pair) is not None:
             server.curve_serverkey = pair.public
@@ -284,21 +277,8 @@ class Door:
         self._context.destroy(0)
 
 
-@attrs.frozen
-class _File:
-    content: bytes
-    kind: str
-
-
-def _as_json(content: Any) -> _File:
-    return _File(json.dumps(content).encode(), "application/json")
-
-
-def _checked(address: str) -> str:
-    host, separator, port = address.rpartition(":")
-    if not (separator and host and (port == "*" or (are_digits(port) and int(port) < 65536))):
-        raise InputError(f"--web {address}: expected HOST:PORT, such as 127.0.0.1:5580, or * for a free port")
-    return f"tcp://{address}"
+def _as_json(content: Any) -> tuple[bytes, str]:
+    return json.dumps(content).encode(), "application/json"
 
 
 def _listener(address: str) -> socket.socket:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import logging
 import socket
-import ssl
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from typing import Any
 
@@ -14,11 +14,11 @@ import attrs
 
 from ..sources.feed.sockets import IDLE_NS, MOST_CONNECTIONS, SILENT_NS, Places, crowd_of, host_of
 
-# Of MOST_CONNECTIONS, so that the feed keeps the rest; no page has a place of its own beside them.
+# Of MOST_CONNECTIONS, pages with them; the rest is kept for the feed.
 MOST_VISITORS = MOST_CONNECTIONS // 2
 IDLE_S, SILENT_S = IDLE_NS * 1e-9, SILENT_NS * 1e-9
-_EVERY_S = 0.5
-_LETTERS = 300  # of a line for the log
+_EVERY_S, _LETTERS = 0.5, 300  # of a look at all; of a line for the log
+_Loop = asyncio.AbstractEventLoop
 
 
 @attrs.define(eq=False)
@@ -46,20 +46,14 @@ class Visitor:
 class Visitors:
     """Accept connections and end those that are too many, or silent."""
 
-    def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        listener: socket.socket,
-        server: Callable[[], Any],
-        tls: ssl.SSLContext | None,
-        places: Places,
-    ) -> None:
+    def __init__(self, loop: _Loop, listener: socket.socket, server: Any, tls: Any, places: Places) -> None:
         self._loop, self._listener, self._server, self._places = loop, listener, server, places
         self._tls: dict[str, Any] = {}
         if tls is not None:
             self._tls = {"ssl": tls, "ssl_handshake_timeout": SILENT_S, "ssl_shutdown_timeout": 1.0}
         self._of: dict[Any, Visitor] = {}
         listener.setblocking(False)
+        places.web_yields = self._give_way
         loop.set_exception_handler(self._failed)
         self._tasks = [loop.create_task(self._accept()), loop.create_task(self._watch())]
 
@@ -103,30 +97,50 @@ class Visitors:
 
     def _make_place(self, new: Visitor) -> None:
         """Cut an idle one where there are too many, without a cookie first; else the newcomer."""
-        self._forget()
-        if (crowd := crowd_of([*self._of.values()], new, self._places.per_address, MOST_VISITORS)) is not None:
-            now_s = self._loop.time()
-            idle = [one for one in crowd[0] if one is not new and not (one.knows and now_s - one.heard_s <= IDLE_S)]
-            self._cut(min(idle, key=lambda one: (one.knows, one.heard_s), default=new), crowd[1])
+        self.count()
+        places, here = self._places, Counter(one.address for one in self._of.values())
+        clients = places.clients - Counter(places.guests.values())
+        crowd = crowd_of(here, clients, new.address, places.per_address, MOST_CONNECTIONS - MOST_VISITORS)
+        if crowd is not None:
+            busy_s = self._loop.time() - IDLE_S
+            idle = (one for one in self._of.values() if one is not new and not (one.knows and one.heard_s >= busy_s))
+            first = _first(idle, crowd[0]) or new
+            if not ((first is new or first.knows) and places.feed_yields(crowd[0])):
+                self._cut(first, crowd[1])
+
+    def _give_way(self, addresses: Collection[str]) -> bool:
+        """Let one go for the feed's newcomer, from its thread; return whether one was there."""
+        is_here = any(self._places.visitors[one] for one in addresses)
+        with suppress(RuntimeError):  # closed meanwhile
+            if is_here:
+                self._loop.call_soon_threadsafe(self._cut_for_feed, addresses)
+        return is_here
+
+    def _cut_for_feed(self, addresses: Collection[str]) -> None:
+        if (first := _first((one for one in self._of.values() if not one.is_page), addresses)) is not None:
+            self._cut(first, "makes room for a client of the feed")
 
     def _cut(self, one: Visitor, why: str) -> None:
         if one.is_page or not one.knows:  # browsers keep others for later
             self._places.note(f"web cut {why}", one.address, f"web: {one.address} cut: {why}")
         one.cut()
         self._of = {handler: other for handler, other in self._of.items() if other is not one}
+        self.count()
 
     async def _watch(self) -> None:
         while True:
             await asyncio.sleep(_EVERY_S)
-            self._forget()
+            self.count()
             now_s = self._loop.time()
             for one in [*self._of.values()]:
                 if not one.is_page and now_s - one.heard_s > SILENT_S:
                     self._cut(one, f"no whole request for {SILENT_S:g} s")
 
-    def _forget(self) -> None:
+    def count(self) -> None:
+        """Forget who has gone, and say how many are here beside pages."""
         self._of = {handler: one for handler, one in self._of.items() if one.wire.fileno() >= 0}
-        self._places.visitors = len(self._of) - len(self._places.guests)
+        here = Counter(one.address for one in self._of.values())
+        self._places.visitors = here - Counter(self._places.guests.values())
 
     def close(self) -> None:
         """Accept none any more, and end all."""
@@ -134,7 +148,13 @@ class Visitors:
             task.cancel()
         for one in self._of.values():
             one.cut()
+        self._places.visitors = Counter()
         self._listener.close()
+
+
+def _first(every: Iterable[Visitor], addresses: Collection[str]) -> Visitor | None:
+    those = (one for one in every if one.address in addresses)
+    return min(those, key=lambda one: (one.knows, one.is_page, one.heard_s), default=None)
 
 
 class OneLine(logging.Handler):

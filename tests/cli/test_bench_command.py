@@ -84,7 +84,7 @@ def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, 
 
 
 def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.set_up_replay", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
     command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused(
         "picture size 100000x40"
     )

@@ -5,20 +5,15 @@ from __future__ import annotations
 import commands
 import pytest
 
-from hmdwarp.cli._retired import entries
+from hmdwarp.cli._app import entries
 
 TRACE = {"replay", "live", "bench", "compare", "plan"}
 
 
-def typed(key: str) -> list[str]:
-    """A command line that names what `key` stands for."""
-    words = ["replay" if word == "*" else word.replace("*", "x") for word in key.split()]
-    return [*words[:1], "walk", *words[1:]] if words[0] in TRACE - {"live", "plan"} else words
-
-
 @pytest.mark.parametrize("key", entries())
 def test_a_removed_name_ends_with_status_2_and_what_to_use_instead(key):
-    done = commands.hmdwarp(*typed(key))
+    words = ["replay" if word == "*" else word.replace("*", "x") for word in key.split()]
+    done = commands.hmdwarp(*([*words[:1], "walk", *words[1:]] if words[0] in TRACE - {"live", "plan"} else words))
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert f"was removed: {entries()[key]}" in done.stderr

@@ -145,30 +145,23 @@ def test_size_and_names_are_taken(warp, tmp_path):
 @pytest.mark.parametrize(
     ("frame", "pose", "options", "told"),
     [
-        ({"depth_m": None}, {}, [], "no depth_m"),
-        ({"colour": None, "fov": None}, {}, [], "no colour, fov"),
+        ({"depth_m": None}, {}, [], "no depth_m"), ({"colour": None, "fov": None}, {}, [], "no colour, fov"),
         ({"colour": np.zeros((8, 10))}, {}, [], "(8, 10)"),
         ({"depth_m": np.full((8, 10), "far")}, {}, [], "depth_m is <U3"),
         ({"colour": np.array([{}], dtype=object)}, {}, [], "frame.npz"),
-        ({"fov": [1, 2, 3]}, {}, [], "frame.npz: fov"),
-        ({"fov": ["a", "b", "c", "d"]}, {}, [], "frame.npz"),
+        ({"fov": [1, 2, 3]}, {}, [], "frame.npz: fov"), ({"fov": ["a", "b", "c", "d"]}, {}, [], "frame.npz"),
         ({"position_m": [0, np.nan, 0]}, {}, [], "frame.npz"),
-        ({"orientation_xyzw": [0, 0, 0, 0]}, {}, [], "frame.npz"),
-        ({}, {"fov": None}, [], "no fov"),
+        ({"orientation_xyzw": [0, 0, 0, 0]}, {}, [], "frame.npz"), ({}, {"fov": None}, [], "no fov"),
         ({}, {"fov": [0.5, -0.5, -0.4, 0.4]}, [], "no field of view"),
-        ({}, {"fov": [-1.6, 1.6, -1, 1]}, [], "no field of view"),
-        ({}, {"fov": {"left": 1}}, [], "pose.json"),
-        ({}, {"position_m": [1, 2]}, [], "pose.json"),
-        ({}, {"position_m": "here"}, [], "pose.json"),
+        ({}, {"fov": [-1.6, 1.6, -1, 1]}, [], "no field of view"), ({}, {"fov": {"left": 1}}, [], "pose.json"),
+        ({}, {"position_m": [1, 2]}, [], "pose.json"), ({}, {"position_m": "here"}, [], "pose.json"),
         ({}, {"orientation_xyzw": [1, 0, 0, [0]]}, [], "pose.json"),
-        ({}, {"position_m": [10**400, 0, 0]}, [], "pose.json"),
-        ({}, {}, ["--warp", "backward"], "geometry"),
+        ({}, {"position_m": [10**400, 0, 0]}, [], "pose.json"), ({}, {}, ["--warp", "backward"], "geometry"),
         ({}, {}, ["--warp", "bakward"], "did you mean 'backward'?"),
-        ({}, {}, ["--fill", "interpolation"], "did you mean 'interpolate'?"),
-        ({}, {}, ["--size", "0x4"], "'0x4'"),
+        ({}, {}, ["--fill", "interpolation"], "did you mean 'interpolate'?"), ({}, {}, ["--size", "0x4"], "'0x4'"),
         ({}, {}, ["--size", "99999x4"], "99999x4"),
     ],
-)
+)  # fmt: skip
 def test_inputs_that_do_not_fit_are_refused(frame, pose, options, told, warp, tmp_path):
     warp(frame, pose, *options).refused(told)
     assert not (tmp_path / "out.npz").exists()
@@ -183,13 +176,16 @@ def test_where_it_cannot_be_written(out, warp, tmp_path):
 def test_files_of_other_kinds(command, tmp_path):
     frame, pose = write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
     whole = frame.read_bytes()
+    array = np.zeros(3)
+    file = io.BytesIO()
+    np.save(file, array)
     others = {
         "missing.npz": None,
         "empty.npz": b"",
         "cut.npz": whole[: len(whole) // 2],
         "text.npz": b"hello",
         "tail.npz": whole[200:],
-        "array.npz": npy_bytes(np.zeros(3)),
+        "array.npz": file.getvalue(),
         "pickle.npz": b"\x80\x04N.",
         "zip.npz": zip_bytes({"readme.txt": b"hello"}),
         "odd.npz": zip_bytes({"colour": b"no array"}),
@@ -217,12 +213,6 @@ def test_files_of_other_kinds(command, tmp_path):
             path.write_bytes(data)
         command("warp", frame, "--to", path, "--out", tmp_path / "o.npz").refused(str(path))
     assert not (tmp_path / "o.npz").exists()
-
-
-def npy_bytes(array: np.ndarray) -> bytes:
-    file = io.BytesIO()
-    np.save(file, array)
-    return file.getvalue()
 
 
 def zip_bytes(members: dict[str, bytes]) -> bytes:

@@ -33,7 +33,7 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
     lens = lenses.get("radial")(gpu, headset, panel_size)
     lens.run(canvas, Fov.symmetric(1, 1), eye, panel)  # of which nothing stays
     panel.texture.write(np.full((panel_size[1], panel_size[0], 4), 7, np.float16).tobytes(), alignment=1)
-    lens.run(canvas, headset.fov(eye), eye, panel)
+    lens.run(canvas, headset.eyes[eye].fov, eye, panel)
     gpu.gl.memory_barrier()
     out = (
         np.frombuffer(panel.texture.read(alignment=1), np.float16)
@@ -67,7 +67,7 @@ def places(headset: Headset, eye: int, panel_size, colour: str) -> tuple[np.ndar
         * lens.tangent_per_unit
     )
     tangent_error = slope * place_error * 2 + 22 * UNIT * absolute * r
-    left, right, down, up = headset.fov(eye).tangents
+    left, right, down, up = headset.eyes[eye].fov.tangents
     low, span = np.array([left, down]), np.array([right - left, up - down])
     tangent = tangent_from_lens(lens, on_lens, colour)
     error = tangent_error[..., None] / span + 4 * UNIT * (np.abs(tangent) + np.abs(low)) / span
@@ -91,7 +91,7 @@ def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
     shown = rng.uniform(0, 1, (shown_size[1], shown_size[0], 4)).astype(np.float16).astype(np.float64)
     got, wanted = (
         through_the_lens(gpu, shown, headset, eye, panel_size),
-        radial(shown, headset.fov(eye), headset, eye, panel_size),
+        radial(shown, headset.eyes[eye].fov, headset, eye, panel_size),
     )
     for channel, colour in enumerate(COLOURS):
         uv, error = places(headset, eye, panel_size, colour)

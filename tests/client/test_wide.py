@@ -45,13 +45,13 @@ def test_it_is_150_by_140_degrees_or_the_eyes_own_where_that_is_more():
 
 def test_its_pixels_are_a_quarter_as_dense_and_half_as_many():
     headset = load_headset("rift-dk1")
-    fov, size = headset.fov(0), headset.eye_size_px
+    fov, size = headset.eyes[0].fov, headset.eye_size_px
     wide, own = wide_fov(fov), fov.tangents
     density = size[0] / (own[1] - own[0])
     assert wide_size(fov, size)[0] / (wide.tangents[1] - wide.tangents[0]) == pytest.approx(density / COARSER, rel=0.01)
     share = math.prod(wide_size(fov, size)) / math.prod(size)
     assert 0.3 < share < 0.6
-    assert wide_size(headset.fov(0), size) == wide_size(headset.fov(1), size)
+    assert wide_size(headset.eyes[0].fov, size) == wide_size(headset.eyes[1].fov, size)
 
 
 def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):

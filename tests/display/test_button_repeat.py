@@ -23,7 +23,7 @@ from hmdwarp.display.openxr.actions import (
     PUSHED,
     ButtonRepeat,
 )
-from hmdwarp.study.dialogs.buttons import CONTROLS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLS
 
 PERIOD_NS = 11_111_111  # 90 a second
 

@@ -9,7 +9,7 @@ glfw = pytest.importorskip("glfw", exc_type=ImportError)
 from hmdwarp.display import CONTROLS, MOVING, Command, control  # noqa: E402
 from hmdwarp.display.desktop import window_input  # noqa: E402
 from hmdwarp.display.desktop.window_input import BUTTONS, FASTER, MOVES, Keys, direction, token  # noqa: E402
-from hmdwarp.study.dialogs.buttons import CONTROLS as OF_STUDY  # noqa: E402
+from hmdwarp.study.dialogs.dialog_panels import CONTROLS as OF_STUDY  # noqa: E402
 
 command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
 

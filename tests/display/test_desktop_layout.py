@@ -75,7 +75,7 @@ def test_views_of_a_headset(name):
     assert view.pose is head and flat.headset is None
     left, right, down, up = view.fov.tangents
     assert (left, down) == (pytest.approx(-right), pytest.approx(-up))
-    assert right == pytest.approx(np.abs(headset.left_fov.tangents[:2]).max())
+    assert right == pytest.approx(np.abs(headset.eyes[0].fov.tangents[:2]).max())
     assert flat.aspect == pytest.approx(right / up) == pytest.approx(2 * both.aspect)  # fills the same window
     assert window_view("flat", headset, (50, 40)).size == (50, 40)
 

@@ -16,7 +16,7 @@ from hmdwarp.display import CONTROLS as LIVE
 from hmdwarp.display.openxr.mirror_window import Mirror
 from hmdwarp.display import Presenter
 from hmdwarp.gpu.context import Gpu
-from hmdwarp.study.dialogs.buttons import CONTROLS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLS
 from hmdwarp.study.dialogs.dialog_panels import message_panel
 
 class Noting(Presenter):

@@ -49,7 +49,8 @@ class FakeGl:
     """
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
-        self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, "GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3}
+        most = {"GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3, "GL_MAX_UNIFORM_BUFFER_BINDINGS": 0}
+        self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, **most}
         self.of_dispatches: int | None = None
         self.queries: list[FakeQuery] = []
         self.now_ns = self.waiting_ns = 0

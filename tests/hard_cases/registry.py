@@ -11,26 +11,18 @@ from collections.abc import Callable
 import attrs
 from worlds import every_choice
 
-from hmdwarp.client.warps import warps
-
 # The 64-bit path of forward wants what few drivers have.
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
 PARTS = ("What", "Why", "Wants")
+TWIN = "what the float64 twin says"
 
 
 @attrs.frozen
 class HardCase:
-    """name; what, why, wants: sentences for the table; run: the test; warps.
-
-    The names it is run for, () if it needs none.
-    """
-
     name: str
-    what: str
-    why: str
-    wants: str
+    wants: str  # a sentence for the table
     run: Callable[..., None]
-    warps: tuple[str, ...]
+    warps: tuple[str, ...]  # the names it is run for, () if it needs none
 
 
 CASES: list[HardCase] = []
@@ -52,23 +44,14 @@ def hard_case(applies: Callable[[str], bool] | None = lambda name: True):
                 "docstring"
             )
         names = () if applies is None else tuple(spec for spec in CHOICES if applies(spec))
-        CASES.append(HardCase(run.__name__, parts["What"], parts["Why"], parts["Wants"], run, names))
+        CASES.append(HardCase(run.__name__, parts["Wants"], run, names))
         return run
 
     return register
 
 
 def markdown() -> str:
-    """The table for docs/hard-cases.md."""
-    lines = ["| case | what | why it is hard | what must come out | warps |", "| --- | --- | --- | --- | --- |"]
-    everywhere = {warp.name for warp in warps if warp.kind != "draw"}
-    for case in CASES:
-        run_for = {spec.partition(":")[0] for spec in case.warps}
-        missing = sorted(everywhere - run_for)
-        applied = (
-            "-" if not case.warps else "all" if not missing else f"all but {', '.join(f'`{name}`' for name in missing)}"
-        )
-        few = ", ".join(f"`{name}`" for name in sorted(run_for))
-        applied = few if run_for and len(run_for) < len(missing) else applied
-        lines.append(f"| {case.name.replace('_', ' ')} | {case.what} | {case.why} | {case.wants} | {applied} |")
-    return "\n".join(lines)
+    """The list for docs/hard-cases.md."""
+    names = {case.name.replace("_", " "): case.wants for case in CASES}
+    others = ", ".join(name for name, wants in names.items() if wants == TWIN)
+    return "\n".join([*(f"- {name}: {wants}" for name, wants in names.items() if wants != TWIN), f"- {others}: {TWIN}"])

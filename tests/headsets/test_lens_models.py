@@ -220,10 +220,10 @@ def test_the_pass_shows_what_the_formulas_say(gpu, request, name, eye):
     for axis, places in enumerate(((u + 0.5) / size[0], (v + 0.5) / size[1])):
         shown = np.dstack([places] * 3 + [np.ones_like(places)])
         canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
-        lenses.get(headset.lens.model)(gpu, headset, panel_size).run(canvas, headset.fov(eye), eye, panel)
+        lenses.get(headset.lens.model)(gpu, headset, panel_size).run(canvas, headset.eyes[eye].fov, eye, panel)
         gpu.gl.memory_barrier()
         out = np.frombuffer(panel.texture.read(alignment=1), np.float16).reshape(*panel_size[::-1], 4).astype(float)
-        tangents, low = headset.fov(eye).tangents, headset.fov(eye).tangents[2 * axis]
+        tangents, low = headset.eyes[eye].fov.tangents, headset.eyes[eye].fov.tangents[2 * axis]
         for channel, wanted_colour in enumerate(COLOURS):
             found = shown_tangents(headset, eye, panel_size, wanted_colour)
             span = tangents[1::2] - tangents[::2]
@@ -267,7 +267,7 @@ def test_known_numbers_of_the_configuration(vive):
     assert vive.eye_size_px == (72, 80) and vive.aspect == pytest.approx(0.9)
     # Blue at the panel's left edge, r = 1.082 level with the axis, is seen at 1.415; at the cutoff
     # r^2 = 1.2, a little above or below, at 1.458 from the axis.
-    assert -1.458 < vive.left_fov.tangents[0] < -1.415
+    assert -1.458 < vive.eyes[0].fov.tangents[0] < -1.415
 
 
 @given(st.lists(st.floats(0.01, 1), min_size=2, max_size=9), st.floats(0, 1))

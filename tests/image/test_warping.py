@@ -525,6 +525,10 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"depth_m": [["a"] * 6] * 4}, "depth_m is <U1"),
         ({"rendered": None}, "rendered is a NoneType: expected a hmdwarp.View"),
         ({"shown": Pose()}, "shown is a Pose"),
+        *(
+            ({each: View(Pose((0, 0, 1e20)), view().fov)}, rf"{each}: position .* at most 1e\+09 m")
+            for each in ("rendered", "shown")
+        ),
         ({"depth_m": -DEPTH}, "metres along -z, which are above 0: negate it"),
         *(({"depth_m": np.where(np.eye(4, 6) > 0, sky, -2.0)}, "negate it") for sky in (0.0, np.nan, np.inf)),
         *(

@@ -26,18 +26,6 @@ def border_share(*arguments) -> float:
     return float(border_holes(*arguments).mean())
 
 
-def outside_by_rays(depth_m: np.ndarray, shown: View, rendered: View) -> np.ndarray:
-    """(h, w) top row first.
-
-    Whether each pixel's surface point lies outside `rendered`, through points in the world.
-    """
-    points = shown.rays(SIZE) * depth_m[::-1][..., None]
-    x, y, z = np.moveaxis(rendered.pose.inverse().transform(shown.pose.transform(points)), -1, 0)
-    left, right, down, up = rendered.fov.tangents
-    inside = (z < 0) & (x >= -left * z) & (x <= -right * z) & (y >= -down * z) & (y <= -up * z)
-    return ~inside[::-1]
-
-
 def test_share_counts_zeros_only():
     coverage = np.array([[0, 0.25], [1, 1e-6]])
     assert hole_share(coverage) == 0.25
@@ -55,7 +43,12 @@ def test_border_against_rays(shown, seed):
     depth_m = rng.uniform(0.4, 20, (33, 41))
     coverage = rng.random((33, 41)) > 0.5
     rendered = View(Pose(), FOV)
-    expected = (outside_by_rays(depth_m, shown, rendered) & ~coverage).sum() / coverage.size
+    # Whether each pixel's surface point lies outside `rendered`, through points in the world.
+    points = shown.rays(SIZE) * depth_m[::-1][..., None]
+    x, y, z = np.moveaxis(rendered.pose.inverse().transform(shown.pose.transform(points)), -1, 0)
+    left, right, down, up = rendered.fov.tangents
+    inside = (z < 0) & (x >= -left * z) & (x <= -right * z) & (y >= -down * z) & (y <= -up * z)
+    expected = ((~inside[::-1]) & ~coverage).sum() / coverage.size
     assert border_share(coverage, 1 / depth_m, shown, rendered, (64, 50)) == pytest.approx(expected, abs=1e-12)
 
 

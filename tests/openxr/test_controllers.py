@@ -18,9 +18,8 @@ from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.buttons import ACTING_CONTROLS, CONTROLLERS
-from hmdwarp.study.dialogs.buttons import CONTROLS as STUDY_CONTROLS
-from hmdwarp.study.dialogs.dialog_panels import MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import ACTING_CONTROLS, CONTROLLERS, MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import CONTROLS as STUDY_CONTROLS
 from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale
 

@@ -104,16 +104,11 @@ def mutated(data: bytes, rng: random.Random) -> bytes:
             other = rng.randrange(len(data))
             data = data[:at] + data[other : other + length] + data[at:]
         else:
-            values = _values(data)
+            values = [match.span() for match in re.finditer(rb'-?\d[\d.eE+-]*|"[^"\n]*"|\b[a-z]+\b', data)]
             begin, end = rng.choice(values) if values else (at, at)
             data = data[:begin] + rng.choice(SPOILT) + data[end:]
         data = data or b" "
     return data
-
-
-def _values(data: bytes) -> list[tuple[int, int]]:
-    """Places of numbers, texts and words."""
-    return [match.span() for match in re.finditer(rb'-?\d[\d.eE+-]*|"[^"\n]*"|\b[a-z]+\b', data)]
 
 
 def folder_of(form: str) -> Callable[[Path], Path]:

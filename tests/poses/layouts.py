@@ -269,16 +269,15 @@ def _flag(name: str) -> str:
 
 
 def layouts_table() -> str:
-    """Return the table of docs/traces.md."""
+    """Return the list of docs/traces.md."""
     truth = load_trace("walk").track
     with tempfile.TemporaryDirectory() as folder:
         rows = [(layout, *verdict(layout, truth, Path(folder))) for layout in LAYOUTS]
-    lines = ["| layout | its axes | who says so | read | with |", "| --- | --- | --- | --- | --- |"]
-    lines += [
-        f"| {layout.name} | {layout.axes} | {layout.proof} | {outcome} | {options} |"
-        for layout, outcome, options in rows
-    ]
-    return "\n".join(lines)
+    return "\n".join(line(*row) for row in rows)
+
+
+def line(layout: Layout, outcome: str, options: str) -> str:
+    return f"- {layout.name} ({layout.proof}): {outcome} {options}".rstrip()
 
 
 def contradicted_text() -> str:

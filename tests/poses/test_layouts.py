@@ -20,8 +20,7 @@ def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
     page = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")
     assert layouts.contradicted_text() in page
     for layout in layouts.LAYOUTS:
-        outcome, options = outcomes[layout.name]
-        assert f"| {layout.name} | {layout.axes} | {layout.proof} | {outcome} | {options} |" in page
+        assert layouts.line(layout, *outcomes[layout.name]) in page
 
 
 def test_a_file_that_is_read_wrong_is_called_wrong(tmp_path):

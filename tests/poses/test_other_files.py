@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hmdwarp.study.export.bids import channels_json, channels_text, motion_text
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
-from hmdwarp.study.export.bids import channels_json, channels_text, motion_text
 
 from .traces import found, head, kinds, matrices, refusal, same_motion, write
 

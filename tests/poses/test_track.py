@@ -109,6 +109,7 @@ def test_repeats_are_left_out_for_differentiating_with_jumps_kept_in_place():
         ([0, 0], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, "does not increase at sample 1"),
         ([0, 1], np.zeros((2, 3)), [[0, 0, 0, 1], [0, 0, 0, 0.9]], "sample 1: a quaternion of length 0.9"),
         ([0, 1], [[0, 0, 0], [0, np.nan, 0]], [[0, 0, 0, 1]] * 2, "sample 1 .* not finite"),
+        ([0, 1], [[0, 0, 0], [0, -1e20, 0]], [[0, 0, 0, 1]] * 2, r"sample 1 .* 1e\+20 m away: expected at most 1e\+09"),
         ([0, 1], np.zeros((2, 2)), [[0, 0, 0, 1]] * 2, r"expected \(2, 3\)"),
         ([0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, "integers"),
     ],

@@ -304,7 +304,7 @@ def test_interpolate_takes_the_median_of_enough_neighbours():
 def test_the_lens_twin_shows_the_middle_at_the_axis():
     headset = load_headset("rift-dk1")
     x = np.broadcast_to(np.linspace(-1.0924, 1.0587, 65)[None, :, None], (65, 65, 4))
-    got = radial(np.ascontiguousarray(x), headset.fov(0), headset, 0, (640, 800))
+    got = radial(np.ascontiguousarray(x), headset.eyes[0].fov, headset, 0, (640, 800))
     at = round((0.03744 + 0.00569) / 0.07488 * 640)
     assert abs(got[400, at - 1 : at + 1, 1].mean()) < 0.02, "tangent 0 lies on the axis, 5.69 mm from the middle"
 

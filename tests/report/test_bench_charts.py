@@ -14,13 +14,7 @@ from PIL import Image
 
 from hmdwarp.metrics import REGIONS, aggregate
 from hmdwarp.report import PAGE, PAPER, Series, canvas, css_variables, draw_numbers, markers_of, time_series, warp_of
-from hmdwarp.report.bench.charts import (
-    pareto_chart,
-    pareto_plot_png,
-    pareto_text,
-    region_parts,
-    regions_chart,
-)
+from hmdwarp.report.bench.page import pareto_chart, pareto_plot_png, pareto_text, region_parts, regions_chart
 from hmdwarp.report.bench.rows import bench_table, cases
 
 from .bench_samples import WARPS, a_bench, a_row, some_rows

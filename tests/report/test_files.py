@@ -3,6 +3,7 @@
 import csv
 import errno
 import json
+import math
 import os
 import signal
 import stat
@@ -18,6 +19,7 @@ from PIL import Image
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.report import OutputFolder, atomic, files, write_bytes, write_csv, write_json, write_png, write_text
+from hmdwarp.report.files import raw_text
 
 
 def everything_below(folder: Path) -> set[str]:
@@ -109,6 +111,17 @@ def test_csv_keeps_every_digit(tmp_path_factory, values):
     assert [float(r["b"]) for r in rows] == values
     assert all(r["a"] == "" for r in rows)
     assert path.read_bytes().startswith(b"a,b\n")
+
+
+@given(st.text(st.characters(codec="utf-8")) | st.builds("".join, st.lists(st.sampled_from("=+-@\t 'x1"))))
+def test_no_cell_of_a_csv_is_one_that_a_spreadsheet_runs(tmp_path_factory, text):
+    """It may begin with = + - or @ as a number alone; what it was can be read back."""
+    path = tmp_path_factory.mktemp("csv") / "out.csv"
+    write_csv(path, [{"a": text}], ["a"])
+    with path.open(newline="", encoding="utf-8") as file:
+        ((cell,),) = list(csv.reader(file))[1:] or [[""]]
+    assert raw_text(cell) == text
+    assert cell.strip()[:1] not in ("=", "@", "+", "-") or math.isfinite(float(cell))
 
 
 def test_json_has_no_nan_and_knows_numpy_numbers(tmp_path):

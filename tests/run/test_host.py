@@ -217,24 +217,11 @@ def test_a_warp_for_two_eyes_is_refused_in_the_flat_view(gpu):
 # ----------------------------------------------------------------------------------------------
 
 TOUR = [
-    Command("latency"),
-    Command("latency", back=True),
-    Command("warp", "backward"),
-    Command("fill", "pyramid"),
-    Command("warp", "layered"),
-    Command("guard"),
-    Command("guard", back=True),
-    Command("scene", "spheres"),
-    Command("view"),
-    Command("lens"),
-    Command("lens"),
-    Command("view"),
-    Command("effects", "none"),
-    Command("effects", "auto"),
-    Command("scene", "planes"),
-    Command("fill", "none"),
-    Command("warp", "forward"),
-]
+    Command("latency"), Command("latency", back=True), Command("warp", "backward"), Command("fill", "pyramid"),
+    Command("warp", "layered"), Command("guard"), Command("guard", back=True), Command("scene", "spheres"),
+    Command("view"), Command("lens"), Command("lens"), Command("view"), Command("effects", "none"),
+    Command("effects", "auto"), Command("scene", "planes"), Command("fill", "none"), Command("warp", "forward"),
+]  # fmt: skip
 
 
 def test_a_tour_of_all_changes_leaves_nothing_on_the_gpu(gpu):

@@ -17,7 +17,7 @@ import pytest
 
 from hmdwarp.study.design import Comparison, Design, load_design
 from hmdwarp.study.respondents import Cohort, Model, Population, load_model, person_of
-from hmdwarp.study.respondents.response_model import SicknessModel
+from hmdwarp.study.respondents.simulated import SicknessModel
 from hmdwarp.study.store import Contents, Store
 
 from . import tiny
@@ -79,19 +79,15 @@ def test_the_store_has_what_was_answered_and_nothing_else(study):
     assert any(event.kind == "pause" for event in study.contents.events)  # and somebody a pause
 
 
-def known_effect(study: Study, comparison: Comparison) -> float:
-    """The mean difference of very many such people who all stay and can always say."""
-    rating = attrs.evolve(study.model.ratings["grade"], missing=0.0)
-    staying = attrs.evolve(study.model, ratings={"grade": rating}, dropout=0.0, sickness=SicknessModel())
-    cohort = Population(staying, study.design, "main").of(range(MANY), seed=1)
-    return float(differences(cohort, study.design.scales[0], comparison).mean())
-
-
 def test_the_known_effects_come_back_inside_their_intervals(study):
     (scale,) = json.loads((study.made / "analysis" / "analysis.json").read_text())["scales"]
     assert len(scale["comparisons"]) == 2
     for row in scale["comparisons"]:
-        effect = known_effect(study, Comparison("main", row["baseline"], row["condition"]))
+        comparison = Comparison("main", row["baseline"], row["condition"])
+        rating = attrs.evolve(study.model.ratings["grade"], missing=0.0)
+        staying = attrs.evolve(study.model, ratings={"grade": rating}, dropout=0.0, sickness=SicknessModel())
+        cohort = Population(staying, study.design, "main").of(range(MANY), seed=1)
+        effect = float(differences(cohort, study.design.scales[0], comparison).mean())
         assert effect > 0.5  # a warp helps these people
         assert row["low"] <= effect <= row["high"]
         assert row["shift_low"] <= effect <= row["shift_high"]

@@ -19,7 +19,7 @@ from hmdwarp.poses.writing import write_native
 from hmdwarp.run import RunOptions, figures, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
-from hmdwarp.study.export.table_columns import columns_for
+from hmdwarp.study.export.export_rows import columns_for
 from hmdwarp.study.measure import Measurements, run_options
 from hmdwarp.study.store import PERSON, Store
 

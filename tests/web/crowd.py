@@ -1,4 +1,4 @@
-"""Those who crowd the web's door: connections that never finish, and pages, for tests and soaks."""
+"""Those who crowd both doors: connections that never finish, and pages, for tests and soaks."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ class Crowd:
 
     def __init__(self, serving: Serving, cookie: str, seed: int = 1) -> None:
         self.door, self._cookie, self._random = urlsplit(serving.door), cookie, random.Random(seed)
+        self._ports = self.door.port, urlsplit(serving.address).port
         self.longest_s, self.frames = 0.0, 0
 
     def _session(self, stack: AsyncExitStack, host: str) -> aiohttp.ClientSession:
@@ -56,12 +57,12 @@ class Crowd:
                     self.frames, now_s = self.frames + 1, time.monotonic()
                     self.longest_s, begun_s = max(self.longest_s, now_s - begun_s), now_s
 
-    async def slow(self, until_s: float) -> None:
-        """Begin a request and never end it; anew where that is cut."""
+    async def slow(self, until_s: float, at: int) -> None:
+        """Begin a request at a door and never end it; anew where that is cut."""
         while time.monotonic() < until_s:
             with suppress(OSError):
-                _, writer = await asyncio.open_connection(self.door.hostname, self.door.port)
-                for letter in b"GET / HTTP/1.1\r\nHost: " + b"x" * 1000:
+                _, writer = await asyncio.open_connection(self.door.hostname, self._ports[at])
+                for letter in (b"GET / HTTP/1.1\r\nHost: ", b"\xff" + bytes(8) + b"\x7f\x03")[at] + b"x" * 1000:
                     writer.write(bytes([letter]))
                     await writer.drain()
                     await asyncio.sleep(self._random.random())
@@ -88,7 +89,7 @@ class Crowd:
     async def all(self, seconds: float, slow: int, pages: int) -> None:
         """Run all of them for some seconds."""
         until_s = time.monotonic() + seconds
-        crowd = [asyncio.ensure_future(self.slow(until_s)) for _ in range(slow)]
+        crowd = [asyncio.ensure_future(self.slow(until_s, number % 2)) for number in range(slow)]
         crowd += [asyncio.ensure_future(self.page(until_s)) for _ in range(pages)]
         await self.honest(until_s)
         await asyncio.gather(*crowd)

@@ -7,7 +7,9 @@ import json
 import socket
 import struct
 import time
+import urllib.error
 import urllib.request
+from contextlib import ExitStack, closing
 from http.cookiejar import CookieJar
 
 import aiohttp
@@ -16,8 +18,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from properties import ONE_FIXTURE_FOR_ALL
 from serving import Serving
+from sources.feed.exchange import exchanged, port_of
 
+from hmdwarp.sources.feed import sockets
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import FrameMessage, decode
+from hmdwarp.web import Door, visitors
 from hmdwarp.web.visitors import MOST_VISITORS
 
 from .crowd import Crowd, ask, held_by
@@ -69,41 +76,15 @@ async def _spoken(serving, messages: list[bytes | str]) -> object:
 
 
 LINES = st.sampled_from(
-    [
-        b"Host: 127.0.0.1",
-        b"Host: [",
-        b"Origin: null",
-        b"Cookie: hmdwarp-1=\xff",
-        b'Cookie: a="\\377\\400',
-        b"Upgrade: websocket",
-        b"Connection: Upgrade",
-        b"Connection: close",
-        b"Content-Length: 9",
-        b"Content-Length: -1",
-        b"Transfer-Encoding: chunked",
-        b"Expect: 100-continue",
-        b"Sec-WebSocket-Version: 13",
-        b"Sec-WebSocket-Key: x",
-        b"Range: bytes=9-",
-        b" folded",
-        b"\0: \0",
-    ]
-)
+    [b"Host: 127.0.0.1", b"Host: [", b"Origin: null", b"Cookie: hmdwarp-1=\xff", b'Cookie: a="\\377\\400', b"\0: \0",
+     b"Upgrade: websocket", b"Connection: Upgrade", b"Connection: close", b"Content-Length: 9", b"Content-Length: -1",
+     b"Transfer-Encoding: chunked", b"Expect: 100-continue", b"Sec-WebSocket-Version: 13", b"Sec-WebSocket-Key: x",
+     b"Range: bytes=9-", b" folded"]
+)  # fmt: skip
 TARGETS = st.sampled_from(
-    [
-        b"/",
-        b"/feed",
-        b"/?token=%ff",
-        b"/?token=\xfe",
-        b"*",
-        b"http://[",
-        b"http://a:99999999/",
-        b"//[::/",
-        b"/%00",
-        b"\xff",
-        b"/..;/",
-    ]
-)
+    [b"/", b"/feed", b"/?token=%ff", b"/?token=\xfe", b"*", b"http://[", b"http://a:99999999/", b"//[::/", b"/%00",
+     b"\xff", b"/..;/"]
+)  # fmt: skip
 METHODS = st.sampled_from([b"GET", b"HEAD", b"POST", b"OPTIONS", b"CONNECT", b"PRI", b"\xff", b""])
 HEADS = st.builds(
     lambda method, target, lines, end: b"\r\n".join([method + b" " + target + b" HTTP/1.1", *lines]) + end,
@@ -154,12 +135,46 @@ def test_any_message_leaves_the_next_page_its_frame(serving, messages):
     assert not any("internal error" in line or "Traceback" in line for line in serving._said)
 
 
+def is_open(one: socket.socket) -> bool:
+    """Whether the server has not cut it; what it sent is passed over."""
+    one.setblocking(False)
+    try:
+        while one.recv(1 << 12):
+            pass
+    except BlockingIOError:
+        return True
+    except ConnectionError:
+        pass
+    return False
+
+
+def test_an_address_has_its_places_at_both_doors_together(monkeypatch):
+    """Those who say nothing make room at either door, so that clients and pages find some."""
+    for name, value in (("IDLE_NS", 10**15), ("SILENT_NS", 10**15)):
+        monkeypatch.setattr(sockets, name, value)
+    monkeypatch.setattr(visitors, "SILENT_S", 1e6)
+    with closing(Listener("127.0.0.1:*", per_address=4)) as listener, ExitStack() as stack:
+        door = stack.enter_context(closing(Door("127.0.0.1:*", listener.address, {}, {}, places=listener.places)))
+        web, feed = (("127.0.0.1", port_of(one.partition("/?")[0])) for one in (door.address, listener.address))
+        silent, callers = [], []
+        for left in (4, 3, 2, 1):
+            for doors in ((web, feed), (web,), (feed, web)):
+                silent += [stack.enter_context(socket.create_connection(one)) for one in doors * 10]
+                while sum(map(is_open, silent)) > left:
+                    for caller in callers or [None]:
+                        _ = exchanged(caller, listener) if caller else listener.next(1)
+            callers.append(stack.enter_context(closing(Caller(listener.address))))
+            exchanged(callers[-1], listener)
+            with pytest.raises(ConnectionError if left == 1 else urllib.error.HTTPError):
+                urllib.request.urlopen(door.address.partition("?")[0])
+
+
 def test_a_crowd_shuts_nobody_out_and_leaves_nothing_behind(serving):
-    """More than all may be, from one address; the soak says how soon all is as it was."""
+    """More than all may be at both doors, from one address."""
     asyncio.run(Crowd(serving, serving.cookie).all(1.0, 0, 1))
     before_mib, before = held_by(serving.process.pid)
     crowd = Crowd(serving, serving.cookie)
-    asyncio.run(crowd.all(5.0, 3 * MOST_VISITORS, 6))
+    asyncio.run(crowd.all(5.0, 6 * MOST_VISITORS, 6))
     assert crowd.frames >= 5
     left_s = time.monotonic()
     while held_by(serving.process.pid)[1] > before and time.monotonic() - left_s < 100:

@@ -72,7 +72,13 @@ def analyse(said: Said) -> None:
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
     missing = tuple(filter(None, map(str.strip, options.missing.split(","))))
-    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin, missing)
+    text = options.columns
+    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
+    if not all(role and name for role, _, name in pairs):
+        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
+    columns = SourceOptions(
+        {role.strip(): name.strip() for role, _, name in pairs}, options.scale, options.low_is_good, origin, missing
+    )
     with analysis_folder(options.out, force=options.force) as out:
         ratings = ratings_from_all(options.sources, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)
@@ -85,15 +91,9 @@ def analyse(said: Said) -> None:
         typer.echo(f"report: {page}")
 
 
-def _columns(text: str) -> dict[str, str]:
-    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
-    if not all(role and name for role, _, name in pairs):
-        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
-    return {role.strip(): name.strip() for role, _, name in pairs}
-
-
 def _print(data: dict[str, Any]) -> None:
     from ...report import counted
+    from ...report.study import best_first, study_lines
     from .._show import console, paragraph
 
     screen = console()
@@ -106,18 +106,29 @@ def _print(data: dict[str, Any]) -> None:
         paragraph(f"note: {note}")
     for part in data["preferences"]:
         typer.echo()
-        screen.print(_scores(part))
+        title = f"{part['part'] or 'Scores'}: JOD, {counted(part['people'], 'person')}"
+        screen.print(lines_as_table(title, *study_lines("scores", best_first(part["conditions"]))))
         for sentence in part["sentences"]:
             paragraph(sentence)
     for scale in data["scales"]:
         for part in scale["parts"]:
             typer.echo()
-            screen.print(_conditions(part, scale["measure"]))
+            measure, people = scale["measure"], counted(part["participants"], "participant")
+            title = f"{part['part'] or 'Conditions'}: {measure['title']}, {people}"
+            lines = study_lines("conditions", part["conditions"], mean=measure["mean_name"])
+            screen.print(lines_as_table(title, *lines))
             paragraph(part["friedman_sentence"])
             paragraph(part["reference_sentence"])
             for sentence in part["order_sentences"]:
                 paragraph(sentence)
-        _print_comparisons(screen, scale)
+        for part in dict.fromkeys(row["part"] for row in scale["comparisons"]):
+            typer.echo()
+            rows = [row for row in scale["comparisons"] if row["part"] == part]
+            title = f"{part}: {_SIGN}" if part else _SIGN.capitalize()
+            screen.print(lines_as_table(title, *study_lines("comparisons in 80 columns", rows)))
+        for row in scale["comparisons"]:
+            typer.echo()
+            paragraph(row["sentence"])
         for finding in [*scale["copied"], *scale["claims"]]:
             typer.echo()
             paragraph(finding["sentence"])
@@ -130,60 +141,6 @@ def _print(data: dict[str, Any]) -> None:
     ends = ", ".join(f"{number} {status}" for status, number in data["sittings"]["counts"].items())
     if ends:
         paragraph(f"Sessions: {ends}.")
-
-
-def _print_comparisons(screen: Any, scale: dict[str, Any]) -> None:
-    from .._show import paragraph
-
-    if not scale["comparisons"]:
-        return
-    for part in dict.fromkeys(row["part"] for row in scale["comparisons"]):
-        typer.echo()
-        screen.print(_comparisons(part, [row for row in scale["comparisons"] if row["part"] == part]))
-    for row in scale["comparisons"]:
-        typer.echo()
-        paragraph(row["sentence"])
-
-
-def _scores(part: dict[str, Any]) -> Table:
-    from ...report import counted
-    from ...report.study import score_lines
-
-    return lines_as_table(
-        f"{part['part'] or 'Scores'}: JOD, {counted(part['people'], 'person')}", *score_lines(part["conditions"])
-    )
-
-
-def _conditions(part: dict[str, Any], measure: dict[str, Any]) -> Table:
-    from ...report import counted
-    from ...report.study import condition_lines
-
-    heads, lines = condition_lines(part["conditions"], measure["mean_name"])
-    return lines_as_table(
-        f"{part['part'] or 'Conditions'}: {measure['title']}, {counted(part['participants'], 'participant')}",
-        heads,
-        lines,
-    )
-
-
-def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
-    """Return the table of comparisons in 80 columns; the page has the rest."""
-    from ...report import interval, p_text, pair_text, plain, signed
-    from ...report.study import pairs_text
-
-    heads = [(name, "") for name in ("compared", "pairs +/0/-", "mean", "BCa 95 %", "p", "Holm", "all", "r")]
-    lines = [
-        [
-            pair_text(row["baseline"], row["condition"]),
-            pairs_text(row),
-            signed(row["mean"], 3) if row["n"] else "–",
-            interval(row["low"], row["high"]),
-            *(p_text(row[name]) for name in ("p", "holm", "holm_all")),
-            plain(row["rank_biserial"]),
-        ]
-        for row in rows
-    ]
-    return lines_as_table(f"{part}: {_SIGN}" if part else _SIGN.capitalize(), heads, lines)
 
 
 def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:

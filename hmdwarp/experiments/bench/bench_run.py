@@ -6,9 +6,12 @@ suite takes besides what ships: scenes by others, checked, and recorded sequence
 
 from __future__ import annotations
 
+import functools
+import itertools
 import json
 import math
 import os
+import platform
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -17,9 +20,12 @@ from typing import Any
 import attrs
 
 from ...client.classes import load_client
+from ...client.plan import needs_of
 from ...errors import HmdwarpError, InputError, MachineError
+from ...gpu.context import Gpu
+from ...gpu.timers import check_clocks
 from ...headsets import Headset
-from ...metrics import BOUND, blocks_apart, check_rating
+from ...metrics import BOUND, MeasuringProcesses, QualityPool, blocks_apart, check_rating, clip_length
 from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
@@ -27,21 +33,31 @@ from ...options.named_files import RESULTS
 from ...pipeline.levels import choose
 from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
+from ...pipeline.sizes import check_held, eye_sizes
 from ...pipeline.source import Source
+from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, first_cases
-from ...run.combinations import Case
+from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination
 from ...run.options import refuse_one_name
+from ...run.replay_setup import set_up_replay
+from ...run.run_summary import machine_of
+from ...run.side_by_side import Comparison, rate_clips
 from ...sources.sequences.readers import readers
-from ..sweep import (
-    MOST_SHOWN,
-    ExperimentResult,
-    SweepCase,
-    experiment,
+from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment
+from .bench_rows import (
+    LONG,
+    NAMES,
+    Rows,
+    about_rating,
+    check_parquet,
+    flat,
+    left_out_notes,
+    row_of,
+    typed,
+    write_parquet,
 )
-from .bench_rows import LONG, NAMES, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
-from .bench_work import ROWS, BenchWork, check_room
 from .cases import (
     BenchCase,
     cases_of,
@@ -57,6 +73,71 @@ from .cases import (
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .suite_means import suite_entry
 from .suites import cost_text, suites
+
+ROWS = "rows"
+
+
+@functools.cache
+def _examined() -> tuple[dict[str, Any], float]:
+    """Return what bench.json says of this machine, and most_bytes: once in each process."""
+    with Gpu() as gpu:
+        clocks = check_clocks(gpu.gl, gpu.timer.clock)
+        about = {
+            "machine": {**machine_of(gpu), "host": platform.node()},
+            "clock": clocks.clock,
+            "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
+        }
+        return about, most_bytes(gpu)
+
+
+def most_bytes(gpu: Gpu) -> float:
+    """Return what the compensators of one batch may take."""
+    return MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
+
+
+def check_room(works: Sequence[BenchCase]) -> None:
+    """Check that this machine can hold what each case needs. Errors: as check_held."""
+    with Gpu() as gpu:
+        for work in works:
+            headset = work.headset
+            for batch in work.batched(most_bytes(gpu)):
+                run = work.run_of(batch)
+                sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
+                check_held(gpu, run, needs_of(c.plan for c in batch), sizes, run.rate_hz or headset.refresh_hz)
+
+
+def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
+    """Time and measure all combinations of a case; return the machine and ROWS."""
+    work: BenchCase = prepared(case.what)
+    options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
+    about, most = _examined()
+    seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
+    chosen = work.batched(most)
+    rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
+    shares = (done / (work.instants * (len(chosen) + len(rated))) for done in itertools.count(1))
+
+    def steps() -> None:
+        step(next(shares))
+
+    rows: list[tuple[Combination, dict[str, Any]]] = []
+    for batch in chosen:
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+            comparison.run(options.instants, steps)
+            pool.wait()
+            rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
+    ratings: dict[tuple[str, ...], dict[str, Any]] = {}
+    for batch in rated:  # after all times: no timed run has these refreshes between its own
+        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+            found = rate_clips(setup, batch, options.instants, steps)
+        ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
+    measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
+    return Result({**about, ROWS: measured})
+
+
+def _named(combination: Combination) -> tuple[str, ...]:
+    return combination.strategy, combination.warp, combination.fill
+
 
 _FILE = Path(__file__).with_name("further.toml")
 # A recording shows no more than was taken, so its guard band is cut off what is shown.
@@ -175,7 +256,7 @@ def bench(
     if options.suite:
         pictures = [case.instants * len(case.combinations) for case in works]
         say(cost_text(options.suite, [case.case.size for case in works], pictures, options.workers))
-    work = BenchWork(options.sweep.measuring(options.workers))
+    work = Measuring(run_case, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         first = next(result for _, result in swept.results())
@@ -285,7 +366,28 @@ def merge(options: MergeOptions) -> ExperimentResult:
     if options.parquet:
         check_parquet()
     try:
-        return _merged(options, [_read(folder) for folder in options.folders])
+        benches = [_read(folder) for folder in options.folders]
+        folders = options.folders
+        for folder, bench in zip(folders, benches, strict=True):
+            if bench["program"] != benches[0]["program"]:
+                raise InputError(
+                    f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
+                    f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
+                )
+        _tell_apart(benches)
+        rows = _joined([row for bench in benches for row in bench["rows"]])
+        machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
+        data = {
+            **benches[0],
+            "command": options.command,
+            "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
+            "rows": rows,
+            "choice": None,
+            "seconds": sum(bench["seconds"] for bench in benches),
+        }
+        with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
+            write_bench(out, data, options)
+        return ExperimentResult(options.out, data, options.out / "bench.html")
     except HmdwarpError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -293,24 +395,6 @@ def merge(options: MergeOptions) -> ExperimentResult:
         said = " ".join(f"{type(error).__name__}: {error}".split())[:200]
         found = " and ".join(map(str, options.folders))
         raise InputError(f"{found}: what one of them says is damaged ({said}): run that bench again") from error
-
-
-def _merged(options: MergeOptions, benches: Sequence[dict[str, Any]]) -> ExperimentResult:
-    _check_programs(options.folders, benches)
-    _tell_apart(benches)
-    rows = _joined([row for bench in benches for row in bench["rows"]])
-    machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
-    data = {
-        **benches[0],
-        "command": options.command,
-        "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
-        "rows": rows,
-        "choice": None,
-        "seconds": sum(bench["seconds"] for bench in benches),
-    }
-    with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
-        write_bench(out, data, options)
-    return ExperimentResult(options.out, data, options.out / "bench.html")
 
 
 def read(folder: str | os.PathLike[str]) -> Rows:
@@ -332,15 +416,6 @@ def _read(folder: Path) -> dict[str, Any]:
     if any("blocks" not in row or "host" not in row["machine"] for row in rows) or "program" not in data:
         raise InputError(f"{path}: of an older hmdwarp, which did not say what merge compares: run that bench again")
     return data
-
-
-def _check_programs(folders: Sequence[Path], benches: Sequence[Mapping[str, Any]]) -> None:
-    for folder, bench in zip(folders, benches, strict=True):
-        if bench["program"] != benches[0]["program"]:
-            raise InputError(
-                f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
-                f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
-            )
 
 
 def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:

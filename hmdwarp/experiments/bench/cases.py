@@ -314,7 +314,9 @@ def prepared(options: BenchOptions) -> BenchCase:
     run = run_options(options, case)
     (head,) = heads_of(options, source).values()
     count = schedule_for(run, source, head, options.rate_hz or headset.refresh_hz).count
-    combinations = _combinations(_of_scene(options))
+    fields = attrs.fields(BenchOptions)
+    same = {name: getattr(fields, name).default for name in ("sizes", "latencies_ms", "start_s", "out", "command")}
+    combinations = _combinations(attrs.evolve(options, server_rates_hz=(), **same))
     return BenchCase(options, case, headset, run, combinations, len(instants_of(count, options.instants)))
 
 
@@ -323,13 +325,6 @@ def source_of(options: BenchOptions, scene: str) -> Source:
     if options.frames is not None:
         return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options))
     return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
-
-
-def _of_scene(options: BenchOptions) -> BenchOptions:
-    """Return the options that the combinations depend on: those of all cases of a scene are one."""
-    fields = attrs.fields(BenchOptions)
-    same = {name: getattr(fields, name).default for name in ("sizes", "latencies_ms", "start_s", "out", "command")}
-    return attrs.evolve(options, server_rates_hz=(), **same)
 
 
 @functools.lru_cache(maxsize=8)

@@ -6,8 +6,7 @@ import functools
 import itertools
 import math
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -22,7 +21,7 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import MeasuringProcesses, at_instants, worker_count
+from ...metrics import MeasuringProcesses, at_instants
 from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
@@ -32,7 +31,7 @@ from ...report.compare_page import COLUMNS, OF_COMPARE, compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
 from ...run.replay_setup import first_shown_s, schedule_for
-from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Runner, SweepCase, experiment
+from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, SweepCase, experiment
 from .bench_rows import flat
 from .cases import heads_of
 from .options import SIZE, CompareOptions
@@ -74,7 +73,7 @@ def compare(
         say(cost_text(options.suite, [run.size or SIZE for run in runs], seen, options.workers, drawn))
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
-    work = _Work(options.sweep.measuring(options.workers))
+    work = Measuring(_run_part, options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
@@ -130,7 +129,10 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
                 raise
             left_out.append({"strategy": text, "why": str(error)})
             continue
-        does = _what_it_does(run, plan)
+        does = (
+            attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
+            attrs.evolve(plan, steps=(), left_out=()),
+        )
         alike = None if options.strategies else next((name for name, same in chosen.items() if same == does), None)
         if alike is None:
             chosen[text] = does
@@ -151,14 +153,6 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         drawn = schedule.count + schedule.age + schedule.ahead
         pictures.append((2 * -(-schedule.count // run.metrics_every), 2 * drawn))
     return runs, left_out, pictures
-
-
-def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
-    """Return what tells two strategies apart on one scene: all but their names and reasons."""
-    return (
-        attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
-        attrs.evolve(plan, steps=(), left_out=()),
-    )
 
 
 def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
@@ -222,20 +216,6 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
     return shown, truth
 
 
-@attrs.frozen
-class _Work:
-    """Runs the cases of a compare."""
-
-    # Measuring processes, as the option.
-    workers: int | None
-
-    @contextmanager
-    def opened(self) -> Iterator[Runner]:
-        """Open what cases share: the measuring processes."""
-        with MeasuringProcesses(worker_count(self.workers)) as processes:
-            yield functools.partial(_run_part, processes)
-
-
 def _run_part(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
@@ -244,9 +224,6 @@ def _run_part(processes: MeasuringProcesses, case: SweepCase, step: Callable[[fl
     except NothingShown as error:  # a result of its own, without pictures
         assert error.result is not None
         return Result(_row(part.run, error.result, [load_client(name) for name in part.clients]))
-    except BaseException:
-        processes.close()  # what failed is not measured any further
-        raise
     job = min(result.kept, key=lambda kept: kept.key).job
     pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
     return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)

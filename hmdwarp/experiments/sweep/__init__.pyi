@@ -9,7 +9,7 @@ from .run_cases import raise_failed as raise_failed
 from .run_cases import run_cases as run_cases
 from .sweep_case import Failure as Failure
 from .sweep_case import KeptCases as KeptCases
+from .sweep_case import Measuring as Measuring
 from .sweep_case import Result as Result
-from .sweep_case import Runner as Runner
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase

@@ -23,15 +23,7 @@ from ...options.declared import HOW
 from ...options.identity import files_at, hash_of_files, is_place, whole_program_hash
 from ...resources import import_extra
 from .options import LOCAL
-from .sweep_case import (
-    Failure,
-    Result,
-    Say,
-    SweepCase,
-    Work,
-    groups_of,
-    run_group,
-)
+from .sweep_case import Failure, Result, Say, SweepCase, Work, groups_of, run_group
 
 RUN_AGAIN = 2  # times that a case is run again because its worker died
 CONNECT_S = 30.0
@@ -50,7 +42,10 @@ def run_on_cluster(
     program.
     """
     distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
-    _silence()
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == "distributed":
+            log = logging.getLogger(name)
+            log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
         _check_programs(client)
         sender, waiting = _Sender(client, work), deque(groups_of(cases))
@@ -184,14 +179,6 @@ def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
         client.close()
         if local:
             made.close()
-
-
-def _silence() -> None:
-    """Print nothing of what distributed logs: what matters comes back as an error."""
-    for name in [*logging.root.manager.loggerDict]:
-        if name.partition(".")[0] == "distributed":
-            log = logging.getLogger(name)
-            log.handlers, log.propagate = [logging.NullHandler()], False
 
 
 def _check_programs(client: Any) -> None:

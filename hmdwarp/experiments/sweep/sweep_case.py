@@ -21,6 +21,7 @@ from typing import Any, Protocol, overload
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...metrics import MeasuringProcesses, worker_count
 from ...options.documents import json_in
 from ...options.identity import identity_of
 from ...options.named_files import RESULTS
@@ -249,6 +250,28 @@ class Separate:
     def opened(self) -> AbstractContextManager[Runner]:
         """Open nothing."""
         return nullcontext(self.run)
+
+
+@attrs.frozen
+class Measuring:
+    """A Work whose cases measure pictures in the same other processes."""
+
+    run: Callable[[MeasuringProcesses, SweepCase, Step], Result]
+    workers: int | None  # as the option
+
+    @contextmanager
+    def opened(self) -> Iterator[Runner]:
+        """Open the measuring processes; what failed is not measured any further."""
+        with MeasuringProcesses(worker_count(self.workers)) as processes:
+
+            def runner(case: SweepCase, step: Step) -> Result:
+                try:
+                    return self.run(processes, case, step)
+                except BaseException:
+                    processes.close()
+                    raise
+
+            yield runner
 
 
 def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterator[tuple[SweepCase, Result | Failure]]:

@@ -5,34 +5,356 @@ All of them stand in thesis.toml. A new one is an entry there.
 
 from __future__ import annotations
 
+import enum
 import functools
 import itertools
+import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from ...errors import InputError, unknown_name
+from ...errors import InputError, are_digits, unknown_name
+from ...link.codec import EXACT
 from ...options import group, option, out_field, same_as
 from ...run import RunOptions
 from ..sweep.options import ExperimentOptions, KeptOptions, own_first
-from .run_kinds import (
-    FULL_SIZE,
-    LATENCIES_MS,
-    RATED_MS,
-    FactRun,
-    Figures,
-    PictureRun,
-    RatingsRun,
-    Rule,
-    Run,
-    StreamRun,
-    motions,
-    number_of,
-    usual,
-)
+
+# Of the head, in m/s; of its rotation, in deg/s. 30 and 113 are the median and the 95th percentile
+# of recorded heads.
+SPEEDS_M_S = (0.25, 0.5, 1.0)
+SPEEDS_DEG_S = (30.0, 60.0, 113.0)
+USUAL_M_S, USUAL_DEG_S = 0.5, 60.0
+LATENCIES_MS = (200.0, 400.0, 600.0)
+RATED_MS = (200.0, 400.0, 800.0)  # of the ratings
+FULL_SIZE = (1280, 800)
+ROTATE = "rotate"
+RATE_HZ = 60.0
+# All latencies show the same instants, at which the head has moved at full speed for the longest of
+# them: between the ease at the start and the turn. 1.2 m of `room` are free at 1 m/s.
+ONE_WAY_S, TRACE_S = 1.2, 2.0
+
+
+@attrs.frozen
+class Motion:
+    """A motion of one kind at a steady speed."""
+
+    kind: str
+    # m/s, or deg/s for ROTATE.
+    speed: float
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.speed:g} {'deg/s' if self.kind == ROTATE else 'm/s'}"
+
+    @property
+    def amplitude(self) -> float:
+        """Return how far it goes before it turns back, in m or degrees."""
+        return self.speed * ONE_WAY_S
+
+
+@attrs.frozen(kw_only=True)
+class PictureRun:
+    """One warp and fill on frames of one age, looked at while the head moves at full speed."""
+
+    motion: Motion
+    latency_ms: float
+    warp: str = "forward"
+    fill: str = "none"
+    # Factors of the rendered picture's pixels on both axes.
+    guard: tuple[float, float] = (1.0, 1.0)
+    scene: str = "room"
+    effects: str = "auto"
+    mirrors: str = "geometry"  # how the server draws them's
+    # Of each side of the picture.
+    scale: float = 1.0
+    # Whether the passes are timed and the change from picture to picture is measured.
+    timed: bool = False
+    flickers: bool = False
+
+    def __str__(self) -> str:
+        more = [word for word, is_so in (("timed", self.timed), ("flicker", self.flickers)) if is_so]
+        side = [] if self.scale == 1 else [f"sides times {self.scale:.3g}"]
+        return ", ".join([self.caption, self.scene, *side, *more])
+
+    @property
+    def shared(self) -> tuple[Any, ...]:
+        """What runs have in common that are measured on the same frames."""
+        return (self.scene, self.effects, self.mirrors, self.motion, self.latency_ms, self.guard, self.scale)
+
+    @property
+    def caption(self) -> str:
+        """What its picture shows."""
+        fill = "" if self.fill == "none" else f" + {self.fill}"
+        more = [
+            *([f"rendered {size_text(self.guard)} for {size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
+            *([f"effects {self.effects}"] if self.effects != "auto" else []),
+            *([f"mirrors {self.mirrors}"] if self.mirrors != "geometry" else []),
+        ]
+        return ", ".join([f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}", *more])
+
+
+@attrs.frozen(kw_only=True)
+class StreamRun:
+    """Frames that are coded and sent: what they weigh and how long they take."""
+
+    warp: str = "none"
+    codec: str = "h264"
+    depth: str = EXACT  # the code of depth
+    size: tuple[int, int] = FULL_SIZE
+    latency_ms: float = 100.0
+    trace: str = "walk"
+    # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
+    bandwidth_mbit: float | None = None
+    scene: str = "room"
+    # None for the display's.
+    server_hz: float | None = None
+
+    def __str__(self) -> str:
+        link = "" if self.bandwidth_mbit is None else f" {self.bandwidth_mbit:g} Mbit/s,"
+        code = "" if self.depth == EXACT else f", depth as {self.depth}"
+        rate = "" if self.server_hz is None else f", drawn at {self.server_hz:g} Hz"
+        front = f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
+        return f"{front}{code}, {self.scene}{rate}"
+
+    @property
+    def caption(self) -> str:
+        """What its time line shows."""
+        size = "x".join(map(str, self.size))
+        return f"way of the last frames: {size}, {self.codec}, {self.bandwidth_mbit:g} Mbit/s, {self.latency_ms:g} ms"
+
+
+@attrs.frozen(kw_only=True)
+class RatingsRun:
+    """The ratings that the thesis published: warped against late pictures in one part."""
+
+    part: str
+    latency_ms: float
+
+    def __str__(self) -> str:
+        return f"published ratings, {self.part}, {self.latency_ms:g} ms"
+
+
+@attrs.frozen(kw_only=True)
+class FactRun:
+    """A number of this program that the thesis has too: see FACTS of run_figures."""
+
+    fact: str
+
+    def __str__(self) -> str:
+        return f"fact {self.fact}"
+
+
+Run = PictureRun | StreamRun | RatingsRun | FactRun
+Figures = dict[str, float | None]
+
+
+def size_text(guard: tuple[float, float]) -> str:
+    """Return the rendered picture's pixels for FULL_SIZE."""
+    return "x".join(str(round(side * factor)) for side, factor in zip(FULL_SIZE, guard, strict=True))
+
+
+def motions(*kinds: str) -> tuple[Motion, ...]:
+    """Return each kind at each of its speeds, the slowest first."""
+    return tuple(Motion(kind, speed) for kind in kinds for speed in (SPEEDS_DEG_S if kind == ROTATE else SPEEDS_M_S))
+
+
+def is_quick(run: Run) -> bool:
+    """Return whether --quick keeps the run: of the pictures those at the middle speed."""
+    return not isinstance(run, PictureRun) or run.motion == usual(run.motion.kind)
+
+
+def usual(kind: str) -> Motion:
+    """Return a kind at its middle speed."""
+    return Motion(kind, USUAL_DEG_S if kind == ROTATE else USUAL_M_S)
+
+
+# Shares below this are a few pixels: their ratios say nothing.
+LEAST_SHARE = 1e-4
+
+
+def number_of(text: str, runs: Sequence[Figures]) -> float | None:
+    """Return the number that a text such as "change psnr_db" stands for; None if it is not known.
+
+    runs: the figures of the cell's runs, in their order.
+    """
+    name, *words = text.split()
+    return _NUMBERS[name](runs, *words)
+
+
+def _only(runs: Sequence[Figures], name: str, over: str = "1") -> float | None:
+    """Return the figure of the only run, over a number."""
+    (run,) = runs
+    found = run.get(name)
+    return None if found is None else found / float(over)
+
+
+def _change(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the figure of the last run less that of the first."""
+    first, last = runs[0].get(name), runs[-1].get(name)
+    return None if first is None or last is None else last - first
+
+
+def _ratio(runs: Sequence[Figures], name: str, of: str = "", expected: str = "1") -> float | None:
+    """Return the figure of the last run over `of`, by default the same figure, of the first.
+
+    expected: the ratio that is 1.
+    """
+    first, last = runs[0].get(of or name), runs[-1].get(name)
+    return None if last is None or not first else last / first / float(expected)
+
+
+def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the least ratio of a share to that of the run before it."""
+    known = [share for run in runs if (share := run.get(name)) is not None and share >= LEAST_SHARE]
+    return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
+
+
+def _step(runs: Sequence[Figures], name: str, of: Callable[[Iterable[float]], float]) -> float | None:
+    """Return that one of the differences of a figure from that of the run before it."""
+    known = [figure for run in runs if (figure := run.get(name)) is not None]
+    return None if len(known) < len(runs) else of(after - before for before, after in itertools.pairwise(known))
+
+
+def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
+    """Return the part of the holes `whole` that the last run does not leave; None for no holes."""
+    there, left_over = runs[-1].get(whole), runs[-1].get(left)
+    return None if there is None or left_over is None or there < LEAST_SHARE else 1 - left_over / there
+
+
+def _growth_exponent(runs: Sequence[Figures], name: str) -> float | None:
+    """Return n where the figure grows as pixels to the power of n, from first run to last."""
+    grown, pixels = _ratio(runs, name), _ratio(runs, "pixels")
+    return None if not grown or not pixels else math.log(grown) / math.log(pixels)
+
+
+_NUMBERS: Mapping[str, Callable[..., float | None]] = {
+    "only": _only,
+    "change": _change,
+    "ratio": _ratio,
+    "least_growth": _least_growth,
+    "least_step": functools.partial(_step, of=min),
+    "greatest_step": functools.partial(_step, of=max),
+    "closed": _closed,
+    "growth_exponent": _growth_exponent,
+    # The program has no such thing.
+    "none": lambda runs: None,
+}
+
+
+@attrs.frozen
+class Rule:
+    """The number lies from `low` to `high`, both included."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    @classmethod
+    def of(cls, text: str) -> Rule:
+        """Return the rule of a text: "at least 1", "at most 0.5" or "from 0.5 to 2"."""
+        kind, first, *rest = text.split()
+        if kind == "from":
+            return cls(float(first), float(rest[-1]))
+        return cls(low=float(rest[-1])) if first == "least" else cls(high=float(rest[-1]))
+
+    def holds(self, value: float) -> bool:
+        """Return whether the claim holds for the number."""
+        return self.low <= value <= self.high
+
+    def words(self, unit: str, scale: float) -> str:
+        """Return the rule for a number that is written in `unit`, `scale` times the stored one."""
+        low, high = (f"{limit * scale:g}" for limit in (self.low, self.high))
+        if math.isinf(self.low):
+            text = f"at most {high}"
+        else:
+            text = f"at least {low}" if math.isinf(self.high) else f"from {low} to {high}"
+        return f"{text} {unit}".strip()
+
+
+class Verdict(enum.Enum):
+    """What the numbers say of a claim."""
+
+    HOLDS = "holds"
+    CONDITIONS = "holds under conditions"
+    MOSTLY_FAILS = "mostly does not hold"
+    FAILS = "does not hold"
+    UNKNOWN = "cannot be told"
+
+
+@attrs.frozen
+class Finding:
+    """The number of one setting, and whether the claim holds there."""
+
+    row: str
+    column: str
+    # None where nothing could be measured; then `holds` is None too.
+    value: float | None
+    holds: bool | None
+
+    @classmethod
+    def of(cls, row: str, column: str, value: float | None, rule: Rule) -> Finding:
+        """Judge a number; NaN and infinity count as not measured."""
+        known = value if value is not None and math.isfinite(value) else None
+        return cls(row, column, known, None if known is None else rule.holds(known))
+
+
+def verdict_of(findings: Iterable[Finding]) -> Verdict:
+    """Return the verdict: settings without a number do not count."""
+    judged = [finding.holds for finding in findings if finding.holds is not None]
+    held = judged.count(True)
+    if not judged:
+        return Verdict.UNKNOWN
+    if 0 < held < len(judged):
+        return Verdict.CONDITIONS if 2 * held >= len(judged) else Verdict.MOSTLY_FAILS
+    return Verdict.HOLDS if held else Verdict.FAILS
+
+
+def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
+    """Return the settings whose findings are so, as in "sideways 0.25 m/s (200, 400 ms); rotate".
+
+    The columns of a row are named unless all of them are so; rows with the same columns share them.
+    "" where there are none.
+    """
+    all_columns: dict[str, list[str]] = {}
+    columns: dict[str, list[str]] = {}
+    for finding in findings:
+        all_columns.setdefault(finding.row, []).append(finding.column)
+        if finding.holds is holds:
+            columns.setdefault(finding.row, []).append(finding.column)
+    rows_of: dict[tuple[str, ...], list[str]] = {}
+    for row, found in columns.items():
+        named = () if found == all_columns[row] else tuple(found)
+        rows_of.setdefault(named, []).append(row)
+    return "; ".join(_together(rows) + (f" ({_together(named)})" if named else "") for named, rows in rows_of.items())
+
+
+def share_text(findings: Sequence[Finding], holds: bool) -> str:
+    """Return how many of the judged settings are so, and which: see settings_text; "" for none."""
+    judged = [finding.holds for finding in findings if finding.holds is not None]
+    which = settings_text(findings, holds)
+    return f"{judged.count(holds)} of {len(judged)} settings: {which}" if which else ""
+
+
+def _together(texts: Sequence[str]) -> str:
+    """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is written once."""
+    groups: list[tuple[str, str, list[str]]] = []
+    for text in texts:
+        words = text.split(" ")
+        for at in range(len(words)):
+            head, tail = " ".join(words[:at]), " ".join(words[at + 1 :])
+            if groups and groups[-1][:2] == (head, tail) and _is_number(words[at]) and _is_number(groups[-1][2][0]):
+                groups[-1][2].append(words[at])
+                break
+        else:
+            at = next((place for place, word in enumerate(words) if _is_number(word)), 0)
+            groups.append((" ".join(words[:at]), " ".join(words[at + 1 :]), [words[at]]))
+    return " and ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
+
+
+def _is_number(text: str) -> bool:
+    return are_digits(text.removesuffix("%").replace(".", "", 1))
+
 
 KINDS = ("forward", "rotate", "sideways", "backward")
 Table = Mapping[str, Any]
@@ -45,7 +367,7 @@ class Cell:
     row: str
     column: str
     runs: tuple[Run, ...]
-    # What is computed, see run_kinds.py.
+    # What is computed: see _NUMBERS.
     computed: str
 
     def number(self, figures: Sequence[Figures]) -> float | None:

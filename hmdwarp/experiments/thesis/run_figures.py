@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ...client.capability import lacking
 from ...client.classes import load_client
-from ...client.compensator import EyeResult
 from ...client.plan import needs_of
 from ...client.strategies import strategies
 from ...colour import picture_from_linear
@@ -38,7 +37,7 @@ from ...run.replay_setup import ReplayRun
 from ...run.side_by_side import refreshes
 from ...run.truth import coverage, shown_picture, true_picture
 from ...scenes import load_scene
-from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
+from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 
 Map = NDArray[Any]
 
@@ -198,7 +197,11 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     ]
     needs = needs_of(combination.plan for combination in combinations)
     with set_up_replay(options, needs) as setup:
-        numbers = _instants(setup, moved, how.instants)
+        eased_s, turn_s = GLIDES[moved.kind].with_(moved.speed, moved.amplitude).steady_s
+        first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
+        from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
+        times_s = [from_s + (k + 0.5) / how.instants * (to_s - from_s) for k in range(how.instants)]
+        numbers = sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
         watchers = [_Watcher(setup, run, each, how) for run, each in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
@@ -227,15 +230,6 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         guard=run.guard,
         against="",
     )
-
-
-def _instants(setup: ReplayRun, motion: Motion, wanted: int) -> list[int]:
-    """Return at most `wanted` refreshes at which the head has moved at full speed for long."""
-    eased_s, turn_s = GLIDES[motion.kind].with_(motion.speed, motion.amplitude).steady_s
-    first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
-    from_s, to_s = eased_s + max(LATENCIES_MS) * 1e-3, turn_s
-    times_s = [from_s + (k + 0.5) / wanted * (to_s - from_s) for k in range(wanted)]
-    return sorted({round((time_s - first_s) * RATE_HZ) for time_s in times_s})
 
 
 @attrs.frozen(eq=False)
@@ -281,20 +275,10 @@ class _Watcher:
         if seen.truth_inverse_depth is None:
             self._before = now
             return
-        self._figures.append(self._measured(seen, seen.truth_inverse_depth, result, now))
-        self._before = None
-        self._first = self._first or (now.shown, seen.truth)
-        for _ in range(self._rounds):
-            self._compensator.run(inputs)
-            stages = self._setup.target.gpu.timer.collect()
-            names = dict.fromkeys(name for name, _ in stages)
-            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
-
-    def _measured(self, seen: _Seen, truth_inverse_depth: NDArray[Any], result: EyeResult, now: Compared) -> Figures:
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
         rendered = seen.refresh.frame.eyes[seen.eye].view
-        kinds = holes_of(covered, truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
+        kinds = holes_of(covered, seen.truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr_db(now.shown, now.truth),
@@ -314,7 +298,14 @@ class _Watcher:
         if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
             found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
-        return found
+        self._figures.append(found)
+        self._before = None
+        self._first = self._first or (now.shown, seen.truth)
+        for _ in range(self._rounds):
+            self._compensator.run(inputs)
+            stages = self._setup.target.gpu.timer.collect()
+            names = dict.fromkeys(name for name, _ in stages)
+            self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
 
     def result(self) -> Looked:
         """Return means over the instants, and medians of the times for one eye."""

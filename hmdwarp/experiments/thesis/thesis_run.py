@@ -18,28 +18,26 @@ import numpy as np
 from ...gpu import Gpu
 from ...report import jpeg_bytes, plain, render_thesis_page
 from ...run.run_summary import machine_of
-from ..sweep import (
-    ExperimentResult,
-    Result,
-    SweepCase,
-    Swept,
-    experiment,
-)
-from .experiment import QUICK_SCALE, Experiment, ThesisOptions, experiments, experiments_named
-from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
-from .run_kinds import (
+from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
+from .experiment import (
+    QUICK_SCALE,
+    Experiment,
     Figures,
     Finding,
     PictureRun,
     RatingsRun,
     Run,
     StreamRun,
+    ThesisOptions,
     Verdict,
+    experiments,
+    experiments_named,
     is_quick,
     settings_text,
     share_text,
     verdict_of,
 )
+from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
 
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
 PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")

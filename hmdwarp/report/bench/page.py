@@ -3,13 +3,34 @@
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
+import numpy as np
 from markupsafe import Markup
 
-from ...metrics import REGIONS, Figure, metrics, metrics_in_order
+from ...metrics import PRIMARY, REGIONS, Figure, error_and_time, metrics, metrics_in_order
+from ..charts import (
+    MARKER_PT,
+    Style,
+    axes_in,
+    canvas,
+    draw_front,
+    draw_numbers,
+    drawing,
+    dress,
+    empty_figure,
+    legend,
+    mark,
+    name_rows,
+    not_measured,
+    png_of,
+    scale_axis,
+    svg_text,
+)
+from ..files import write_bytes
 from ..page import (
     CLOCK_NAMES,
     Chart,
@@ -26,16 +47,8 @@ from ..page import (
     reading_section,
     texts,
 )
-from ..run_texts import axes_of_traces
-from ..style import markers_of
-from ..words import Table, counted, listed, plain
-from .charts import (
-    pareto_chart,
-    pareto_text,
-    region_parts,
-    regions_chart,
-    row_name,
-)
+from ..run_texts import Table, axes_of_traces, counted, listed, plain
+from ..style import HATCHES, PAGE, PAPER, Palette, markers_of
 from .rows import (
     COLUMNS,
     Case,
@@ -50,6 +63,240 @@ from .rows import (
     measure_label,
     table_of,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_LINE_IN = 0.21
+_WIDTH_IN = 9.6
+_REGION_MARKERS = ("s", "D", "^", "o")
+_HEIGHT_IN = 4.2
+_PLOT_IN, _CHAR_IN = 7.7, 0.078  # right end of the axes; width of a letter in the list of warps
+_ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
+_KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
+_PNG_CHARS = 150  # of small text, in a line of the picture
+_KEY: Style = {
+    "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
+}  # fmt: skip
+
+
+def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
+    """Draw one case as an <svg> element: mean error against median total time per eye.
+
+    Time is logarithmic. The mark of a point says which fill it has; a warp has a colour, a number
+    beside its best point, and a thin line to its others: no one has to tell two colours apart.
+    Points of the front are filled, their numbers bold, and a line joins them: nothing lies below
+    and left of it (above, for PSNR).
+    Rows without a measurement are left out; a chart of nothing says so. markers: of the fills,
+    where several charts are to share them.
+    """
+    markers = markers or markers_of(row["fill"] for row in case.rows)
+    numbers = _numbers([case], measure)
+    names = _names(numbers, [case], PAGE)
+    height_in = max(_HEIGHT_IN, 0.19 * len(names) + 0.2)
+    width_in = _PLOT_IN + 0.4 + _CHAR_IN * max((len(name.get_label()) for name in names), default=0)
+    box = (0.62, 0.5, _PLOT_IN, height_in - 0.36)
+    with canvas((case.label, measure, _content(case, measure)), (width_in, height_in), box=box) as axes:
+        _draw_case(axes, case, measure, markers, numbers, PAGE)
+        here = {fill: marker for fill, marker in markers.items() if fill in {row["fill"] for row in case.rows}}
+        legend(axes, _key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=5, **_KEY)
+        figure: Any = axes.get_figure()
+        legend(figure, names, loc="upper left", ncols=1, bbox_to_anchor=((_PLOT_IN + 0.1) / width_in, 1), **_KEY)
+        return svg_text(figure)
+
+
+def pareto_plot_png(
+    path: str | os.PathLike[str], rows: Iterable[Row], *, measure: str = PRIMARY, columns: int | None = None
+) -> None:
+    """Write the same charts, one for each case, into one PNG for a README or a paper.
+
+    It is 1600 pixels wide, on white. columns: charts side by side, by default two.
+    Errors: as files.write_bytes.
+    """
+    groups = cases(rows)
+    columns = columns or min(2, max(len(groups), 1))
+    markers = markers_of(row["fill"] for group in groups for row in group.rows)
+    lines = max(-(-len(groups) // columns), 1)
+    width, height = 8 / columns, 3.3 if columns == 1 else 2.9
+    with drawing((measure, [_content(group, measure) for group in groups]), font_size=8 if columns == 1 else 7):
+        numbers = _numbers(groups, measure)
+        names = _names(numbers, groups, PAPER)
+        ncols = max(1, int(_PNG_CHARS / (8 + max((len(name.get_label()) for name in names), default=0))))
+        foot = 0.17 * -(-len(names) // ncols) + 0.1
+        total = lines * height + _KEY_IN + foot
+        figure = empty_figure(8, total)
+        figure.patch.set_facecolor("white")
+        if groups:
+            place: Style = {"loc": "upper left", **_KEY}
+            top, bottom = (0.5 / 8, 1 - 0.06 / total), (0.5 / 8, foot / total)
+            legend(figure, _key(markers, PAPER), PAPER, bbox_to_anchor=top, ncols=5, **place)
+            legend(figure, names, PAPER, bbox_to_anchor=bottom, ncols=ncols, **place)
+        for number, group in enumerate(groups):
+            left, top_in = number % columns * width, foot + (lines - number // columns) * height
+            axes = axes_in(figure, (left + 0.55, top_in - height + 0.45, left + width - 0.1, top_in - 0.3))
+            axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink)
+            dress(axes, PAPER)
+            _draw_case(axes, group, measure, markers, numbers, PAPER)
+        write_bytes(path, png_of(figure, 200))
+
+
+def pareto_text(case: Case, measure: str = PRIMARY) -> str:
+    """Return the chart in words, for readers who cannot see it."""
+    front = sorted(case.front(measure), key=_total_ms)
+    names = [f"{row['warp']} with fill {row['fill']} ({_total_ms(row):.1f} ms)" for row in front]
+    methods = ", ".join(names) or ("nothing was measured" if case.usable else "the bench's client can run none")
+    return f"Error against time, {case.label}, {measure_label(measure)}. Pareto front, from quick to slow: {methods}."
+
+
+def _total_ms(row: Row) -> float:
+    return float(row["time_ms"]["total"]["median"])
+
+
+def _content(case: Case, measure: str) -> list[tuple[Any, ...]]:
+    return [(row["warp"], row["fill"], *error_and_time(row, measure)) for row in case.rows]
+
+
+def _draw_case(
+    axes: Axes, case: Case, measure: str, markers: Mapping[str, str], numbers: Mapping[str, int], palette: Palette
+) -> None:
+    rows = [row for row in case.rows if None not in error_and_time(row, measure)]
+    axes.set_xlabel("time per eye, all stages, in ms")
+    axes.set_ylabel(measure_label(measure))
+    if not rows:
+        axes.set_xticks([])
+        axes.set_yticks([])
+        not_measured(axes, palette)
+        return
+    time = scale_axis(axes.xaxis, np.array([_total_ms(row) for row in rows]), logarithmic=True)
+    error = np.array([row["quality"][measure]["mean"] for row in rows])
+    error = scale_axis(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better)
+    best = {id(row) for row in case.front(measure)}
+    is_best = np.array([id(row) in best for row in rows])
+    draw_front(axes, time[is_best], error[is_best], palette, higher=metrics.get(measure).higher_is_better)
+    for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
+        colour = palette.warp(row["warp"])
+        style: Style = {"marker": markers[row["fill"]], "markersize": MARKER_PT, "markeredgewidth": 1.5}
+        style |= {"color": colour, "linestyle": "none"}
+        axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
+    for name in dict.fromkeys(row["warp"] for row in rows):
+        # A thin line ties all fills of a warp to its number: some see its colour as another's.
+        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
+        axes.plot(*zip(*own, strict=True), color=palette.warp(name), linewidth=0.7, alpha=0.6, zorder=1)
+    higher = metrics.get(measure).higher_is_better
+    numbered: dict[int, int] = {}
+    for name, number in numbers.items():
+        its = [index for index, row in enumerate(rows) if row["warp"] == name]
+        least = [max(its, key=lambda index: error[index] if higher else -error[index])] if its else []
+        numbered |= dict.fromkeys([index for index in its if is_best[index]] or least, number)
+    draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best, palette)
+    better = "better ↖" if higher else "better ↙"
+    axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
+
+
+def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
+    style: Style = {"markerfacecolor": "none", "markeredgewidth": 1.3, "linestyle": "none", "markersize": 6}
+    fills = [mark(f"fill {fill}", marker=marker, color=palette.ink, **style) for fill, marker in markers.items()]
+    return [*fills, mark("Pareto front (filled, bold)", color=palette.ink, linewidth=1.1, alpha=0.55)]
+
+
+def _numbers(groups: Sequence[Case], measure: str) -> dict[str, int]:
+    """Return the number of each warp, the most accurate of the first case first."""
+    names = dict.fromkeys(row["warp"] for group in groups for row in group.ordered(measure))
+    return {name: number for number, name in enumerate(names, 1)}
+
+
+def _names(numbers: Mapping[str, int], groups: Sequence[Case], palette: Palette) -> list[Any]:
+    """Return the legend's entry of each number: the warp, and what it stands for, in its colour."""
+    stands_for = {row["warp"]: row["baseline"] for group in groups for row in group.rows if row.get("baseline")}
+    return [
+        mark(
+            f"{number} {name}" + (f" ({stands_for[name]})" if name in stands_for else ""),
+            color=palette.warp(name), linestyle="none", marker="s", markersize=6,
+        )
+        for name, number in numbers.items()
+    ]  # fmt: skip
+
+
+def row_name(row: Row, with_fill: bool = True) -> str:
+    """Return a row's strategy, or its warp, and its fill where there are several."""
+    if row.get("strategy"):
+        return str(row["strategy"])
+    return f"{row['warp']} + {row['fill']}" if with_fill and row["fill"] != "none" else row["warp"]
+
+
+def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
+    """Return what each region adds to FLIP (share of pixels x FLIP there), and FLIP there.
+
+    None if not measured.
+    """
+    regions = row.get("regions") or {}
+    if not all(name in regions for name in REGIONS):
+        return None
+    entries = [regions[name] for name in REGIONS]
+    if all(entry.get("share") is None for entry in entries):
+        return None
+    return [((entry.get("share") or 0.0) * (entry.get("flip") or 0.0), entry.get("flip")) for entry in entries]
+
+
+def regions_chart(case: Case) -> str:
+    """Draw one case as an <svg> element: what each region adds to FLIP, and FLIP within each.
+
+    The best row is on top.
+    """
+    measured = [(row, parts) for row in case.ordered() if (parts := region_parts(row))]
+    with_fill = len({row["fill"] for row in case.rows}) > 1
+    names = [row_name(row, with_fill) for row, _ in measured]
+    size_in = (_WIDTH_IN, 0.85 + _LINE_IN * max(len(measured), 2))
+    with drawing((case.label, names, [parts for _, parts in measured])):
+        figure = empty_figure(*size_in, layout="constrained")
+        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
+        for axes, label in ((left, "what each region adds to FLIP"), (right, "FLIP within each region")):
+            dress(axes, grid="x")
+            axes.set_xlabel(label)
+        if not measured:
+            not_measured(left)
+            return svg_text(figure)
+        values = np.array([[added for added, _ in parts] for _, parts in measured])
+        starts = np.cumsum(values, axis=1) - values
+        for number in range(len(REGIONS)):
+            left.barh(
+                range(len(values)), values[:, number], left=starts[:, number], height=0.66, color=PAGE.regions[number],
+                hatch=HATCHES[number], edgecolor=PAGE.ink, linewidth=0.5,
+            )  # fmt: skip
+        _dots(right, [[flip for _, flip in parts] for _, parts in measured])
+        name_rows(left, names)
+        for axes in (left, right):
+            axes.set_xlim(left=0)
+        from matplotlib.legend_handler import HandlerTuple
+        from matplotlib.patches import Patch
+
+        handles = []
+        for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
+            patch = Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5)
+            handles.append((patch, mark(marker=marker, **_dot(colour))))
+        labels = [name.replace("_", " ") for name in REGIONS]
+        legend(
+            figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
+            loc="outside upper left", ncols=len(REGIONS),
+        )  # fmt: skip
+        return svg_text(figure)
+
+
+def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
+    for y, values in enumerate(flips):
+        there = [value for value in values if value is not None]
+        if there:
+            axes.plot([min(there), max(there)], [y, y], color=PAGE.grid, linewidth=2, zorder=1)
+    for number, marker in enumerate(_REGION_MARKERS):
+        points = [(value, y) for y, values in enumerate(flips) if (value := values[number]) is not None]
+        axes.plot(
+            [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(PAGE.regions[number])
+        )
+
+
+def _dot(colour: str) -> Style:
+    return {"color": colour, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none"}
+
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
@@ -68,6 +315,13 @@ def bench_page(data: Mapping[str, Any]) -> Page:
     clock_note = (data.get("clocks") or {}).get("note")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
+    rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
+    for row in rows:
+        for note in row.get("notes") or ():
+            rows_of.setdefault(str(note), []).append(f"{row_name(row)}, {row['trace']}, {row['latency_ms']:g} ms")
+    where = {
+        note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
+    }
     return Page(
         kind="bench",
         title=f"hmdwarp bench: {' '.join(title)}",
@@ -78,7 +332,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             _choice(data.get("choice")),
             Section("", _tiles(data, rows), style="tiles", label="What was run"),
             Section("", [clock_note and Text(clock_note)], style="after"),
-            notes_section(_notes(data, rows)),
+            notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
@@ -178,18 +432,6 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
     ]
 
 
-def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
-    """Return each note once, the bench's first; a row's note with its rows, or their number."""
-    rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
-    for row in rows:
-        for note in row.get("notes") or ():
-            rows_of.setdefault(str(note), []).append(f"{row_name(row)}, {row['trace']}, {row['latency_ms']:g} ms")
-    where = {
-        note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
-    }
-    return [f"{note} ({names})" if names else note for note, names in where.items()]
-
-
 def _choice(choice: Mapping[str, Any] | None) -> Section | None:
     """Return the box with the method that was chosen within the budget, and the next step up."""
     if not choice:
@@ -201,7 +443,15 @@ def _choice(choice: Mapping[str, Any] | None) -> Section | None:
     step, more = choice.get("next"), "Nothing measured is more accurate at any time."
     if step:
         named = Markup("The next step up: <b>{} + {}</b>, {:.2f} ms, {} ({}).")
-        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), _gain(choice, step))
+        parts = []
+        if choice.get("flip") and step.get("flip") is not None:
+            parts.append(
+                f"{100 * (1 - step['flip'] / choice['flip']):+.0f} % of the FLIP error removed".replace("+", "")
+            )
+        if choice.get("psnr_db") is not None and step.get("psnr_db") is not None:
+            parts.append(f"{step['psnr_db'] - choice['psnr_db']:+.2f} dB")
+        parts.append(f"{step['total_ms'] - choice['total_ms']:+.2f} ms")
+        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), ", ".join(parts))
     blocks = [
         Text(f"{choice['warp']} + {choice['fill']}", "name"),
         settings and Text(", ".join(f"{name} {value}" for name, value in settings.items()), ""),
@@ -215,16 +465,6 @@ def _choice(choice: Mapping[str, Any] | None) -> Section | None:
 def _figures(entry: Mapping[str, Any]) -> str:
     flip, psnr = (metrics.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
     return f"FLIP {flip}, PSNR {psnr} dB"
-
-
-def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
-    parts = []
-    if choice.get("flip") and step.get("flip") is not None:
-        parts.append(f"{100 * (1 - step['flip'] / choice['flip']):+.0f} % of the FLIP error removed".replace("+", ""))
-    if choice.get("psnr_db") is not None and step.get("psnr_db") is not None:
-        parts.append(f"{step['psnr_db'] - choice['psnr_db']:+.2f} dB")
-    parts.append(f"{step['total_ms'] - choice['total_ms']:+.2f} ms")
-    return ", ".join(parts)
 
 
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:

@@ -24,8 +24,8 @@ from ...metrics import (
     pareto,
     ratings_of,
 )
-from ..words import Cell, Line, name_pieces, terminal_table
-from ..words import Table as PageTable
+from ..run_texts import Cell, Line, name_pieces, terminal_table
+from ..run_texts import Table as PageTable
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -1,10 +1,7 @@
 """The page, tables and charts of a study."""
 
+from .page import best_first as best_first
+from .page import csv_tables as csv_tables
 from .page import render_study_report as render_study_report
+from .page import study_lines as study_lines
 from .page import study_page as study_page
-from .results import comparison_lines as comparison_lines
-from .results import condition_lines as condition_lines
-from .results import csv_tables as csv_tables
-from .results import pairs_text as pairs_text
-from .results import preference_lines as preference_lines
-from .results import score_lines as score_lines

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ..charts import Style, canvas, legend, mark, name_rows, svg_text
 from ..page import (
     Chart,
     Fold,
@@ -20,22 +24,352 @@ from ..page import (
     reading_section,
     texts,
 )
-from ..words import Table, counted, interval, p_text, pair_text, plain, signed
-from .charts import forest_chart, place_chart, ratings_chart, score_chart
-from .results import (
-    comparison_lines,
-    condition_lines,
-    correlation_lines,
-    felt_lines,
-    once_lines,
-    preference_lines,
-    score_lines,
-)
+from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plain, signed
+from ..style import PAGE, SERIES
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Row = Mapping[str, Any]
+Lines = tuple[Heads, list[list[str]]]
+Cell = Callable[[Row], str]
+
+# By file.
+_CSV_COLUMNS = {
+    "jod.csv": (
+        "part", "scale", "condition", "reference", "jod", "low", "high", "preferred", "other_preferred", "neither",
+    ),
+    "preferences.csv": (
+        "part", "scale", "family", "condition", "baseline", "people", "for", "against", "neither", "jod", "low", "high",
+        "share", "share_low", "share_high", "p", "holm", "holm_of",
+    ),
+    "conditions.csv": (
+        "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "low", "high", "sd", "q1", "q3",
+        "least", "most",
+    ),
+    "comparisons.csv": (
+        "scale", "part", "family", "condition", "baseline", "n", "better", "equal", "worse", "mean", "sd", "median",
+        "w_plus", "w_minus", "p", "smallest_p", "holm", "holm_of", "holm_all", "holm_all_of",
+        "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
+    ),
+    "ratings.csv": ("scale", "part", "participant", "condition", "value"),
+    "differences.csv": ("scale", "part", "condition", "baseline", "participant", "difference"),
+    "missing.csv": ("scale", "part", "participant", "session", "condition", "why"),
+}  # fmt: skip
+
+
+def condition_text(row: Row) -> str:
+    """Return a condition's name, marked as the hidden reference unless the name says so."""
+    unmarked = not row["reference"] or "reference" in row["condition"].lower()
+    return row["condition"] if unmarked else f"{row['condition']} (reference)"
+
+
+def _of(name: str, write: Callable[..., str] = str, *how: Any) -> Cell:
+    return lambda row: write(row.get(name), *how)
+
+
+def _range(low: str, high: str) -> Cell:
+    return lambda row: "–" if row[low] is None else f"{plain(row[low])} .. {plain(row[high])}"
+
+
+def _interval(low: str = "low", high: str = "high", digits: int = 2, level: str = "") -> Cell:
+    """Return the cell of an interval; level: of its true level, as levels come in steps."""
+
+    def text(row: Row) -> str:
+        of = row.get(level)
+        return interval(row.get(low), row.get(high), digits) + ("" if of is None else f" ({100 * of:.1f} %)")
+
+    return text
+
+
+def _pair(row: Row) -> str:
+    return pair_text(row["baseline"], row["condition"])
+
+
+def _pairs(row: Row) -> str:
+    """Return "12 (6/1/5)": pairs, of them rated better, the same, worse."""
+    return f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})"
+
+
+# Every table of an analysis, for page, terminal and papers: head, unit and cell of each column.
+_TABLES: Mapping[str, tuple[tuple[str, str, Cell], ...]] = {
+    "conditions": (
+        ("condition", "", condition_text), ("n", "", _of("n")), ("missing", "", _of("missing")),
+        ("median", "", _of("median", plain)), ("mean", "", _of("mean", plain)), ("95 %", "", _range("low", "high")),
+        ("sd", "", _of("sd", plain)), ("quartiles", "", _range("q1", "q3")),
+    ),
+    "comparisons": (
+        ("compared", "", lambda row: ": ".join([*filter(None, [row["part"]]), _pair(row)])),
+        ("pairs", "+/0/-", lambda row: _pairs(row) if row["n"] else "0"), ("mean", "", _of("mean", signed, 3)),
+        ("BCa 95 %", "", _interval()), ("shift", "", _of("shift", signed)),
+        ("exact interval", "", _interval("shift_low", "shift_high", level="shift_level")),
+        ("W+/W-", "", lambda row: f"{row['w_plus']:g}/{row['w_minus']:g}" if row["n"] else "–"),
+        ("exact p", "", _of("p", p_text)), ("Holm", "family", _of("holm", p_text)),
+        ("Holm", "all", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", signed)),
+    ),
+    "comparisons in 80 columns": (
+        ("compared", "", _pair), ("pairs +/0/-", "", _pairs), ("mean", "", _of("mean", signed, 3)),
+        ("BCa 95 %", "", _interval()), ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
+        ("all", "", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", plain)),
+    ),
+    "without": (
+        ("without them", "", _pair), ("pairs", "", _of("n")), ("mean", "", _of("mean", signed)),
+        ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
+    ),
+    "questionnaires": (
+        ("score", "", lambda row: f"{row['scale']} {row['score']}"), ("pairs", "", _of("n")),
+        ("before", "median", _of("before", plain, 1)), ("after", "median", _of("after", plain, 1)),
+        ("change", "", _of("change", signed, 1)), ("exact interval", "", _interval(digits=1, level="level")),
+        ("exact p", "", _of("p", p_text)),
+    ),
+    "asked once": (
+        ("score", "", lambda row: f"{row['scale']} {row['when']}: {row['score_title']}"), ("answers", "", _of("n")),
+        ("lower quartile", "", _of("low_quartile", plain)), ("median", "", _of("median", plain)),
+        ("upper quartile", "", _of("high_quartile", plain)),
+        ("possible", "", lambda row: "–" if row["least"] is None else f"{row['least']:g} to {row['most']:g}"),
+    ),
+    "scores": (
+        ("condition", "", condition_text), ("score", "JOD", _of("jod", signed)), ("95 %", "", _interval()),
+        ("preferred", "", _of("preferred")), ("other preferred", "", _of("other_preferred")),
+        ("neither", "", _of("neither")),
+    ),
+    "preferences": (
+        ("compared", "", _pair), ("answers +/0/-", "", lambda row: f"{row['for']}/{row['neither']}/{row['against']}"),
+        ("JOD", "", _of("jod", signed)), ("95 %", "", _interval()),
+        ("would choose it", "", lambda row: f"{row['share']:.0%}"), ("exact p", "", _of("p", p_text)),
+        ("Holm", "", _of("holm", p_text)),
+    ),
+    "correlations": (
+        ("metric", "", _of("title")), ("r", "within people", _of("r", signed)), ("95 %", "", _interval()),
+        ("p", "", _of("p", p_text)), ("df", "", _of("dof")),
+    ),
+    "sickness": (
+        ("after trial", "", lambda row: str(row["trial"] or "practice")), ("answers", "", _of("n")),
+        ("median", "", lambda row: f"{row['median']:g}"), ("worst", "", lambda row: f"{row['worst']:g}"),
+    ),
+}  # fmt: skip
+
+
+def best_first(conditions: Iterable[Row]) -> list[Row]:
+    """Return the scores of conditions, the best first."""
+    return sorted(conditions, key=lambda row: -row["jod"])
+
+
+def study_lines(table: str, rows: Iterable[Row], **heads: str) -> Lines:
+    """Return the heads and cells of a table of an analysis. heads: in place of some."""
+    columns = _TABLES[table]
+    named = [(heads.get(head, head), unit) for head, unit, _ in columns]
+    return named, [[cell(row) for _, _, cell in columns] for row in rows]
+
+
+def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
+    """Return (columns, rows) by file name: every number of the analysis, unrounded."""
+    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in _CSV_COLUMNS}
+
+    def add(name: str, *entries: Row) -> None:
+        whole = {key: value for entry in entries for key, value in entry.items()}
+        rows[name].append({key: whole.get(key) for key in _CSV_COLUMNS[name]})
+
+    for scale in data["scales"]:
+        named = {"scale": scale["measure"]["name"]}
+        for part in scale["parts"]:
+            for row in part["conditions"]:
+                own = named | {"part": part["part"]}
+                add("conditions.csv", row, own)
+                for who, value in row["ratings"].items():
+                    add("ratings.csv", row, own, {"participant": who, "value": value})
+        for row in scale["comparisons"]:
+            add("comparisons.csv", row)
+            for who, value in row["differences"].items():
+                add("differences.csv", row, named, {"participant": who, "difference": value})
+        for row in scale["missing"]:
+            add("missing.csv", named, row)
+    for part in data["preferences"]:
+        for row in part["conditions"]:
+            add("jod.csv", part, row)
+        for row in part["comparisons"]:
+            add("preferences.csv", part, row)
+    absent = () if data["preferences"] else ("jod.csv", "preferences.csv")
+    return {name: (columns, rows[name]) for name, columns in _CSV_COLUMNS.items() if name not in absent}
+
+
+_WIDTH_IN = 9.6
+_BETTER, _WORSE, _ = SERIES  # their lines differ in dashes too
+_MOST_PAIRS = 5  # more would need more columns than fit
+_WRAP = 16  # letters of a condition's name in a line
+_LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4, 2))), 0: (PAGE.ink, (0, (1, 2)))}
+_SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
+
+
+def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
+    """Draw every rating of a part, up is better; lines join the compared ratings of one person."""
+    names, pairs = _columns(part["conditions"], comparisons)
+    by_name = {row["condition"]: row for row in part["conditions"]}
+    values = [value for row in part["conditions"] for value in row["ratings"].values()]
+    label = f"{measure['title'].lower()} (up is better)"
+    with canvas((part["part"], measure["name"], names), (_WIDTH_IN, 3.6), y=label, grid="y") as axes:
+        figure: Any = axes.get_figure()
+        shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
+        for x, row in pairs:
+            _join(axes, x, row, by_name, shifts)
+        for x, name in enumerate(names):
+            _points(axes, x, by_name[name], shifts[name])
+        axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names])
+        axes.set_xlim(-0.6, len(names) - 0.4)
+        axes.set_ylim(_limits(measure, values))
+        lines = bool(pairs)
+        key = [
+            mark("one person", marker="o", linestyle="none", markerfacecolor="none"),
+            mark("median (▸ mean)", linewidth=2.2),
+        ]
+        if lines:
+            key.append(mark("rated better than the baseline", color=_BETTER, linewidth=1.2))
+            key.append(mark("worse", color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2))))
+        legend(figure, key, loc="outside upper left", ncols=4)
+        return svg_text(figure)
+
+
+def forest_chart(rows: Sequence[Row], unit: str) -> str:
+    """Draw each comparison's differences, their mean (BCa interval) and Hodges-Lehmann shift."""
+    shown = [row for row in rows if row["n"]]
+    content = [(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]
+    label = f"difference in {unit}:  rated worse than the baseline  ←  0  →  better"
+    ends = [v for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]]
+    reach = 1.08 * (max(map(abs, ends), default=0.0) or 1.0)
+    with canvas(content, (_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2)), x=label, grid="x") as axes:
+        figure: Any = axes.get_figure()
+        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        for y, row in enumerate(shown):
+            values = np.array(list(row["differences"].values()))
+            dots: Style = {"color": PAGE.ink, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
+            axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
+            bar: Style = {"solid_capstyle": "butt"}
+            if row["low"] is not None:
+                axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, **bar)
+            axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
+            if row["shift_low"] is not None:
+                axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
+            axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
+        name_rows(axes, [_comparison_label(row) for row in shown], above=0.7)
+        axes.set_xlim(-reach, reach)
+        key = [
+            mark("mean, BCa 95 %", color=_BETTER, marker="o", markersize=7, linewidth=2.6),
+            mark(_SHIFT_LABEL, color=_WORSE, marker="D", markersize=4.5, linewidth=1.4),
+            mark("one person", alpha=0.45, marker="o", markersize=3.2, linestyle="none"),
+        ]
+        legend(figure, key, loc="outside upper left", ncols=3)
+        return svg_text(figure)
+
+
+def score_chart(part: Row) -> str:
+    """Draw the scores of conditions from paired comparisons, the best on top."""
+    rows = sorted(part["conditions"], key=lambda row: row["jod"])
+    zero = "0 is the reference" if any(row["reference"] for row in rows) else "0 is the mean"
+    label = f"JOD, with 95 % intervals; 1 more is preferred in 75 % of choices; {zero}"
+    content = (part["part"], "scores", [(row["condition"], row["jod"]) for row in rows])
+    with canvas(content, (_WIDTH_IN, 0.9 + 0.42 * max(len(rows), 2)), x=label, grid="x") as axes:
+        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        for y, row in enumerate(rows):
+            if row["low"] is not None:
+                axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
+            axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
+        axes.set_yticks(range(len(rows)), [_wrapped(condition_text(row)) for row in rows])
+        axes.set_ylim(-0.6, len(rows) - 0.4)
+        return svg_text(axes.get_figure())
+
+
+def place_chart(part: Row, measure: Row) -> str:
+    """Draw each rating, less its participant's and condition's mean, against its trial's place."""
+    places = np.array([place["place"] for place in part["places"]])
+    rest = np.array([place["rest"] for place in part["places"]])
+    labels: Style = {"x": "place of the trial in the session", "y": f"{measure['unit']} (up is better)"}
+    with canvas((part["part"], "places", rest.tolist()), (5.0, 2.4), **labels) as axes:
+        axes.axhline(0, color=PAGE.ink, linewidth=1)
+        dots: Style = {"color": _BETTER, "alpha": 0.35, "markersize": 3.5, "markeredgewidth": 0}
+        axes.plot(places + _spread(len(places)), rest, "o", **dots)
+        levels = np.unique(places)
+        means = [rest[places == level].mean() for level in levels]
+        axes.plot(levels, means, "D-", color=_WORSE, markersize=5, linewidth=1.2)
+        axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
+        if measure["low_is_good"]:
+            axes.invert_yaxis()
+        return svg_text(axes.get_figure())
+
+
+def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
+    """Return the names of the columns, and the place of each comparison's first one.
+
+    The two conditions of a comparison stand side by side, a condition of two comparisons twice.
+    With too many comparisons there are no lines.
+    """
+    names = [row["condition"] for row in conditions]
+    if len(comparisons) > _MOST_PAIRS:
+        return names, []
+    columns = [name for row in comparisons for name in (row["baseline"], row["condition"])]
+    return [*columns, *(name for name in names if name not in columns)], [
+        (2 * k, row) for k, row in enumerate(comparisons)
+    ]
+
+
+def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
+    """Return the sideways shift of each person's point, so that equal ratings lie side by side."""
+    groups: dict[float, list[str]] = {}
+    for who, value in ratings.items():
+        groups.setdefault(value, []).append(who)
+    step = min(0.07, 0.5 / max(map(len, groups.values()), default=1))
+    return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
+
+
+def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Mapping[str, Mapping[str, float]]) -> None:
+    a, b = row["baseline"], row["condition"]
+    for who, difference in row["differences"].items():
+        x = [at + shifts[a][who], at + 1 + shifts[b][who]]
+        y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
+        colour, dash = _LINES[(difference > 0) - (difference < 0)]
+        axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
+
+
+def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
+    who, ink = list(row["ratings"]), PAGE.ink
+    at = [x + shifts[name] for name in who]
+    values = [row["ratings"][name] for name in who]
+    axes.plot(at, values, "o", markersize=5, color=ink, markerfacecolor="none", zorder=3)
+    if row["median"] is not None:
+        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
+        axes.plot(x - 0.36, row["mean"], ">", markersize=6, color=ink, zorder=4)
+
+
+def _label(row: Row) -> str:
+    return _wrapped(condition_text(row)) + f"\nn = {row['n']}"
+
+
+def _wrapped(name: str) -> str:
+    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
+    # space, or after the plus of a chain of fills.
+    parts = (part.replace("+", "+\0 ").replace("+\0  ", "+ ") for part in name.split(", "))
+    lines = (line for part in parts for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
+    return "\n".join(line.replace("\0 ", "").replace("\0", "") for line in lines)
+
+
+def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
+    """Return the limits of the axis of ratings, the better end on top."""
+    ends = [end for end in (measure["least"], measure["most"]) if end is not None] if values else [0.0, 1.0]
+    low, high = min([*values, *ends]), max([*values, *ends])
+    margin = 0.05 * max(high - low, 1e-9)
+    return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
+
+
+def _comparison_label(row: Row) -> str:
+    first = f"{row['part']}: {row['condition']}" if row["part"] else row["condition"]
+    return f"{first}\nover {row['baseline']}"
+
+
+def _spread(count: int, width: float = 0.15) -> np.ndarray:
+    """Return sideways places that look random and are always the same."""
+    return width * (np.arange(count) * 0.618034 % 1 - 0.5)
+
+
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
-_WITHOUT_HEADS = tuple((head, "") for head in ("without them", "pairs", "mean", "p", "Holm"))
-_SICKNESS_HEADS = tuple((head, "") for head in ("after trial", "answers", "median", "worst"))
 
 
 def study_page(data: Row, command: str) -> Page:
@@ -49,6 +383,20 @@ def study_page(data: Row, command: str) -> Page:
         measure = scale["measure"]
         known = f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown"
         facts.append(fact(measure["title"], f"{known}, {'low' if measure['low_is_good'] else 'high'} is good"))
+    parts = data["preferences"]
+    blocks: list[Any] = []
+    for part in parts:
+        rows, compared = part["conditions"], part["comparisons"]
+        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
+        if rows:
+            scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
+            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
+            blocks.append(Table.of("Scores", *study_lines("scores", best_first(rows))))
+        if compared:
+            blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
+        if part["threshold"]:
+            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
+    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
     return Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
@@ -58,7 +406,7 @@ def study_page(data: Row, command: str) -> Page:
         sections=(
             Section("", _tiles(data), style="tiles", label="Main figures"),
             notes_section(data["notes"]),
-            _preferred(data["preferences"]),
+            Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading),
             _shown(data),
             Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
             Section("Did the order matter?", _order(scales), id="order", link="Order"),
@@ -106,23 +454,6 @@ def _answers(parts: Sequence[Row]) -> Tile:
     )
 
 
-def _preferred(parts: Sequence[Row]) -> Section:
-    blocks: list[Any] = []
-    for part in parts:
-        rows, compared = part["conditions"], part["comparisons"]
-        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
-        if rows:
-            scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
-            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
-            blocks.append(Table.of("Scores", *score_lines(rows)))
-        if compared:
-            blocks.append(Table.of("Pairs", *preference_lines(compared)))
-        if part["threshold"]:
-            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
-    return Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading)
-
-
 def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:
     """Return the title of a scale, where there are several."""
     return Heading(scale["measure"]["title"]) if len(scales) > 1 else None
@@ -138,7 +469,7 @@ def _shown(data: Row) -> Section:
         ]
         if rows:
             blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), _in_words(rows)))
-            blocks.append(Table.of("Paired comparisons", *comparison_lines(rows)))
+            blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
     )
@@ -167,7 +498,7 @@ def _every_rating(scales: Sequence[Row]) -> list[Any]:
             blocks += [
                 Heading(_part_name(part), f"{measure['title']}, {people}" if len(scales) > 1 else people),
                 Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
-                Table.of(caption, *condition_lines(part["conditions"], measure["mean_name"])),
+                Table.of(caption, *study_lines("conditions", part["conditions"], mean=measure["mean_name"])),
                 Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
                 _without(part.get("without", ())),
             ]
@@ -213,7 +544,9 @@ def _correlations(scales: Sequence[Row]) -> Section:
         if data := scale["prediction"]:
             blocks += [_titled(scales, scale), _said(data["sentences"])]
             if data["measures"]:
-                blocks.append(Table.of("What was measured against the ratings", *correlation_lines(data["measures"])))
+                blocks.append(
+                    Table.of("What was measured against the ratings", *study_lines("correlations", data["measures"]))
+                )
     heading, note = "What goes with the ratings", Text(texts("study")["notes"]["correlation"])
     return Section(heading, [*blocks, note] if blocks else [], id="correlation", link=heading)
 
@@ -228,12 +561,17 @@ def _people(data: Row) -> Section:
         title, count, lines = scale["measure"]["title"], len(scale["missing"]), _missing(scale["missing"])
         fold = Fold(title, [_said(lines)], f"{count} missing", is_open=len(lines) < 16)
         blocks.append(fold if count else Text(f"{title}: no rating is missing."))
-    blocks += [_sickness(score) for score in data["sickness"]]
+    blocks += [
+        Table.of(f"{one['title']}, {one['least']:g} to {one['most']:g}", *study_lines("sickness", one["trials"]))
+        for one in data["sickness"]
+    ]
     if data["questionnaires"]:
-        blocks.append(Table.of("Questionnaires, before and after", *felt_lines(data["questionnaires"])))
+        blocks.append(
+            Table.of("Questionnaires, before and after", *study_lines("questionnaires", data["questionnaires"]))
+        )
         blocks.append(Text(notes["questionnaires"]))
     if data["asked_once"]:
-        blocks.append(Table.of("Questionnaires, answered once", *once_lines(data["asked_once"])))
+        blocks.append(Table.of("Questionnaires, answered once", *study_lines("asked once", data["asked_once"])))
         blocks.append(Text(notes["once"]))
     heading = "Missing and unfinished"
     return Section(heading, blocks, id="people", link=heading)
@@ -259,15 +597,5 @@ def _missing(rows: Sequence[Row]) -> list[str]:
 
 
 def _without(rows: Sequence[Row]) -> Table | None:
-    if not rows:
-        return None
-    lines = [
-        [pair_text(r["baseline"], r["condition"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])]
-        for r in rows
-    ]
-    return Table.of("The same comparisons without those who missed the reference", _WITHOUT_HEADS, lines)
-
-
-def _sickness(one: Row) -> Table:
-    lines = [[str(t["trial"] or "practice"), str(t["n"]), f"{t['median']:g}", f"{t['worst']:g}"] for t in one["trials"]]
-    return Table.of(f"{one['title']}, {one['least']:g} to {one['most']:g}", _SICKNESS_HEADS, lines)
+    title = "The same comparisons without those who missed the reference"
+    return Table.of(title, *study_lines("without", rows)) if rows else None

@@ -57,19 +57,15 @@ class Alignment:
         """
         if one.round_trip_ns < 0 or one.answered_ns < one.received_ns:
             return False
-        jumped = bool(self._kept) and self._contradicts(one)
-        if jumped:
+        last = self._kept[-1] if self._kept else one
+        # No drift within reason makes it agree with the last one.
+        drifted = MOST_DRIFT * abs(one.middle_ns - last.middle_ns)
+        within_ns = (one.round_trip_ns + last.round_trip_ns) / 2 + drifted + 1
+        if jumped := abs(one.offset_ns - last.offset_ns) > within_ns:
             self._kept.clear()
             self.jumps += 1
         self._kept.append(one)
         return jumped
-
-    def _contradicts(self, one: Exchange) -> bool:
-        """Return whether no drift within reason makes it agree with the last one."""
-        last = self._kept[-1]
-        apart = abs(one.offset_ns - last.offset_ns)
-        drifted = MOST_DRIFT * abs(one.middle_ns - last.middle_ns)
-        return apart > (one.round_trip_ns + last.round_trip_ns) / 2 + drifted + 1
 
     @property
     def is_known(self) -> bool:

@@ -134,17 +134,9 @@ class Caller:
     def _dialled(self) -> tuple[Any, Any]:
         """Return a socket that connects from now on, and what tells of its connections."""
         socket = self._context.socket(self._zmq.DEALER)
-        options = {
-            "SNDHWM": 64,
-            "RCVHWM": 0,
-            "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
-            "IMMEDIATE": 1,
-            "IPV6": "[" in self.address,
-            "RECONNECT_IVL": 50,
-            "RECONNECT_IVL_MAX": 1000,
-            "CONNECT_TIMEOUT": 5000,
-        }
-        set_options(self._zmq, socket, LINK | options)
+        own = {"SNDHWM": 64, "RCVHWM": 0, "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES, "IMMEDIATE": 1}
+        own |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000, "CONNECT_TIMEOUT": 5000, "IPV6": "[" in self.address}
+        set_options(self._zmq, socket, LINK | own)
         if self._server_key:
             socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
             socket.curve_serverkey = self._server_key
@@ -169,7 +161,10 @@ class Caller:
                     kind, descriptor = struct.unpack_from("=HI", events.recv_multipart()[0])
                     self._hear(kind, descriptor)
                     if kind & self._no_handshakes:
-                        self._note(f"{self.address}: refused: {self._no_handshake()}")
+                        why = "--server-key is another server's, or there is none with a key pair"
+                        if not self._server_key:
+                            why = "a server with a key pair wants --server-key FILE, or there is no 'hmdwarp serve'"
+                        self._note(f"{self.address}: refused: no handshake: {why}")
                 self._cut_if_silent(time.monotonic_ns())
                 if orders in ready:
                     data = orders.recv()
@@ -214,11 +209,6 @@ class Caller:
         if not self._is_told:
             self._note(f"{self.address}: not a byte for {SILENCE_NS / 1e9:g} s: connecting anew")
             self._is_told = True
-
-    def _no_handshake(self) -> str:
-        if self._server_key:
-            return "no handshake: --server-key is another server's, or there is none with a key pair"
-        return "no handshake: a server with a key pair wants --server-key FILE, or there is no 'hmdwarp serve'"
 
     def _receive(self, parts: list[bytes], heard_ns: int) -> None:
         try:

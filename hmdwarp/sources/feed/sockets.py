@@ -19,7 +19,7 @@ import sys
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import ModuleType
 from typing import Any, Self
 
@@ -182,10 +182,6 @@ class Connection:
     # Wire bytes that came out as messages.
     taken: int = 0
 
-    def is_idle(self, listened_ns: int) -> bool:
-        """Return whether another may have its place, by when all that had come was taken."""
-        return not self.asks or listened_ns - self.heard_ns > IDLE_NS
-
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
         return takes_more(self.wire.descriptor)
@@ -193,27 +189,35 @@ class Connection:
 
 @attrs.define(eq=False)
 class Places:
-    """What the feed's door and the web's share: limits, who has come by the web, and the log."""
+    """What the feed's door and the web's share: limits, who is at each, and the log.
+
+    A page has a connection at both, and counts at the feed's.
+    """
 
     # Takes a kind, an address, and a line, of which so many a second are written.
     note: Callable[[str, str, str], None] = lambda kind, address, text: None
     per_address: int = MOST_OF_ADDRESS
     # The pages' addresses, by the local port from which the web's door speaks for each.
     guests: dict[int, str] = attrs.field(factory=dict)
-    # Connections to the web's door beside those of pages.
-    visitors: int = 0
+    # How many of each address are at the feed's door, and at the web's beside pages.
+    clients: Counter[str] = attrs.field(factory=Counter)
+    visitors: Counter[str] = attrs.field(factory=Counter)
+    # Cut one at the feed's door, at the web's, for a newcomer at the other; whether one was there.
+    feed_yields: Callable[[Collection[str]], bool] = lambda addresses: False
+    web_yields: Callable[[Collection[str]], bool] = lambda addresses: False
 
 
 class Connections:
     """Cut connections that send on without finishing a message, that are silent, or too many.
 
-    Where there are too many, an idle one makes room: one that has never made a valid request first.
-    Watches from a thread of its own, as the server may be drawing. Endless messages: on
-    Linux.
+    Where there are too many, an idle one makes room: one that has never made a valid request first,
+    then one at the web's door. Watches from a thread of its own, as the server may be drawing.
+    Endless messages: on Linux.
     """
 
     def __init__(self, zmq: Any, router: Any, places: Places) -> None:
-        self._zmq, self._places, self._most_of_address = zmq, places, places.per_address
+        self._zmq, self._places = zmq, places
+        places.feed_yields = self._give_way
         self._of: dict[int, Connection] = {}
         # Those that have ended, and the address and the reason of each that was cut.
         self.gone: deque[Connection] = deque()
@@ -279,14 +283,26 @@ class Connections:
                 new = self._of[descriptor] = Connection(wire, page or host_of(one), time.monotonic_ns())
         except OSError:  # closed since
             return None
+        self._places.clients = self._places.clients + Counter([new.address])
         return new
 
     def _make_place(self, new: Connection) -> None:
-        most = MOST_CONNECTIONS, self._places.visitors
-        if (crowd := crowd_of([*self._of.values()], new, self._most_of_address, *most)) is not None:
-            # The newcomer has made no request either, and came last.
-            idle = [one for one in crowd[0] if one.is_idle(self.listened_ns) and one is not new]
-            self.cut(min(idle, key=lambda one: (one.asks, one.heard_ns), default=new), crowd[1])
+        places = self._places
+        if (crowd := crowd_of(places.clients, places.visitors, new.address, places.per_address)) is None:
+            return
+        # The newcomer has made no request either, and came last.
+        every = [one for one in self._of.values() if one is not new and one.address in crowd[0]]
+        idle = (one for one in every if not one.asks or self.listened_ns - one.heard_ns > IDLE_NS)
+        first = min(idle, key=lambda one: (one.asks, one.heard_ns), default=new)
+        if not ((first is new or first.asks) and places.web_yields(crowd[0])):
+            self.cut(first, crowd[1])
+
+    def _give_way(self, addresses: Collection[str]) -> bool:
+        with self._lock:
+            silent = (one for one in self._of.values() if one.address in addresses and not one.asks)
+            if (first := next(silent, None)) is not None:
+                self.cut(first, "makes room for a page")
+            return first is not None
 
     def _check(self, one: Connection) -> None:
         if self.listened_ns - one.heard_ns > SILENT_NS:
@@ -307,6 +323,7 @@ class Connections:
 
     def _leave(self, descriptor: int) -> None:
         if (left := self._of.pop(descriptor, None)) is not None:
+            self._places.clients = self._places.clients - Counter([left.address])  # not in place: others read it
             self.gone.append(left)
 
     def close(self) -> None:
@@ -351,18 +368,21 @@ class Hearing:
         return self.silent_ns > patience * SILENCE_NS + 1000 * int(_RTT.unpack_from(info, _RTT_AT)[0])
 
 
-def crowd_of(every: list[Any], new: Any, per_address: int, most: int, others: int = 0) -> tuple[list[Any], str] | None:
-    """Return of whom one must go now that `new` is here, and why; None while there is room.
+def crowd_of(
+    own: Counter[str], others: Counter[str], address: str, per_address: int, kept: int = 0
+) -> tuple[Collection[str], str] | None:
+    """Return of which addresses one must go now that there is a newcomer, and why; None with room.
 
-    Each has an address. others: how many more count of the most in all.
+    own, others: how many of each address are at this door and at the other, for which so many
+    places are kept.
     """
-    among = [one for one in every if one.address == new.address]
-    if len(among) > per_address:
-        return among, f"more than {per_address} from one address, see --per-address"
-    if len(every) + others <= most:
+    both = own + others
+    if both[address] > per_address:
+        return [address], f"more than {per_address} from one address, see --per-address"
+    if own.total() + max(others.total(), kept) <= MOST_CONNECTIONS:
         return None
-    counts = Counter(one.address for one in every)
-    return [one for one in every if counts[one.address] == max(counts.values())], f"more than {most} in all"
+    counts = own if own.total() + kept > MOST_CONNECTIONS else both
+    return [one for one in counts if counts[one] == max(counts.values())], f"more than {MOST_CONNECTIONS} in all"
 
 
 def host_of(one: socket.socket) -> str:

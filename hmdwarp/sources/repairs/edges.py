@@ -17,21 +17,18 @@ _REACH = 2  # pixels between mixed depth and the surfaces that it is mixed of, a
 _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 
-def _check_whole(_: object, field: attrs.Attribute[int], value: int) -> None:
-    if not 0 <= value <= 64:
-        raise ValueError(f"{field.name} is {value}: expected 0 to 64 pixels")
-
-
 @attrs.frozen
 class EdgesSettings(SurfaceSettings):
     """What counts as a silhouette, and when depth is moved."""
 
     # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
-    most: int = attrs.field(default=6, validator=_check_whole)
+    most: int = 6
     # Standard deviations by which the best offset must stand out from the others.
     evidence: float = 5.0
 
     def __attrs_post_init__(self) -> None:
+        if not 0 <= self.most <= 64:
+            raise ValueError(f"most is {self.most}: expected 0 to 64 pixels")
         if not self.evidence >= 0:
             raise ValueError(f"evidence is {self.evidence:g}: expected 0 or more")
 

@@ -109,7 +109,7 @@ class Camera:
 def parse_intrinsics(text: str) -> Camera:
     """Return the camera of 'FX,FY,CX,CY'. Errors: InputError."""
     try:
-        numbers = [float(part) for part in text.split(",")]
+        numbers = [float(part.encode("ascii")) for part in text.split(",")]
     except ValueError:
         numbers = []
     if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or 0 in numbers[:2] or numbers[0] < 0:

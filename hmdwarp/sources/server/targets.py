@@ -427,7 +427,8 @@ class Multisampled:
         """Free framebuffers as Renderer.trim() frees targets."""
 
         def bytes_of(_: object, one: moderngl.Framebuffer) -> int:
-            return self.count * (sum(map(texture_bytes, _textures_of(one))) + _DEPTH_BYTES * one.width * one.height)
+            textures = (each for each in one.color_attachments if isinstance(each, moderngl.Texture))
+            return self.count * (sum(map(texture_bytes, textures)) + _DEPTH_BYTES * one.width * one.height)
 
         for _, framebuffer in self._made.trimmed(bytes_of):
             _free(framebuffer)
@@ -437,10 +438,6 @@ class Multisampled:
         for framebuffer in self._made.values():
             _free(framebuffer)
         self._made.clear()
-
-
-def _textures_of(framebuffer: moderngl.Framebuffer) -> list[moderngl.Texture]:
-    return [one for one in framebuffer.color_attachments if isinstance(one, moderngl.Texture)]
 
 
 def _free(framebuffer: moderngl.Framebuffer) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from typing import Any, ClassVar
@@ -15,7 +16,7 @@ from ...errors import SceneError
 from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.textures import check_size, flip_rows, release_all
-from ...scenes import Emission, Mesh, Scene, Texture, chunks_of
+from ...scenes import Mesh, Scene, Texture, chunks_of
 from .visibility import Chunks, Visibility, boxes_of, eye_from_scene
 
 SRGB8_ALPHA8 = 0x8C43
@@ -66,10 +67,6 @@ def _texels(image: NDArray[np.uint8]) -> bytes:
 _WHITE = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
 
 
-def _lent(gpu: Gpu, texture: Texture) -> moderngl.Texture:
-    return gpu.lend(texture.image, (texture.srgb, texture.repeat), lambda: upload_texture(gpu, texture))
-
-
 class SceneTextures:
     """A scene's textures on the GPU, by index; -1 is white.
 
@@ -77,11 +74,15 @@ class SceneTextures:
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
-        self._gpu = gpu
-        make = _lent if lent else upload_texture
-        self._made = [make(gpu, texture) for texture in (*scene.textures, _WHITE)]
-        self._shines = {k: _shine(gpu, one.emission) for k, one in enumerate(scene.textures) if one.emission}
-        self.revision = 0  # counts changes
+        def made(one: Texture) -> moderngl.Texture:
+            make = functools.partial(upload_texture, gpu, one)
+            return gpu.lend(one.image, (one.srgb, one.repeat), make) if lent else make()
+
+        self._gpu, self.revision = gpu, 0  # it counts changes
+        self._made = [made(texture) for texture in (*scene.textures, _WHITE)]
+        shining = {k: one.emission for k, one in enumerate(scene.textures) if one.emission}
+        pictures = {k: Texture("emission", one.image, repeat=one.repeat) for k, one in shining.items()}
+        self._shines = {k: Shine(upload_texture(gpu, pictures[k]), one.factor) for k, one in shining.items()}
 
     def __getitem__(self, index: int) -> moderngl.Texture:
         return self._made[index]
@@ -100,10 +101,6 @@ class SceneTextures:
         """Free them."""
         release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
         release_all(*(shine.texture for shine in self._shines.values()))
-
-
-def _shine(gpu: Gpu, emission: Emission) -> Shine:
-    return Shine(upload_texture(gpu, Texture("emission", emission.image, repeat=emission.repeat)), emission.factor)
 
 
 class SceneBuffers:

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import attrs
 import numpy as np
@@ -17,9 +17,10 @@ import pandas as pd
 from scipy.special import ndtr, stdtrit
 
 from ...errors import InputError
+from ...metrics import PRIMARY, metrics_in_order
 from ...options import Table as Keys
-from ...options import parsed, text_of
-from ...report import counted
+from ...options import fields_in, parsed, read_by, text_of
+from ...report import counted, listed
 from ...resources import import_extra
 from .. import statistics as st
 from ..design import SHIPPED, Comparison, Family, tables_of
@@ -579,22 +580,24 @@ _PUBLISHED = (
 class Claim:
     """One published figure."""
 
-    part: str
+    part: str = read_by(Keys.text)
     step: float  # what it was rounded to
-    difference: float | None = None  # mean, positive where `better` was rated better; None: a mere mention
-    latency_ms: float | None = None  # means the comparison at that latency, instead of a pair
-    baseline: str = ""
-    better: str = ""
-    where: str = ""  # in the text
+    # Mean, positive where `better` was rated better; None: a mere mention.
+    difference: float | None = read_by(Keys.number, default=None)
+    # Means the comparison at that latency, instead of a pair.
+    latency_ms: float | None = read_by(Keys.number, default=None)
+    baseline: str = read_by(Keys.text, default="")
+    better: str = read_by(Keys.text, default="")
+    where: str = read_by(Keys.text, default="")  # in the text
 
 
 @attrs.frozen
 class Claims:
     """Figures of one publication."""
 
-    title: str  # of the publication, for sentences
+    title: str = read_by(Keys.text)  # of the publication, for sentences
     claims: tuple[Claim, ...]
-    why_step: str = ""  # how the step is known
+    why_step: str = read_by(Keys.text, default="")  # how the step is known
 
 
 def load_claims(path: Path) -> Claims:
@@ -607,18 +610,17 @@ def load_claims(path: Path) -> Claims:
     def made(data: Keys) -> Claims:
         step, exact = data.number("step", None), tomllib.loads(text, parse_float=Decimal).get("claim", [])
         claims = [_claim(table, raw, step) for table, raw in zip(data.tables("claim"), exact, strict=True)]
-        return Claims(data.text("title"), tuple(claims), data.text("why_step", ""))
+        return Claims(claims=tuple(claims), **fields_in(data, Claims))
 
     return parsed(text, path, made, _EXAMPLE)
 
 
-def _claim(table: Keys, raw: Mapping[str, Any], step: float | None) -> Claim:
-    names: Row = {name: table.text(name, "") for name in ("baseline", "better", "where")}
-    numbers: Row = {name: table.number(name, None) for name in ("difference", "latency_ms")}
-    if numbers["latency_ms"] is None and not (names["baseline"] and names["better"]):
+def _claim(table: Keys, raw: Row, step: float | None) -> Claim:
+    found = fields_in(table, Claim)
+    if found["latency_ms"] is None and not (found["baseline"] and found["better"]):
         raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
     last = float(Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent))  # type: ignore[arg-type]
-    return Claim(table.text("part"), last if step is None else step, **numbers, **names)
+    return Claim(step=last if step is None else step, **found)
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:
@@ -684,3 +686,94 @@ def _is_about(claim: Claim, row: Row, ratings: Ratings) -> bool:
         return bool((row["baseline"], row["condition"]) == (claim.baseline, claim.better))
     latencies = {ratings.settings(row["part"], row[end]).get("latency_ms") for end in ("baseline", "condition")}
     return latencies == {claim.latency_ms}
+
+
+# Title of each column of the long table that is a measure.
+MEASURES = {
+    **{
+        f"measured_{metric.name}": metric.study_title
+        for metric in sorted(metrics_in_order(), key=lambda m: (m.name != PRIMARY, not m.is_contest, m.order))
+    },
+    "actual_latency_ms_median": "age of the frame",
+    "actual_latency_ms_sd": "jitter of that age",
+    "actual_hole_share_mean": "holes in the live picture",
+    "actual_pose_age_ms_median": "age of the pose",
+    "actual_missed_share": "missed refreshes",
+    "actual_period_ms_p95": "95th percentile between pictures",
+    "actual_angular_speed_deg_s_median": "speed of the turning head",
+}
+_STILL = 1e-9  # of its own size: what varies less is constant but for rounding
+
+
+class Correlation(NamedTuple):
+    """Repeated-measures correlation with its 95 % interval and the p of no association."""
+
+    r: float
+    low: float
+    high: float
+    p: float
+    dof: int
+
+
+def within_people(x: pd.Series, y: pd.Series, who: pd.Series) -> Correlation | str:
+    """Return the correlation, or the reason why there is none.
+
+    The interval is Fisher's, of as many pairs as degrees of freedom and two.
+    """
+    from scipy.special import stdtr
+
+    several = who.groupby(who).transform("size") > 1
+    x, y, who = x[several].astype(float), y[several].astype(float), who[several]
+    dof = len(x) - who.nunique() - 1
+    if dof < 2:
+        return "too few ratings"
+    dx, dy = (values - values.groupby(who).transform("mean") for values in (x, y))
+    if dx.abs().max() <= _STILL * x.abs().max():
+        return "the same in all trials of each person"
+    if dy.abs().max() <= _STILL:
+        return "every person gave one rating throughout"
+    dx = dx / dx.abs().max()  # so that squares of 1e-200 are no 0
+    r = min(1.0, max(-1.0, float((dx * dy).sum() / math.sqrt((dx**2).sum() * (dy**2).sum()))))
+    if abs(r) == 1:
+        return Correlation(r, r, r, 0.0, dof)
+    half = 1.959963984540054 / math.sqrt(dof - 1)
+    low, high = (math.tanh(math.atanh(r) + side * half) for side in (-1, 1))
+    return Correlation(r, low, high, float(2 * stdtr(dof, -abs(r) * math.sqrt(dof / (1 - r * r)))), dof)
+
+
+def correlation_data(rows: pd.DataFrame, scale: str) -> dict[str, Any] | None:
+    """Return the correlation of each measure, with sentences; None where nothing was measured.
+
+    Positive where more of a measure was rated worse.
+    """
+    rated = rows[(rows["scale"] == scale) & rows["value"].notna()]
+    there = [name for name in MEASURES if name in rated and rated[name].notna().any()]
+    if not there:
+        return None
+    worse = rated["value"] * (1 if rated["low_is_good"].iloc[0] else -1)
+    how = rated[[name for name in ("measured_size", "measured_every") if name in rated]].dropna(how="all")
+    mixed = len(how.drop_duplicates()) > 1
+    found, left_out = [], []
+    for name, title in MEASURES.items():
+        is_metric = name.startswith("measured_")
+        if name not in there:
+            result: Correlation | str = "not measured; 'study measure' does it" if is_metric else "not measured"
+        elif is_metric and mixed:
+            result = "measured with several sizes or steps: 'study measure' with one --size makes them alike"
+        else:
+            own = rated[rated[name].notna()]
+            result = within_people(own[name], worse[own.index], own["participant"])
+        if isinstance(result, str):
+            left_out.append((title, result))
+        else:
+            found.append({"name": name, "title": title, **result._asdict()})
+    return {"sentences": _sentences(found, left_out), "measures": found, "left_out": [list(one) for one in left_out]}
+
+
+def _sentences(found: list[dict[str, Any]], left_out: list[tuple[str, str]]) -> list[str]:
+    texts = [f"{one['title']} {one['r']:+.2f} (95 % {one['low']:+.2f} .. {one['high']:+.2f})" for one in found]
+    said = [f"Within a person the ratings go with {listed(texts)}; positive: more is rated worse."] if texts else []
+    reasons: dict[str, list[str]] = {}
+    for title, reason in left_out:
+        reasons.setdefault(reason, []).append(title)
+    return said + [f"Not tested: {listed(titles)} ({reason})." for reason, titles in reasons.items()]

@@ -22,8 +22,16 @@ from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
-from ..export.export_rows import SessionData, answer_row, declined, of_origin, sessions_of, unconsented
-from ..export.table_columns import CANNOT_SAY, NOT_ASKED
+from ..export.export_rows import (
+    CANNOT_SAY,
+    NOT_ASKED,
+    SessionData,
+    answer_row,
+    declined,
+    of_origin,
+    sessions_of,
+    unconsented,
+)
 from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
 from ..store import DATABASE, PERSON, PILOT, Contents, Store
@@ -301,7 +309,9 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
             unnamed = unnamed if name else info.name
     _check(path, data["participant"], ~_lacks(data["participant"]), "no participant: every rating needs one")
     for role, default in (("place", 0), ("session", 1), ("repeat", 1)):
-        data[role] = _whole(data, role, path, default)
+        found = data[role].astype(str).str.extract(r"^(?:\w+-)?([0-9]{1,9})(?:\.0+)?$")[0]
+        _check(path, data[role], found.notna() | _lacks(data[role]), f"{role} '{{}}': expected a whole number")
+        data[role] = pd.to_numeric(found).fillna(default).astype(int)
     if part_column:
         data["part"] = data["part"].str.replace(
             r"^([0-9]+)$", rf"{part_column} \1", regex=True
@@ -417,13 +427,6 @@ def _values(data: pd.DataFrame, path: Path, options: SourceOptions) -> tuple[pd.
     wanted = f"expected a number with a decimal point{named}, or an empty field or --missing CODE where it is missing"
     _check(path, texts, missing | values.map(math.isfinite), f"rating '{{}}': {wanted}")
     return values.mask(missing), comma
-
-
-def _whole(data: pd.DataFrame, role: str, path: Path, default: int) -> pd.Series:
-    """Return whole numbers: 1, ses-01 as in BIDS, 1.0 as in data frames."""
-    found = data[role].astype(str).str.extract(r"^(?:\w+-)?([0-9]{1,9})(?:\.0+)?$")[0]
-    _check(path, data[role], found.notna() | _lacks(data[role]), f"{role} '{{}}': expected a whole number")
-    return pd.to_numeric(found).fillna(default).astype(int)
 
 
 def _of_one_origin(data: pd.DataFrame, path: Path, wanted: str) -> tuple[pd.DataFrame, str, list[str]]:

@@ -16,7 +16,7 @@ from ...headsets import FILE_ENDINGS as HEADSET_FILES
 from ...headsets import load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...options import keep_inside, options_of, quoted
+from ...options import Table, keep_inside, options_of, quoted, read_by
 from ...pipeline import SceneKey, Source, guarded_size
 from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen
 from ...scenes import FILE_ENDINGS as SCENE_FILES
@@ -55,8 +55,8 @@ class Part:
 class Breaks:
     """Breaks between trials."""
 
-    every: int = 0  # trials between two breaks; 0 for none
-    seconds: float = 0.0  # at least
+    every: int = read_by(Table.whole, 0, 10_000, default=0, required=True)  # trials between two; 0 for none
+    seconds: float = read_by(Table.within, 0, 3600, default=0.0)  # at least
 
 
 @attrs.frozen
@@ -64,7 +64,7 @@ class Sickness:
     """When to ask for sickness, and which answer ends the session."""
 
     scale: Scale  # asked after the practice too
-    every: int = 1  # trials between two questions
+    every: int = read_by(Table.whole, 1, 10_000, default=1)  # trials between two questions
     stop_at: float | None = None  # an answer that bad ends the session; in the scale's own direction
     rise: float | None = None  # so does one worse by that much than the session's first answer
 
@@ -73,7 +73,7 @@ class Sickness:
 class Consent:
     """Text that participants read before anything else; the store keeps its hash."""
 
-    version: str  # kept with each session
+    version: str = read_by(Table.text)  # kept with each session
     text: str
 
 
@@ -108,19 +108,21 @@ class Design:
     """A study."""
 
     name: str
-    title: str
+    title: str = read_by(Table.line)
     parts: tuple[Part, ...]
     scales: tuple[Scale, ...]  # asked after each trial, in this order
     families: tuple[Family, ...] = ()
     seconds: float = 20.0  # a trial shows its condition for so long, or at most so long
     until_done: bool = False  # whether the participant ends a trial
-    shows: str = ONE  # one of SHOWS: what a trial shows before the questions
-    repeats: int = 1  # presentations of each condition, or pair
-    order: str = WILLIAMS  # one of ORDERS
-    seed: int = 0
-    blind: str = BOTH  # one of BLIND: who must not see the condition
+    # What a trial shows before the questions.
+    shows: str = read_by(Table.word, SHOWS, default=ONE, at="trial.shows")
+    # Presentations of each condition, or pair.
+    repeats: int = read_by(Table.whole, 1, 1000, default=1, at="trial.repeats")
+    order: str = read_by(Table.word, ORDERS, default=WILLIAMS, at="trial.order")
+    seed: int = read_by(Table.whole, 0, 2**63 - 1, default=0)
+    blind: str = read_by(Table.word, BLIND, default=BOTH)  # who must not see the condition
     practice: Condition | None = None  # shown first and not scored
-    practice_seconds: float = 60.0
+    practice_seconds: float = read_by(Table.within, 0, 3600, default=60.0, at="practice.seconds", above=True)
     breaks: Breaks = Breaks()
     sickness: Sickness | None = None
     before: tuple[Scale, ...] = ()  # questionnaires before the session

@@ -9,8 +9,19 @@ from typing import Any, ClassVar
 from ...display import Command
 from ..console.line_console import Question
 from ..design import Ask
-from .buttons import KEYS, PAD, TEXT, WIDTH, Choices, InputHints, picking_hint, wrapped
-from .dialog_panels import MessagePanel, heading_of, message_panel
+from .dialog_panels import (
+    KEYS,
+    PAD,
+    TEXT,
+    WIDTH,
+    Choices,
+    InputHints,
+    MessagePanel,
+    heading_of,
+    message_panel,
+    picking_hint,
+    wrapped,
+)
 
 CONTINUE, BREAK, AGAIN, SKIP, STOP = "continue", "break", "again", "skip", "stop"
 TEXTS = {

@@ -11,8 +11,7 @@ from ...display import Command
 from ..console.line_console import Question
 from ..design import Ask
 from ..scales import CHOICE, Scale, number_text, range_text
-from .buttons import KEYS, InputHints
-from .dialog_panels import BACK, SKIP, YES, QuestionPanel, ScaleForm, heading_of, layout_of
+from .dialog_panels import BACK, KEYS, SKIP, YES, InputHints, QuestionPanel, ScaleForm, heading_of, layout_of
 
 CLOSE = 1e-6  # of a step: typed numbers are decimal, values of a scale are multiples of its step
 

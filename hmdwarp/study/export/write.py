@@ -2,20 +2,414 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import io
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import attrs
+import numpy as np
 
-from ...errors import InputError
+from ...errors import InputError, TraceError
+from ...poses import PoseTrack, load_trace
 from ...report import OutputFolder, counted
 from ...resources import __version__, install_line, made_text
-from ..design import Design
+from ...run import DESKTOP, OPENXR
+from ...scenes import inputs_beside, read_inputs
+from ..design import Design, Show
 from ..scales import Scale
-from ..store import PERSON, PILOT, SIMULATED, Contents
-from .bids import sidecar, write_bids
-from .export_rows import Row, all_scales, answer_rows, declined, long_rows, of_origin, score_rows, unconsented
-from .table_columns import columns_for, csv_text, has_parquet, write_parquet
+from ..store import PERSON, PILOT, SIMULATED, Contents, Session, Showing
+from .export_rows import (
+    EVENTS,
+    INPUT_EVENTS,
+    RUN_EVENTS,
+    Column,
+    Row,
+    all_scales,
+    answer_rows,
+    columns_for,
+    columns_in,
+    csv_text,
+    declined,
+    event_rows,
+    has_parquet,
+    input_rows,
+    label_of,
+    long_rows,
+    of_origin,
+    score_rows,
+    sessions_of,
+    tsv_text,
+    unconsented,
+    write_parquet,
+)
+
+FRAME = "world"
+# name, component, type, units: in the order of the columns of _motion.tsv.
+CHANNELS = (
+    ("latency", "n/a", "LATENCY", "s"),
+    ("head_pos_x", "x", "POS", "m"),
+    ("head_pos_y", "y", "POS", "m"),
+    ("head_pos_z", "z", "POS", "m"),
+    ("head_quat_x", "quat_x", "ORNT", "n/a"),
+    ("head_quat_y", "quat_y", "ORNT", "n/a"),
+    ("head_quat_z", "quat_z", "ORNT", "n/a"),
+    ("head_quat_w", "quat_w", "ORNT", "n/a"),
+)
+_NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "VEL")
+_UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
+
+
+@attrs.frozen
+class TrackingSystem:
+    """What led the head of a showing."""
+
+    label: str  # for tracksys-<label>
+    name: str
+    model: str = ""  # of the device, "" where there is none
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any]) -> TrackingSystem:
+        """Read it from the facts of a session. The headset of a window is only emulated.
+
+        A trace's file name stays private: it may name a person.
+        """
+        display = facts.get("display", {})
+        if facts.get("trace"):
+            axes = facts.get("trace_axes")
+            return cls("trace", f"head trace, replayed{f'; its axes: {axes}' if axes else ''}")
+        if facts.get("source") == OPENXR:
+            model = display.get("headset", "")
+            return cls("hmd", f"{model or 'headset'}, by OpenXR runtime {_runtime(display) or 'unknown'}", model)
+        if facts.get("source") == DESKTOP:
+            return cls("mouse", "mouse and keyboard of a desktop window")
+        return cls("unknown", "not recorded")
+
+
+@attrs.frozen
+class Rates:
+    """Sampling rates of a track."""
+
+    nominal_hz: float  # one over the median step
+    effective_hz: float  # steps over their duration
+    uneven: float  # share of steps that differ from the median by more than a twentieth
+    longest_s: float  # longest step
+
+    @classmethod
+    def of(cls, track: PoseTrack) -> Rates:
+        """Compute the rates of a track of at least two samples."""
+        steps = np.diff(track.time_ns)
+        median = float(np.median(steps))
+        off = np.abs(steps - median) > _UNEVEN * median
+        return cls(1e9 / median, len(steps) * 1e9 / track.duration_ns, float(off.mean()), float(steps.max()) * 1e-9)
+
+    def describe(self) -> str:
+        """Describe how regular the samples are."""
+        return (
+            f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than "
+            f"{_UNEVEN:.0%} from the median, "
+            f"the longest is {self.longest_s:.4f} s. The channel 'latency' holds the instant of each."
+        )
+
+
+def motion_text(track: PoseTrack) -> str:
+    """Return the _motion.tsv: no header, a row for each sample, columns as CHANNELS.
+
+    Seconds to the microsecond, as the specification writes them; positions and quaternions with
+    every digit.
+    """
+    stream = io.StringIO()
+    times = (track.time_ns - track.start_ns).tolist()
+    for time_ns, position, orientation in zip(
+        times, track.position_m.tolist(), track.orientation_xyzw.tolist(), strict=True
+    ):
+        whole, micro = divmod((time_ns + 500) // 1000, 1_000_000)
+        stream.write("\t".join((f"{whole}.{micro:06d}", *map(repr, position), *map(repr, orientation))) + "\n")
+    return stream.getvalue()
+
+
+def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sidecar.
+
+    task: TaskName and other fields of the task. facts: of the session; only versions and what led
+    the head are used.
+    """
+    rates, system = Rates.of(track), TrackingSystem.of(facts)
+    return {
+        **task,
+        "SamplingFrequency": round(rates.nominal_hz, 6),
+        "SamplingFrequencyEffective": round(rates.effective_hz, 6),
+        "SamplingDescription": rates.describe(),
+        "TrackingSystemName": system.name,
+        "RecordingDuration": round(track.duration_ns * 1e-9, 6),
+        "MotionChannelCount": len(CHANNELS),
+        "LATENCYChannelCount": 1,
+        "POSChannelCount": 3,
+        "ORNTChannelCount": 4,
+        **{f"{kind}ChannelCount": 0 for kind in _NO_CHANNELS},
+        "TrackedPointsCount": 1,
+        "MissingValues": "n/a",
+        "SubjectArtefactDescription": "n/a",
+        "Manufacturer": "n/a",
+        "ManufacturersModelName": system.model or "n/a",
+        "DeviceSerialNumber": "n/a",  # would identify the machine
+        "SoftwareVersions": software(facts.get("hmdwarp", ""), facts.get("display", {})),
+    }
+
+
+def software(hmdwarp: str, display: Mapping[str, Any]) -> str:
+    """Name the versions of hmdwarp and of the runtime, as far as known."""
+    return ", ".join(filter(None, (f"hmdwarp {hmdwarp}".strip(), _runtime(display))))
+
+
+def _runtime(display: Mapping[str, Any]) -> str:
+    return " ".join(str(display[key]) for key in ("runtime", "runtime_version") if display.get(key))
+
+
+def channels_text() -> str:
+    """Return the _channels.tsv: one row for each column of _motion.tsv, in that order."""
+    rows = ["name\tcomponent\ttype\ttracked_point\tunits\treference_frame"]
+    rows += [
+        f"{name}\t{component}\t{type_}\thead\t{units}\t{'n/a' if type_ == 'LATENCY' else FRAME}"
+        for name, component, type_, units in CHANNELS
+    ]
+    return "\n".join(rows) + "\n"
+
+
+def channels_json() -> dict[str, Any]:
+    """Describe the reference frame."""
+    text = (
+        "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion rotates from "
+        "the head's axes to the world's. The origin is the display's own."
+    )
+    frame = {"SpatialAxes": "RSP", "RotationRule": "right-hand", "Description": text}
+    return {"reference_frame": {"Description": "Axes of the channel", "Levels": {FRAME: frame}}}
+
+
+VERSION = "1.9.0"
+FOLDER = "bids"
+EPOCH = datetime(1925, 1, 1)  # BIDS: dates shifted for privacy lie in 1925 or before
+Progress = Callable[[int, int], None]
+
+PARTICIPANTS = columns_in("participants")
+SCANS = columns_in("scans")
+
+
+@attrs.frozen
+class MotionFiles:
+    """Outcome of the export of head motion."""
+
+    written: int
+    left_out: tuple[str, ...]  # reasons
+
+
+def write_bids(
+    out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress
+) -> MotionFiles:
+    """Write the data set.
+
+    contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
+    """
+    shows = {data.session.id: data.shows for data in sessions_of(contents, design)}
+    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
+    tree.head(readme)
+    count, written = sum(_has_motion(showing) for showing in contents.showings), 0
+    left_out: list[str] = []
+    for session in contents.sessions:
+        files = tree.behaviour(
+            session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
+        )
+        tree.events(session)
+        for showing in (
+            showing for showing in contents.showings if showing.session == session.id and _has_motion(showing)
+        ):
+            try:
+                files.append(tree.motion(session, showing, len(files)))
+                written += 1
+            except (InputError, FileNotFoundError) as error:
+                left_out.append(f"{showing.trace}: {str(error).splitlines()[0]}")
+            progress(written + len(left_out), count)
+        tree.scans(session, files)
+    return MotionFiles(written, tuple(left_out))
+
+
+def _has_motion(showing: Showing) -> bool:
+    """Return whether to export a showing's trace.
+
+    A showing that was cut off was repeated, and no answer is about it: its poses stay in the store.
+    """
+    return bool(showing.complete and showing.trace)
+
+
+@attrs.frozen
+class _Tree:
+    out: OutputFolder
+    contents: Contents
+    design: Design
+    task: str
+    scales: dict[str, Scale]
+    shows: dict[int, Mapping[str, Show]]  # planned showings of each session, by key
+
+    def head(self, readme: str) -> None:
+        """Write the files of the whole data set."""
+        self._json("dataset_description.json", {
+            "Name": self.design.title,
+            "BIDSVersion": VERSION,
+            "DatasetType": "raw",
+            "GeneratedBy": [{"Name": "hmdwarp", "Version": __version__, "Description": made_text()}],
+        })  # fmt: skip
+        self.out.write_text(f"{FOLDER}/README", readme)
+        people: dict[str, list[Session]] = {}
+        for session in self.contents.sessions:
+            people.setdefault(session.sub, []).append(session)
+        # By the random word, so that the order of arrival does not show.
+        rows = [{
+            "participant_id": f"sub-{sub}",
+            "part": ", ".join(dict.fromkeys(session.part for session in sessions)),
+            "origin": sessions[-1].origin,
+            "sessions": len(sessions),
+            "status": sessions[-1].status,
+        } for sub, sessions in sorted(people.items())]  # fmt: skip
+        self._text("participants.tsv", tsv_text(rows, PARTICIPANTS))
+        self._json("participants.json", {**sidecar(PARTICIPANTS), **self._withdrawn()})
+
+    def _withdrawn(self) -> dict[str, Any]:
+        """Count withdrawn people, whose origin the store no longer knows."""
+        if not self.contents.withdrawn or any(session.origin != PERSON for session in self.contents.sessions):
+            return {}
+        text = f"{self.contents.withdrawn} withdrew; all their data were erased"
+        return {"Withdrawn": {"Description": text, "Count": self.contents.withdrawn}}
+
+    def behaviour(self, session: Session, rows: Sequence[Row]) -> list[Row]:
+        """Write all answers of a session; return the rows for _scans.tsv."""
+        name = f"beh/{self._stem(session)}_beh"
+        columns = columns_for(rows, ("phase", "kind", *(["text"] if any(row["text"] for row in rows) else [])))
+        self._text(f"{self._folder(session)}/{name}.tsv", tsv_text(rows, columns))
+        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
+        return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
+
+    def events(self, session: Session) -> None:
+        """Write the trials of a session, with their times since it began."""
+        shown = (showing for showing in self.contents.showings if showing.session == session.id and showing.complete)
+        self._events(session, f"beh/{self._stem(session)}", event_rows(session, self.shows[session.id], shown))
+
+    def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
+        self._text(f"{self._folder(session)}/{stem}_events.tsv", tsv_text(rows, columns))
+        machine = session.facts.get("machine", {})
+        system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
+        made_by = {"SoftwareName": "hmdwarp", "SoftwareVersion": session.facts.get("hmdwarp", __version__)}
+        self._json(
+            f"{self._folder(session)}/{stem}_events.json",
+            self._task(session)
+            | {"StimulusPresentation": {"OperatingSystem": system or "n/a", **made_by}}
+            | sidecar(columns),
+        )
+
+    def motion(self, session: Session, showing: Showing, run: int) -> Row:
+        """Write the head motion of a showing, and what was done in it.
+
+        Errors: TraceError for an unreadable trace, InputError for such inputs.
+        """
+        trace = self.contents.folder / "traces" / showing.trace
+        track, acted = load_trace(trace).track, inputs_beside(trace)
+        if len(track) < 2:
+            raise TraceError("a single pose is no motion")
+        facts = self._facts(session, showing)
+        events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
+        columns = RUN_EVENTS
+        if acted.is_file():
+            events += input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+            columns = INPUT_EVENTS
+        self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, columns)
+        stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
+        folder = self._folder(session)
+        self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))
+        self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), facts))
+        self._text(f"{folder}/{stem}_channels.tsv", channels_text())
+        self._json(f"{folder}/{stem}_channels.json", channels_json())
+        return {
+            "filename": f"{stem}_motion.tsv",
+            "acq_time": _shifted(session.started_utc, showing.started_utc),
+            "trial": showing.trial,
+            "condition": showing.condition,
+            "presentation": showing.presentation,
+        }
+
+    def _facts(self, session: Session, showing: Showing) -> Mapping[str, Any]:
+        """Return the facts of the run of the program that showed it; a session may be resumed."""
+        facts = session.facts
+        for event in self.contents.events:  # in their order: the clock may have been set back meanwhile
+            if event.session != session.id:
+                continue
+            if event.kind == "showing" and (event.key, event.data["presentation"]) == (
+                showing.key,
+                showing.presentation,
+            ):
+                break
+            facts = (event.kind == "resume" and event.data) or facts
+        return facts
+
+    def scans(self, session: Session, files: Sequence[Row]) -> None:
+        """List the files with their times since the beginning of the session."""
+        name = f"{self._folder(session)}/sub-{session.sub}_ses-{session.number:02d}_scans"
+        self._text(f"{name}.tsv", tsv_text(files, SCANS))
+        self._json(f"{name}.json", sidecar(SCANS))
+
+    def _task(self, session: Session) -> dict[str, str]:
+        return {
+            "TaskName": self.design.name,
+            "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
+            "Instructions": " ".join(
+                ["After each trial:", *(scale.prompt or scale.items[0].text for scale in self.design.scales)]
+            ),
+            "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
+        }
+
+    def _folder(self, session: Session) -> str:
+        return f"sub-{session.sub}/ses-{session.number:02d}"
+
+    def _stem(self, session: Session) -> str:
+        return f"sub-{session.sub}_ses-{session.number:02d}_task-{self.task}"
+
+    def _text(self, name: str, text: str) -> None:
+        self.out.write_text(f"{FOLDER}/{name}", text)
+
+    def _json(self, name: str, value: dict[str, Any]) -> None:
+        self.out.write_json(f"{FOLDER}/{name}", value)
+
+
+def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -> dict[str, Any]:
+    """Describe columns, and the values of the scales, for a JSON sidecar."""
+    out: dict[str, Any] = {}
+    for column in columns:
+        out[column.name] = {"Description": column.description}
+        if column.levels:
+            out[column.name]["Levels"] = dict(column.levels)
+        if column.units:
+            out[column.name]["Units"] = column.units
+    if scales and "scale" in out:
+        out["scale"]["Levels"] = {name: _about(scale) for name, scale in scales.items()}
+        items = {item.key: item.described for scale in scales.values() for item in scale.items}
+        out["item"]["Levels"] = items | {
+            score.name: score.title or score.name for scale in scales.values() for score in scale.scores
+        }
+    return out
+
+
+def _about(scale: Scale) -> str:
+    if not scale.has_answers:
+        return scale.title
+    words = ", ".join(f"{value:g} {word}" for value, word in scale.anchors.items())
+    anchors, source = f" ({words})" if words else "", f"; source: {scale.source}" if scale.source else ""
+    return f"{scale.title}: {scale.least:g} to {scale.most:g} by {scale.step:g}, {scale.direction}{anchors}{source}"
+
+
+def _shifted(start_utc: str, at_utc: str) -> str | None:
+    """Shift an instant of a session to 1925; None if the machine's clock was set back meanwhile."""
+    passed = datetime.fromisoformat(at_utc) - datetime.fromisoformat(start_utc)
+    return (EPOCH + passed).isoformat(timespec="milliseconds") if passed >= timedelta(0) else None
+
 
 # Older versions wrote some of them; a forced export removes what they hold of withdrawn people.
 OWNED = (

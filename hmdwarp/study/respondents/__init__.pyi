@@ -1,11 +1,11 @@
-from .response_model import Floats as Floats
-from .response_model import Model as Model
-from .response_model import RatingModel as RatingModel
-from .response_model import load_model as load_model
-from .response_model import model_names as model_names
-from .response_model import person_of as person_of
 from .simulated import Cohort as Cohort
+from .simulated import Floats as Floats
+from .simulated import Model as Model
 from .simulated import NoRespondent as NoRespondent
 from .simulated import Population as Population
+from .simulated import RatingModel as RatingModel
 from .simulated import Respondent as Respondent
 from .simulated import Simulated as Simulated
+from .simulated import load_model as load_model
+from .simulated import model_names as model_names
+from .simulated import person_of as person_of

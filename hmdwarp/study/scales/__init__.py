@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self
 import attrs
 
 from ...errors import InputError, unknown_name
-from ...options import Table, parsed, quoted, text_of
+from ...options import Table, fields_in, parsed, quoted, read_by, text_of
 
 KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
 # Answers to a preference, and so the numbers of its choices.
@@ -26,7 +26,7 @@ class Item:
     """One question of a scale."""
 
     key: str  # its name in tables
-    text: str  # the question in words
+    text: str = read_by(Table.line)  # the question in words
     # One of OWN_ANSWERS, for a question of a questionnaire that has answers of its own; "" for
     # those of its scale.
     answer: str = ""
@@ -52,9 +52,9 @@ class Score:
     name: str
     items: tuple[int, ...] = ()  # numbers of the items that are summed, counted from 1
     of: tuple[str, ...] = ()  # names of the scores that are summed instead of items
-    weight: float = 1.0
+    weight: float = read_by(Table.number, default=1.0)
     of_what: str = SUMS  # what `of` sums: "sums" before their weights, or weighted "scores"
-    title: str = ""
+    title: str = read_by(Table.line, default="", required=True)
 
 
 @attrs.frozen
@@ -62,8 +62,8 @@ class Scale:
     """Rating, sickness scale, questionnaire or preference; its fields are what its file says."""
 
     name: str  # the stem of its file
-    title: str
-    kind: str  # one of KINDS
+    title: str = read_by(Table.line)
+    kind: str = read_by(Table.word, KINDS)
     items: tuple[Item, ...]  # exactly one for a rating or a preference
     least: float  # lowest answer
     most: float  # highest answer
@@ -71,11 +71,12 @@ class Scale:
     low_is_good: bool
     anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # words for some answers
     scores: tuple[Score, ...] = ()  # of a questionnaire
-    units: str = ""  # for tables; "" for a plain number
-    source: str = ""  # the paper or standard it comes from
-    prompt: str = ""  # the question about every item; "" where the items are questions themselves
+    units: str = read_by(Table.line, default="")  # for tables; "" for a plain number
+    # The paper or standard it comes from.
+    source: str = read_by(Table.line, default="", required=True)
+    prompt: str = read_by(Table.line, default="")  # about every item; "" where the items are questions themselves
     # Whether a rating is of the difference from the reference, which is shown right before.
-    beside_reference: bool = False
+    beside_reference: bool = read_by(Table.flag, default=False)
 
     def values(self) -> tuple[float, ...]:
         """Return every possible answer, from least to most."""
@@ -205,21 +206,12 @@ def load_scale(name: str, folder: Path | None = None) -> Scale:
 
 
 def _scale(data: Table, name: str) -> Scale:
-    kind = data.word("kind", KINDS)
-    items = _items(data, own=kind in (QUESTIONNAIRE, PREFERENCE))
-    if kind == PREFERENCE:
+    found = fields_in(data, Scale)
+    items = _items(data, own=found["kind"] in (QUESTIONNAIRE, PREFERENCE))
+    if found["kind"] == PREFERENCE:
         _check_preference(data, items)
-    made = Scale(
-        name=name,
-        title=data.line("title"),
-        kind=kind,
-        items=items,
-        **(_NO_ANSWERS if "answer" not in data and all(item.answer for item in items) else _answers(data)),
-        units=data.line("units", ""),
-        source=data.line("source"),
-        prompt=data.line("prompt", ""),
-        beside_reference=data.flag("beside_reference", False),
-    )
+    no_answers = "answer" not in data and all(item.answer for item in items)
+    made = Scale(name=name, items=items, **found, **(_NO_ANSWERS if no_answers else _answers(data)))
     return attrs.evolve(made, scores=_scores(data, made))
 
 
@@ -265,33 +257,31 @@ def _items(data: Table, own: bool) -> tuple[Item, ...]:
             raise table.fault(
                 "answer", f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
             )
-        items.append(Item(key, table.line("text"), **(_of_item(table, data) if own else {})))
+        items.append(Item(key, **fields_in(table, Item), **(_of_item(table, data) if own else {})))
     return tuple(items)
 
 
 def _of_item(table: Table, data: Table) -> dict[str, Any]:
     """Return what an item says of its answers."""
     if "answer" in table:
-        return _own_answers(table)
+        kind = table.word("answer", OWN_ANSWERS)
+        if kind == CHOICE:
+            choices = table.texts("choices")
+            if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
+                raise table.fault(
+                    "choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts"
+                )
+            return {"answer": kind, "choices": tuple(choices)}
+        if kind == NUMBER:
+            least, most = table.number("least"), table.number("most")
+            step = _step(table, least, most) if "step" in table or not most > least else 1.0
+            return {"answer": kind, "least": least, "most": most, "step": step}
+        return {"answer": kind}
     made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
     if "anchors" in table:
         answer = data.table("answer")
         made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
     return made
-
-
-def _own_answers(table: Table) -> dict[str, Any]:
-    kind = table.word("answer", OWN_ANSWERS)
-    if kind == CHOICE:
-        choices = table.texts("choices")
-        if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
-            raise table.fault("choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts")
-        return {"answer": kind, "choices": tuple(choices)}
-    if kind == NUMBER:
-        least, most = table.number("least"), table.number("most")
-        step = _step(table, least, most) if "step" in table or not most > least else 1.0
-        return {"answer": kind, "least": least, "most": most, "step": step}
-    return {"answer": kind}
 
 
 def _step(answer: Table, least: float, most: float) -> float:
@@ -350,9 +340,15 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
         raise table.fault(
             None, f"'{name}': expected either items, numbers of questions from 1 on, or of, names of scores above it"
         )
-    weight = table.number("weight", 1.0)
+    about = fields_in(table, Score)
     if "items" in table:
-        return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
+        numbers = table.numbers("items")
+        known = set(range(1, items + 1))
+        if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
+            raise table.fault(
+                "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
+            )
+        return Score(name, tuple(map(int, numbers)), **about)
     of = table.texts("of")
     for other in of:
         if other not in before:
@@ -360,17 +356,7 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
                 "of",
                 f"names {other!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
             )
-    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
-
-
-def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
-    numbers = table.numbers("items")
-    known = set(range(1, items + 1))
-    if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
-        raise table.fault(
-            "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
-        )
-    return tuple(map(int, numbers))
+    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), **about)
 
 
 def _tidy(value: float) -> float | int:

@@ -19,14 +19,13 @@ from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
 from ..console.line_console import LineConsole
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
-from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
+from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .markers import MarkerStream, load_lsl, marker_stream
-from .runner import Interrupted, SessionRunner
-from .session_context import CommandSources, SessionContext
+from .runner import Interrupted, SessionRunner, TrialRunner, first_picture_wait_s
 from .session_options import SessionOptions
-from .trial_runner import TrialRunner, first_picture_wait_s
+from .step_handlers import CommandSources, SessionContext
 from .wording import ClosingWords, scene_reacts
 
 Say = Callable[[str], None]
@@ -197,7 +196,8 @@ class _Program:
             before_s=store.passed_s(session),
             markers=self.markers,
         )
-        every = self._all_options()
+        practice = [self.design.practice] if self.design.practice is not None else []
+        every = [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
         for options in every:
             self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
         wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
@@ -221,11 +221,6 @@ class _Program:
 
     def _options_of(self, step: Show) -> LiveOptions:
         return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
-
-    def _all_options(self) -> list[LiveOptions]:
-        """Return the options of everything that is shown."""
-        practice = [self.design.practice] if self.design.practice is not None else []
-        return [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
 
 
 @attrs.frozen

@@ -16,8 +16,7 @@ from ...report import counted
 from ...run import Recorder
 from ...scenes import scenes
 from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
-from ..dialogs.buttons import InputHints
-from ..dialogs.dialog_panels import MessagePanel, message_panel, trial_panel
+from ..dialogs.dialog_panels import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
 from .session_options import SessionOptions
 
@@ -43,7 +42,8 @@ class HeadRange:
         if self._first is None:
             self._first = pose
             return
-        self.turn_deg = max(self.turn_deg, _turn_deg(pose, self._first))
+        near = abs(sum(a * b for a, b in zip(pose.unit_quaternion, self._first.unit_quaternion, strict=True)))
+        self.turn_deg = max(self.turn_deg, math.degrees(2 * math.acos(min(near, 1.0))))
         self.shift_m = max(self.shift_m, math.dist(pose.position_m, self._first.position_m))
 
     @property
@@ -52,15 +52,10 @@ class HeadRange:
         return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
 
     def figures(self) -> dict[str, float | bool | None]:
-        """Return the figures of study/store/records.py; None throughout where no head was seen."""
+        """Return the figures of study/actual.py; None throughout where no head was seen."""
         if self._first is None:
             return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
         return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
-
-
-def _turn_deg(one: Pose, other: Pose) -> float:
-    near = abs(sum(a * b for a, b in zip(one.unit_quaternion, other.unit_quaternion, strict=True)))
-    return math.degrees(2 * math.acos(min(near, 1.0)))
 
 
 # Keys of what comes between the steps.
@@ -188,11 +183,7 @@ class ClosingWords:
         """Say them, once everything else is closed."""
         if self.session is None or self.quiet:
             return
-        for line in self._lines(self.session):
-            self._say(line)
-        self._on_end(self.session)
-
-    def _lines(self, session: Session) -> list[str]:
+        session = self.session
         origin = "" if session.origin == PERSON else f" ({session.origin})"
         why = f": {session.why}" if session.why else ""
         lines = [
@@ -205,7 +196,9 @@ class ClosingWords:
             lines.append(f"stored in {self._store.folder}: {count}")
             lines += self._still(session)
         lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
-        return lines
+        for line in lines:
+            self._say(line)
+        self._on_end(self.session)
 
     def _still(self, session: Session) -> list[str]:
         """Say in how many trials the head hardly moved."""

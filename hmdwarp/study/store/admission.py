@@ -6,17 +6,95 @@ All functions run on an open transaction.
 from __future__ import annotations
 
 import json
+import os
 import re
 import secrets
 import sqlite3
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ..design import Design, Order, allot, rows_for
+from ..design import ONE, Condition, Design, Order, allot, rows_for
+from ..scales import Item, Scale
 from . import queries
 from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
-from .signature import plan_signature, signature_changes
+
+
+def plan_signature(design: Design, part: str) -> dict[str, Any]:
+    """Return the signature as JSON data.
+
+    Titles, comments, breaks, the consent's text, families and other parts are not in it: they may
+    change. So may the folder of the file, together with the files beside it.
+    """
+    folder = f"{Path(design.path).parent.absolute()}{os.sep}"
+    rule = design.sickness
+    return {
+        "conditions": [_condition(condition, folder) for condition in design.part(part).conditions],
+        "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
+        "repeats": design.repeats,
+        "order": design.order,
+        "seed": design.seed,
+        "scales": [_scale(scale) for scale in design.scales],
+        "practice": None
+        if design.practice is None
+        else [_condition(design.practice, folder), float(design.practice_seconds)],
+        "sickness": (
+            None
+            if rule is None
+            else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
+        ),
+        "before": [_scale(scale) for scale in design.before],
+        "after": [_scale(scale) for scale in design.after],
+        **_shows(design),
+    }
+
+
+def _shows(design: Design) -> dict[str, Any]:
+    """Return what a trial shows; nothing for one condition, as older sessions have it."""
+    return {} if design.shows == ONE else {"shows": design.shows}
+
+
+def _condition(condition: Condition, folder: str) -> dict[str, Any]:
+    settings = {
+        name: value.removeprefix(folder) if isinstance(value, str) else value
+        for name, value in sorted(condition.settings.items())
+    }
+    return {"name": condition.name, "settings": settings, "reference": condition.reference}
+
+
+def _scale(scale: Scale) -> dict[str, Any]:
+    """Return the questions in their words, and the possible answers."""
+    return {
+        "name": scale.name,
+        "asked": [scale.prompt, *([item.key, item.text, *_own(item)] for item in scale.items)],
+        "range": [scale.least, scale.most, scale.step],
+        "anchors": {f"{value:g}": words for value, words in sorted(scale.anchors.items())},
+        "low_is_good": scale.low_is_good,
+    }
+
+
+def _own(item: Item) -> list[Any]:
+    """Return the answers of a question that has its own, or its own words for some."""
+    if item.anchors:
+        return [{f"{value:g}": words for value, words in item.anchors.items()}]
+    return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
+
+
+def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+    """Describe what differs between two signatures, both decoded from JSON."""
+    changed = [key for key in {**before, **now} if before.get(key) != now.get(key)]
+    return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
+
+
+def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
+    was, is_ = ({condition["name"]: condition for condition in side} for side in (before, now))
+    words = [f"'{name}' is new" for name in is_ if name not in was] + [
+        f"'{name}' is gone" for name in was if name not in is_
+    ]
+    words += [f"'{name}' changed" for name in is_ if name in was and was[name] != is_[name]]
+    return f"conditions ({', '.join(words) or 'in another order'})"
+
 
 HOLDING = (RUNNING, INTERRUPTED, COMPLETE)  # other sessions free their order for another participant
 NEW = "new"
@@ -44,7 +122,12 @@ def _draw(signs: str, length: int, taken: Callable[[str], bool]) -> str:
 
 def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, new_session: bool) -> int:
     """Return the participant's row, inserted for a new one. Errors: InputError, as Store.begin."""
-    _check_origin(db, origin)
+    other = {PERSON: SIMULATED, SIMULATED: PERSON}.get(origin)
+    if other and db.execute("SELECT 1 FROM participant WHERE origin = ?", (other,)).fetchone():
+        raise InputError(
+            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
+            "folder (--store), or --pilot"
+        )
     if code.lower() == NEW:
         if new_session:
             raise _new_again()
@@ -84,16 +167,6 @@ def _new_again() -> InputError:
 
 def _unknown(code: str) -> InputError:
     return InputError(f"participant {code} is not known here: leave out --new-session, or check the code")
-
-
-def _check_origin(db: sqlite3.Connection, origin: str) -> None:
-    """Refuse to mix simulated ratings with people's."""
-    other = {PERSON: SIMULATED, SIMULATED: PERSON}.get(origin)
-    if other and db.execute("SELECT 1 FROM participant WHERE origin = ?", (other,)).fetchone():
-        raise InputError(
-            f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
-            "folder (--store), or --pilot"
-        )
 
 
 def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:

@@ -118,7 +118,7 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
 
     WAL and SYNCHRONOUS: a commit is one append and one fsync, while readers see the state
     before it. study, made_by: of a new database.
-    Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or of
+    Errors: as store_error; InputError for a file that is damaged, of a newer program, or of
     another kind; MachineError for a disk that cannot hold one.
     """
     path = folder / DATABASE
@@ -134,7 +134,13 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
                 _check_schema(db, path)
             _set_up(db, path)
             if new:
-                _make(db, path, study, made_by)
+                with transaction(db, path):
+                    for statement in TABLES.split(";\n"):
+                        db.execute(statement)
+                    db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
+                    db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+                    db.execute(f"PRAGMA user_version = {SCHEMA}")
+                sync(path.parent)
             check(db, path)
             return db
         except BaseException:
@@ -151,17 +157,6 @@ def _set_up(db: sqlite3.Connection, path: Path) -> None:
         )
     for setting in (f"synchronous = {SYNCHRONOUS}", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
-
-
-def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
-    """Create all tables or none."""
-    with transaction(db, path):
-        for statement in TABLES.split(";\n"):
-            db.execute(statement)
-        db.execute("INSERT INTO study VALUES (?, ?)", (study, made_by))
-        db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-        db.execute(f"PRAGMA user_version = {SCHEMA}")
-    sync(path.parent)
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:
@@ -242,28 +237,26 @@ def check(db: sqlite3.Connection, path: Path) -> None:
     noted = noted_entries(path.parent)  # first: another program may be writing
     db.execute("BEGIN")
     try:
-        _check(db, path, noted)
+        wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
+        wrong = wrong or [
+            f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
+        ]
+        if wrong:
+            raise damaged(path, wrong[0].splitlines()[-1])
+        for table, own in columns().items():
+            for row in db.execute(f"SELECT * FROM {table}"):  # SQLite itself checks no text
+                for name, value in zip(own, row, strict=True):
+                    if name in _JSON:
+                        dict_in(value)
+                    elif name == "order_names":
+                        from_json(value)
+        if (missing := noted - entries_of(db)) > 0:
+            raise damaged(
+                path, f"the last {missing} of {noted} entries of its journal are not there: was its log lost?"
+            )
     finally:
         if db.in_transaction:
             db.execute("ROLLBACK")
-
-
-def _check(db: sqlite3.Connection, path: Path, noted: int) -> None:
-    wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
-    wrong = wrong or [
-        f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
-    ]
-    if wrong:
-        raise damaged(path, wrong[0].splitlines()[-1])
-    for table, own in columns().items():
-        for row in db.execute(f"SELECT * FROM {table}"):  # SQLite itself checks no text
-            for name, value in zip(own, row, strict=True):
-                if name in _JSON:
-                    dict_in(value)
-                elif name == "order_names":
-                    from_json(value)
-    if (missing := noted - entries_of(db)) > 0:
-        raise damaged(path, f"the last {missing} of {noted} entries of its journal are not there: was its log lost?")
 
 
 _JSON = ("facts", "settings", "actual", "measured", "data", "meaning")

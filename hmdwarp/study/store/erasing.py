@@ -20,9 +20,8 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .admission import check_code
-from .copies import erase_copies, overwrite
 from .database import transaction, translated
-from .folders import DATABASE, TRACES
+from .folders import DATABASE, TRACES, erase_copies, overwrite
 
 BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
 

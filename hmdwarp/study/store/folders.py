@@ -6,13 +6,14 @@ import errno
 import json
 import os
 import socket
+import sqlite3
 from collections.abc import Iterable
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
-from ...platforms import lock
+from ...platforms import NOFOLLOW, lock
 from ...report import keep_private, sync
 from ...scenes import inputs_beside
 from ..design import Design
@@ -43,22 +44,19 @@ class Lock:
             raise _no_place(error, folder) from error
         try:
             lock(self._file)
-            self._sign(since)
+            self._words = {
+                "pid": os.getpid(),
+                "host": socket.gethostname(),
+                "since": since.astimezone().isoformat(timespec="seconds"),
+                "journal": noted_entries(self.path.parent),
+            }
+            self._write()
         except BaseException as error:
             words = self._holder()
             os.close(self._file)
             if isinstance(error, OSError):
                 raise _refused(error, folder, words) from error
             raise
-
-    def _sign(self, since: datetime) -> None:
-        self._words = {
-            "pid": os.getpid(),
-            "host": socket.gethostname(),
-            "since": since.astimezone().isoformat(timespec="seconds"),
-            "journal": noted_entries(self.path.parent),
-        }
-        self._write()
 
     def note(self, entries: int) -> None:
         """Write how many entries the journal has: a log that is lost later is missed."""
@@ -233,3 +231,46 @@ def sync_trace(path: Path) -> bool:
             f"{path}: cannot be written to the disk ({error.strerror or error}): resume with a copy on another disk"
         ) from error
     return True
+
+
+_PART = f".{COPY}.part"
+_CHUNK = 1 << 20
+
+
+def write_copy(db: sqlite3.Connection, folder: Path) -> None:
+    """Write the copy, whole or not at all. Errors: sqlite3.Error, OSError.
+
+    VACUUM INTO takes one state of the database, without what was erased from it.
+    """
+    part = folder / _PART
+    part.unlink(missing_ok=True)  # of a program that died
+    try:
+        os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | NOFOLLOW, 0o600))
+        db.execute("VACUUM INTO ?", (str(part),))
+        sync(part)
+        part.replace(folder / COPY)
+        sync(folder)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+
+
+def erase_copies(folder: Path) -> None:
+    """Overwrite and unlink the copy, and what was left of one. Errors: OSError."""
+    for path in (folder / COPY, folder / _PART):
+        if path.is_file() and not path.is_symlink():
+            overwrite(path)
+        path.unlink(missing_ok=True)
+    sync(folder)
+
+
+def overwrite(path: Path) -> None:
+    """Fill a file with zeros: to unlink it alone would leave its bytes on the disk."""
+    handle = os.open(path, os.O_WRONLY | NOFOLLOW)
+    try:
+        left = os.fstat(handle).st_size
+        while left > 0:
+            left -= os.write(handle, bytes(min(left, _CHUNK)))
+        os.fsync(handle)
+    finally:
+        os.close(handle)

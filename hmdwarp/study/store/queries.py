@@ -102,16 +102,6 @@ def last_answers(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
     return tuple(latest.values())
 
 
-def done(db: sqlite3.Connection, session_id: int) -> set[str]:
-    """Return the keys of the finished steps."""
-    rows = db.execute(
-        "SELECT key FROM answer WHERE session = :id UNION SELECT key FROM showing WHERE session = :id AND complete "
-        "UNION SELECT key FROM event WHERE session = :id AND kind = 'finished'",
-        {"id": session_id},
-    )
-    return {key for (key,) in rows}
-
-
 def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
     """Return all data of one moment: of people and simulated participants, or of pilots."""
     db.execute("BEGIN")  # one state for all queries, even while another process writes
@@ -134,23 +124,3 @@ def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
 def study_name(db: sqlite3.Connection) -> str:
     """Return the name of the study."""
     return str(db.execute("SELECT name FROM study").fetchone()[0])
-
-
-def code_of(db: sqlite3.Connection, participant: int) -> str:
-    """Return a participant's code as it was first written; searches ignore case."""
-    return str(db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0])
-
-
-def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:
-    """Count the rows of a participant."""
-    of = "WHERE session IN (SELECT id FROM session WHERE participant = ?)"
-    tables = {
-        "sessions": "session WHERE participant = ?",
-        "answers": f"answer {of}",
-        "showings": f"showing {of}",
-        "events": f"event {of}",
-    }
-    return {
-        name: db.execute(f"SELECT count(*) FROM {table}", (participant,)).fetchone()[0]
-        for name, table in tables.items()
-    }

@@ -123,8 +123,8 @@ def without_times(data: dict) -> list[dict]:
 
 def test_only_times_change(full, tmp_path, monkeypatch):
     """Measured in other processes, and in batches so small that each warp runs alone."""
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MEMORY_PART", 0.0)
     again = bench(attrs.evolve(SMALL, out=tmp_path, workers=2))
     assert without_times(again.data) == without_times(full[1].data)
 
@@ -194,7 +194,7 @@ def test_an_interruption_leaves_earlier_files(at, tmp_path):
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.set_up_replay", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()

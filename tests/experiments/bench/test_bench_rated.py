@@ -64,8 +64,8 @@ def test_all_else_stays_as_it_is_in_batches_of_any_size(tmp_path, monkeypatch):
     with (tmp_path / "rated" / "bench.csv").open(encoding="utf-8", newline="") as file:
         written = [float(row["jod"]) for row in csv.DictReader(file)]
     assert written == [row["jod"]["mean"] for row in rated.data["rows"]]
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_work.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MEMORY_PART", 0.0)
     alone = bench(attrs.evolve(RATED, out=tmp_path / "alone"))
     assert [row["jod"] for row in alone.data["rows"]] == [row["jod"] for row in rated.data["rows"]]
 

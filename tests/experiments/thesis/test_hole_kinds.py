@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmdwarp.experiments.thesis.experiment import RATE_HZ, Motion, PictureRun, StreamRun
 from hmdwarp.experiments.thesis.run_figures import Thoroughness, false_edges, holes_of, look, seam, stream
-from hmdwarp.experiments.thesis.run_kinds import RATE_HZ, Motion, PictureRun, StreamRun
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import border_holes
 

@@ -8,8 +8,14 @@ import pytest
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.experiments.thesis.experiment import experiments, experiments_named
-from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S, PictureRun, is_quick
+from hmdwarp.experiments.thesis.experiment import (
+    SPEEDS_DEG_S,
+    SPEEDS_M_S,
+    PictureRun,
+    experiments,
+    experiments_named,
+    is_quick,
+)
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 

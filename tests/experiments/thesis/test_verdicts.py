@@ -8,19 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis.experiment import experiments, experiments_named
-from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
-from hmdwarp.experiments.thesis.run_kinds import (
+from hmdwarp.experiments.thesis.experiment import (
     Finding,
     Motion,
     PictureRun,
     Rule,
     Verdict,
+    experiments,
+    experiments_named,
     number_of,
     settings_text,
     share_text,
     verdict_of,
 )
+from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
 from hmdwarp.experiments.thesis.thesis_run import cases_of, csv_rows, figures_by_run, judge
 from hmdwarp.report import summary_markdown
 
@@ -179,8 +180,8 @@ def test_one_of_four_is_mostly_no_and_a_weak_stand_in_says_so():
     table = summary_markdown(
         [{"experiments": [one, weak], "size": (8, 8), "machine": {"gl_renderer": ""}, "hmdwarp": ""}]
     )
-    assert "| mostly does not hold | 1 of 4 settings: client depth |" in table
-    assert "| cannot be told, by a weak stand-in |" in table
+    assert "| mostly does not hold (1 of 4 settings) |" in table
+    assert "Cannot be told: `edges-doubled`, by a weak stand-in." in table
 
 
 def test_a_time_on_a_gpu_is_what_it_takes_beyond_the_least_picture():

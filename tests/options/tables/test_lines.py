@@ -43,33 +43,15 @@ x = 1
 name = "c"
 """.replace("QQQ", 3 * '"')
 LINES = [
-    (("name",), 2),
-    (("trial",), 3),
-    (("trial", "seconds"), 4),
-    (("trial", "text"), 5),
-    (("trial", "order"), 9),
-    (("trial", "deep", "er", "still"), 10),
-    (("trial", "missing"), 3),
-    (("part",), 12),
-    (("part", 0), 12),
-    (("part", 0, "name"), 13),
-    (("part", 0, "condition", 0), 14),
-    (("part", 0, "condition", 0, "name"), 15),
-    (("part", 0, "condition", 0, "latency"), 16),
-    (("part", 0, "condition", 1, "name"), 18),
-    (("part", 0, "condition", 1, "limits", 0, "to it"), 20),
-    (("part", 0, "condition", 1, "limits", 1), 21),
-    (("part", 0, "condition", 1, "limits", 1, 1), 22),
-    (("part", 0, "condition", 1, "limits", 1, 2), 23),
-    (("part", 1), 25),
-    (("part", 1, "name"), 26),
-    (("part", 1, "extra"), 27),
-    (("part", 1, "extra", "x"), 28),
-    (("part", 1, "condition", 0), 29),
-    (("part", 1, "condition", 0, "name"), 30),
-    (("nowhere",), 1),
-    ((), 1),
-]
+    (("name",), 2), (("trial",), 3), (("trial", "seconds"), 4), (("trial", "text"), 5), (("trial", "order"), 9),
+    (("trial", "deep", "er", "still"), 10), (("trial", "missing"), 3), (("part",), 12), (("part", 0), 12),
+    (("part", 0, "name"), 13), (("part", 0, "condition", 0), 14), (("part", 0, "condition", 0, "name"), 15),
+    (("part", 0, "condition", 0, "latency"), 16), (("part", 0, "condition", 1, "name"), 18),
+    (("part", 0, "condition", 1, "limits", 0, "to it"), 20), (("part", 0, "condition", 1, "limits", 1), 21),
+    (("part", 0, "condition", 1, "limits", 1, 1), 22), (("part", 0, "condition", 1, "limits", 1, 2), 23),
+    (("part", 1), 25), (("part", 1, "name"), 26), (("part", 1, "extra"), 27), (("part", 1, "extra", "x"), 28),
+    (("part", 1, "condition", 0), 29), (("part", 1, "condition", 0, "name"), 30), (("nowhere",), 1), ((), 1),
+]  # fmt: skip
 
 
 def test_the_text_is_toml_and_has_what_is_looked_for():

@@ -424,8 +424,8 @@ def test_a_frame_with_a_number_outside_its_bounds_is_malformed(wrong):
 
 def test_the_bounds_are_those_that_the_documentation_lists(monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parents[3] / "docs")
-    listed = importlib.import_module("pages").rows_of("bounds")
-    assert listed == [{"number": bound.what, "from, to": bound.text} for bound in BOUNDS]
+    listed = importlib.import_module("pages").text_of("bounds").splitlines()
+    assert listed == [f"- {bound.what}: {bound.text}" for bound in BOUNDS]
 
 
 def test_a_frame_that_claims_more_than_it_has_takes_no_memory():

@@ -334,9 +334,9 @@ def test_head_locked_content_does_not_depend_on_the_head(gpu):
         assert np.array_equal(first, second)
     left, right = found[0]
     # Seen by both eyes at 1 m: shifted by the pupil distance, at the focal length of the picture.
-    per_tangent = SIZE[0] / np.ptp(headset.fov(0).tangents[:2])
+    per_tangent = SIZE[0] / np.ptp(headset.eyes[0].fov.tangents[:2])
     shift = np.flatnonzero(left[..., 3].any(axis=0)).mean() - np.flatnonzero(right[..., 3].any(axis=0)).mean()
-    offset = (headset.fov(1).tangents[0] - headset.fov(0).tangents[0]) * per_tangent
+    offset = (headset.eyes[1].fov.tangents[0] - headset.eyes[0].fov.tangents[0]) * per_tangent
     assert abs(shift - headset.ipd_m * per_tangent - offset) <= 1
     server.close()
 

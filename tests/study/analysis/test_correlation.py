@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom
 
 from hmdwarp.report.study import study_page
-from hmdwarp.study.analysis.correlation import MEASURES, correlation_data, within_people
+from hmdwarp.study.analysis.findings import MEASURES, correlation_data, within_people
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
 

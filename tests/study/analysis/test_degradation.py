@@ -9,7 +9,7 @@ from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
-from hmdwarp.study.design.outline import session_phases
+from hmdwarp.study.design.plan_text import session_phases
 from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.store import SIMULATED, Store
 

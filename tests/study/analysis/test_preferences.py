@@ -7,12 +7,11 @@ from scipy import stats
 
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.findings import Resampling, preference_results
-from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
 from hmdwarp.study.analysis.long_table import Ratings, from_contents
-from hmdwarp.study.analysis.sentences import said_of_preferences
 from hmdwarp.study.design import design_from_text, pair_of
 from hmdwarp.study.respondents import Population, Simulated, load_model, person_of
-from hmdwarp.study.respondents.response_model import model_from_text
+from hmdwarp.study.respondents.simulated import model_from_text
 from hmdwarp.study.scales import NEITHER
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store
 

@@ -15,11 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.report.study import comparison_lines, render_study_report
+from hmdwarp.report.study import render_study_report, study_lines
 from hmdwarp.study.analysis.findings import copied_rows, load_claims, order_effects
-from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.full_analysis import analyse, sentence_of_copied, sentences_of_order
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
-from hmdwarp.study.analysis.sentences import sentence_of_copied, sentences_of_order
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
@@ -88,7 +87,7 @@ def test_unrated_parts_show_no_order_and_no_p():
     data = analyse(attrs.evolve(ratings, rows=ratings.rows.assign(place=1)))
     (part,) = data["scales"][0]["parts"]
     assert part["order_sentences"] == ["Effects of order cannot be estimated: nothing was rated."]
-    assert comparison_lines(data["scales"][0]["comparisons"])[1][0].count("1.000") == 0
+    assert study_lines("comparisons", data["scales"][0]["comparisons"])[1][0].count("1.000") == 0
     render_study_report(data, "")
 
 
@@ -103,7 +102,7 @@ def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
         row = first(ratings_of({"late": late, "warped": warped}))
         assert "no interval" in row["sentence"] and row["low"] is row["high"] is None
         json.dumps(row, allow_nan=False)
-        _, ((name, _, _, bca, _, exact, *_),) = comparison_lines([row])
+        _, ((name, _, _, bca, _, exact, *_),) = study_lines("comparisons", [row])
         assert name == "warped over late" and bca == "–" and (exact == "–") == (len(late) == 1)
 
 

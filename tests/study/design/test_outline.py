@@ -8,7 +8,7 @@ import pytest
 
 from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
 from hmdwarp.study.design.orders import presented
-from hmdwarp.study.design.outline import balance, least_participants, session_phases
+from hmdwarp.study.design.plan_text import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
 
 from .plans import WHOLE

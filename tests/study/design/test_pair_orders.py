@@ -10,7 +10,7 @@ from together import together
 
 from hmdwarp.study.design import Ask, Show, design_from_text, notes, pair_of, rows_for, steps_of, tables_of, trials_of
 from hmdwarp.study.design.orders import every_pair, presented
-from hmdwarp.study.design.outline import balance, session_phases
+from hmdwarp.study.design.plan_text import balance, session_phases
 from hmdwarp.study.scales import FIRST, NEITHER, SECOND
 
 from ..refusals import check_refused, table

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.display import Command
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.buttons import KEYS, InputHints
+from hmdwarp.study.dialogs.dialog_panels import KEYS, InputHints
 from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import Item, Scale, load_scale, scale_names
 

@@ -17,15 +17,23 @@ from hmdwarp.display.desktop import window_view
 from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.study.dialogs.buttons import CONTROLLERS, KEYS, PAD, TEXT, WIDTH, Button, Canvas, width_of, wrapped
 from hmdwarp.study.dialogs.choice_dialogs import ConsentDialog, MenuDialog
 from hmdwarp.study.dialogs.dialog_panels import (
+    CONTROLLERS,
+    KEYS,
+    PAD,
+    TEXT,
+    WIDTH,
+    Button,
+    Canvas,
     LineLayout,
     QuestionPanel,
     ScaleForm,
     layout_of,
     message_panel,
     trial_panel,
+    width_of,
+    wrapped,
 )
 
 from .made_scales import SHIPPED, any_scale, asked_of, place_of, said
@@ -119,14 +127,10 @@ def test_words_do_not_overlap():
                     (button.x - w, button.x + w)
                     for button in layout._placed
                     if button.row == row
-                    for w in [_half(button)]
+                    for w in [max(width_of(line, 24) for line in button.lines) / 2]
                 ]
                 assert all(after[0] - before[1] > 4 for before, after in zip(ends, ends[1:], strict=False))
             assert {button.value for button in layout._placed} == set(scale.anchors)
-
-
-def _half(one) -> float:
-    return max(width_of(line, 24) for line in one.lines) / 2
 
 
 def test_the_buttons_of_a_panel_are_where_they_are_drawn():

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.buttons import CONTROLLERS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
 from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale, number_text
 

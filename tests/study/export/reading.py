@@ -9,7 +9,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from hmdwarp.study.export.table_columns import FLAG, INTEGER, MISSING, NUMBER, Column
+from hmdwarp.study.export.export_rows import FLAG, INTEGER, MISSING, NUMBER, Column
 
 _READ = {"true": True, "false": False}
 

@@ -14,8 +14,7 @@ import pytest
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import INPUTS_HEADER, InputEvent, inputs_beside
 from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.export.bids import CHANNELS, Rates, TrackingSystem, motion_text
-from hmdwarp.study.export.write import export
+from hmdwarp.study.export.write import CHANNELS, Rates, TrackingSystem, export, motion_text
 from hmdwarp.study.store import PERSON, Store
 
 from .conftest import Day, write_trace

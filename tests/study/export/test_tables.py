@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.report import inert_text, raw_text
 from hmdwarp.study.design import design_from_text, load_design
-from hmdwarp.study.export.table_columns import (
+from hmdwarp.study.export.export_rows import (
     COLUMNS,
     FLAG,
     INTEGER,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export.table_columns import field_text
+from hmdwarp.study.export.export_rows import field_text
 from hmdwarp.study.export.write import export
 
 

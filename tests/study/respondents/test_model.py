@@ -14,7 +14,7 @@ from scipy.stats import kstest, norm
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import load_design, write_new_plan
 from hmdwarp.study.respondents import Population, RatingModel, load_model, model_names, person_of
-from hmdwarp.study.respondents.response_model import (
+from hmdwarp.study.respondents.simulated import (
     SicknessModel,
     draw_for,
     model_from_text,

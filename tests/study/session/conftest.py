@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hmdwarp.study.session import runner, trial_runner
+from hmdwarp.study.session import runner
 
 from .sessions import study
 
@@ -13,8 +13,8 @@ LEAD_S, SETTLED_S, FAREWELL_S = 0.05, 0.03, 0.05
 
 def hurry(patch: pytest.MonkeyPatch) -> None:
     """The waits, until the patch is undone."""
-    patch.setattr(trial_runner, "LEAD_S", LEAD_S)
-    patch.setattr(trial_runner, "SETTLED_S", SETTLED_S)
+    patch.setattr(runner, "LEAD_S", LEAD_S)
+    patch.setattr(runner, "SETTLED_S", SETTLED_S)
     patch.setattr(runner, "FAREWELL_S", FAREWELL_S)
 
 

@@ -203,7 +203,7 @@ def test_a_disk_that_is_full_in_mid_session(monkeypatch, gpu, tmp_path):
 
 def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, path):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.study.session.trial_runner.actual_of", lambda *_: 1 / 0)
+        patch.setattr("hmdwarp.study.session.runner.actual_of", lambda *_: 1 / 0)
         ran = run(patch, gpu, path)
     assert isinstance(ran.error, ZeroDivisionError)
     assert ran.said[-1].startswith("resume with: ")

@@ -18,13 +18,6 @@ from .sessions import Person, contents, run, study, whole
 ROUNDING_S = 1e-8  # a double of the seconds that a machine is up
 
 
-def shown_ns(display) -> list[tuple[int, int]]:
-    """When the first and the last picture of each trial are seen, by the display's clock."""
-    pictures = [at_ns + AHEAD * PERIOD_NS for at_ns, is_picture, _ in display.handed if is_picture]
-    breaks = np.flatnonzero(np.diff(pictures) > PERIOD_NS) + 1
-    return [(part[0], part[-1]) for part in np.split(np.array(pictures), breaks)]
-
-
 @with_lsl
 @pytest.mark.usefixtures("lsl_on_this_machine")
 def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pictures(tmp_path, gpu, monkeypatch):
@@ -66,7 +59,9 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
     assert markers[-1]["status"] == "complete"
 
     # Beside each other, as this display's clock is simulated: it advances by refreshes.
-    instants = np.array(shown_ns(ran.display)[1:])
+    pictures = [at_ns + AHEAD * PERIOD_NS for at_ns, is_picture, _ in ran.display.handed if is_picture]
+    breaks = np.flatnonzero(np.diff(pictures) > PERIOD_NS) + 1
+    instants = np.array([(part[0], part[-1]) for part in np.split(np.array(pictures), breaks)][1:])
     stamps = np.array([[start["stamp"], end["stamp"]] for start, end in zip(starts, ends, strict=True)])
     assert stamps - stamps[0, 0] == pytest.approx((instants - instants[0, 0]) * 1e-9, abs=ROUNDING_S)
     in_order = [marker["stamp"] for marker in markers if marker["event"] != "trial_end"]

@@ -12,8 +12,8 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
+from hmdwarp.study.session import runner
 from hmdwarp.study.session.session_options import SessionOptions
-from hmdwarp.study.session.trial_runner import first_picture_wait_s
 from hmdwarp.study.session.wording import HeadRange
 
 from .conftest import SETTLED_S
@@ -21,8 +21,8 @@ from .sessions import closing, run
 
 
 def test_frames_are_under_way_for_longer_than_any_latency():
-    assert first_picture_wait_s([]) == first_picture_wait_s([0.0]) == SETTLED_S
-    assert first_picture_wait_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
+    assert runner.first_picture_wait_s([]) == runner.first_picture_wait_s([0.0]) == SETTLED_S
+    assert runner.first_picture_wait_s([0.0, 2500.0]) == pytest.approx(2.5 + SETTLED_S)
 
 
 def columns(**known: list[float]):
@@ -123,9 +123,8 @@ def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypat
 
 
 def test_a_link_that_delivers_no_frame_is_an_error(monkeypatch, gpu, path):
-    from hmdwarp.study.session import trial_runner
 
-    monkeypatch.setattr(trial_runner, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(runner, "PATIENCE_S", 0.1)
     path.write_text(
         path.read_text(encoding="utf-8").replace('scene = "planes"', 'scene = "planes"\nbandwidth = 0.001'),
         encoding="utf-8",

@@ -11,6 +11,7 @@ from run.offscreen import PERIOD_NS, RATE_HZ
 from hmdwarp.poses import load_trace
 from hmdwarp.study.actual import FLAGS, NUMBERS, TEXTS
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.session import runner
 
 from .conftest import LEAD_S, hurry
 from .sessions import LATENCIES_MS, NAMES, ScriptedConsole, contents, run, study, whole
@@ -126,15 +127,14 @@ def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(mo
     """As long as building takes no longer than LEAD_S, from the panel to the first picture it is
     equally long.
     """
-    from hmdwarp.study.session import trial_runner
 
-    class Slow(trial_runner.PipelineHost):
+    class Slow(runner.PipelineHost):
         def __init__(self, display, options, scene) -> None:
             super().__init__(display, options, scene)
             if options.warp == "rotation":
                 display._at_ns += round(0.6 * LEAD_S * 1e9)
 
-    monkeypatch.setattr(trial_runner, "PipelineHost", Slow)
+    monkeypatch.setattr(runner, "PipelineHost", Slow)
     handed = run(monkeypatch, gpu, study(tmp_path)).display.handed
     waits = []
     for number in (1, 2):

@@ -20,18 +20,6 @@ def made_up(seed: int, n: int = 5, most: int = 12) -> tuple[np.ndarray, np.ndarr
     return wins, ties + ties.T
 
 
-def log_posterior(jod: np.ndarray, threshold: float, wins: np.ndarray, ties: np.ndarray) -> float:
-    """As the papers write it, pair by pair."""
-    total = -float((jod**2).sum() + threshold**2) / (2 * PRIOR_SD**2)
-    for i in range(len(jod)):
-        for j in range(len(jod)):
-            total += wins[i, j] * special.log_ndtr((jod[i] - jod[j] - threshold) / JOD_SPREAD)
-            if j > i and threshold > 0:
-                d, size = (jod[i] - jod[j]) / JOD_SPREAD, threshold / JOD_SPREAD
-                total += ties[i, j] * np.log(special.ndtr(d + size) - special.ndtr(d - size))
-    return total
-
-
 def test_one_jod_is_three_in_four():
     """The unit: 75 of 100 prefer it. The prior draws one JOD in by less than 3 %: its weight 1/25
     each score stands against an information of over 25 in 100 answers.
@@ -51,7 +39,15 @@ def test_it_is_the_maximum_of_the_published_likelihood(seed, has_ties):
     def less(at: np.ndarray) -> float:
         threshold = np.exp(at[-1]) if has_ties else 0.0
         half_tie = 0.5 * np.log(threshold) if has_ties else 0.0
-        return -log_posterior(at[: len(wins)], threshold, wins, ties) - half_tie
+        jod = at[: len(wins)]
+        total = -float((jod**2).sum() + threshold**2) / (2 * PRIOR_SD**2)
+        for i in range(len(jod)):
+            for j in range(len(jod)):
+                total += wins[i, j] * special.log_ndtr((jod[i] - jod[j] - threshold) / JOD_SPREAD)
+                if j > i and threshold > 0:
+                    d, size = (jod[i] - jod[j]) / JOD_SPREAD, threshold / JOD_SPREAD
+                    total += ties[i, j] * np.log(special.ndtr(d + size) - special.ndtr(d - size))
+        return -total - half_tie
 
     start = np.zeros(len(wins) + has_ties)
     other = optimize.minimize(less, start, method="BFGS", options={"gtol": 1e-4})

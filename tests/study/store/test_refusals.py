@@ -11,7 +11,7 @@ from together import together
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import design_from_text
 from hmdwarp.study.store import COMPLETE, PILOT, SIMULATED, Store
-from hmdwarp.study.store.signature import plan_signature, signature_changes
+from hmdwarp.study.store.admission import plan_signature, signature_changes
 
 from .sessions import TEXT, begun, design, whole
 
@@ -29,7 +29,7 @@ def store(tmp_path):
         yield made
 
 
-NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1"]
+NAMES = ["Anna Müller", "", "a" * 33, "P 1", "p.1", "../x", "P1\n", "Ä1", "-P1", "P٣"]
 MENDED = TEXT.replace('name = "late"', 'name = "later"')
 REFUSED = [  # what is asked of a store with one whole session, that of P01; what is said
     *((lambda store, code=code: begun(store, code), "must not be a name") for code in NAMES),
