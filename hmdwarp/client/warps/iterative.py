@@ -77,7 +77,7 @@ class Iterative(GatherWarp):
         "guess"
     )
     reads = ("rendered.colour", "rendered.inverse_depth")
-    exact_when = "the rendered picture saw the surface and the guesses converge, up to one bilinear resample"
+    exact_when = "the rendered picture saw the surface and the guesses converge, up to one resample"
     gets_wrong = (
         "may miss the front one of several surfaces on a ray, or end in a hole there; "
         "silhouettes are a pixel too wide, which suits antialiased pictures"
