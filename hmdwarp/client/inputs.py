@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable
 from functools import cached_property
 
@@ -87,7 +86,7 @@ class ShownPicture:
 
 
 class History:
-    """Keep the older frames that `others` asks for: some at least its spacing apart, and the newest.
+    """Keep the older frames that `others` asks for: some at least its spacing apart, and the last.
 
     All others go to `discard` at once.
     """

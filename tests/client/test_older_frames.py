@@ -67,7 +67,7 @@ def sharpness(colour, where) -> float:
 
 
 def cubic(image, u, v):
-    """Return Catmull-Rom samples, rows of the two outer lines linear, each limited to its neighbours."""
+    """Return Catmull-Rom samples, linear in the outer rows, each limited to its neighbours."""
     low_u, low_v = np.floor(u).astype(int), np.floor(v).astype(int)
 
     def weights(t):
@@ -178,8 +178,8 @@ def test_noise_of_frames_that_agree_averages_out(frames, expected):
     alone = warped(1, (noisy(clean, 9), depth)), warped(1, (clean, depth))
     flat = np.asarray(found.coverage) > 0.5
     left = (np.asarray(found.colour) - np.asarray(truth.colour))[flat].var()
-    # Means of blocks are the newest frame's: they keep 1/50 of its variance; and not every pixel was
-    # seen by every frame.
+    # Means of blocks are the newest frame's: they keep 1/50 of its variance; and not every pixel
+    # was seen by every frame.
     assert (
         expected * 0.9 < left / (np.asarray(alone[0].colour) - np.asarray(alone[1].colour))[flat].var() < expected + 0.1
     )

@@ -120,7 +120,7 @@ class GatherWarp(Warp):
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
     def maps(self, inputs: PassInputs, to: View) -> list[WarpMap]:
-        """Return the map from the shown view; with scan-out of its first, middle and last instant."""
+        """Return the map from the shown view; with scan-out at its first, middle and last row."""
         if not self.output.scanout:
             return [self.map_between(inputs.shown, to)]
         first, last = inputs.shown, inputs.shown_last if inputs.shown_last is not None else inputs.shown
