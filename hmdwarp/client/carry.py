@@ -40,6 +40,7 @@ class Carry:
                 inputs,
                 rendered=_swapped(inputs.rendered, picture_of),
                 others=tuple(_swapped(o, picture_of) for o in inputs.others),
+                recent=(),
             ),
             into,
         )
@@ -62,12 +63,13 @@ def images_read(needs: Needs) -> int:
 
     Includes the newest.
     """
-    return 1 + needs.others.count + int(needs.get("views", 0))
+    return 1 + needs.others.count + int(needs.get("views", 0)) + needs.others.recent
 
 
 def pictures_read(needs: Needs) -> int:
     """Return how many pictures with depth a warp with these needs reads for one eye, at most."""
-    return (1 + int(needs.get("peeled", 0))) * images_read(needs)
+    # Recent frames only average what is carried.
+    return (1 + int(needs.get("peeled", 0))) * (images_read(needs) - needs.others.recent)
 
 
 class ShownDepth:

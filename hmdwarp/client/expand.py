@@ -37,10 +37,7 @@ class ExpandPass(RenderedPass):
                 ]
 
     def run(self, inputs: PassInputs) -> PassInputs:
-        rendered, *others = (
-            self._expanded(image, number) for number, image in enumerate((inputs.rendered, *inputs.others))
-        )
-        return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
+        return inputs.having(self._expanded(image, number) for number, image in enumerate(inputs.images))
 
     def _expanded(self, image: EyeImage, number: int) -> EyeImage:
         """Return the image with its whole picture; the same object where it came whole."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import attrs
 import moderngl
 
-from ..frames import EyeImage, Frame
+from ..frames import EyeImage, Frame, Others
 from ..geometry import View
 from ..gpu.textures import Canvas
 
@@ -25,6 +24,8 @@ class PassInputs:
     # Other rendered pictures of the scene with their own views: the other eye's, then those that
     # the server chose for this one, then this eye's older ones, newest first.
     others: tuple[EyeImage, ...] = ()
+    # This eye's frames straight before the rendered one, newest first.
+    recent: tuple[EyeImage, ...] = ()
     # The view when the last row lights up, None for a display that lights up at once.
     shown_last: View | None = None
     # r32f of the shown size: the client's own depth in the shown view, -1 where nothing is.
@@ -43,6 +44,17 @@ class PassInputs:
     def as_drawn(self) -> EyeImage:
         """The rendered picture as it arrived, before any motion was applied."""
         return self.rendered if self.drawn is None else self.drawn
+
+    @property
+    def images(self) -> tuple[EyeImage, ...]:
+        """Every rendered picture, the newest first."""
+        return (self.rendered, *self.others, *self.recent)
+
+    def having(self, images: Iterable[EyeImage]) -> PassInputs:
+        """Return the inputs with these in place of `images`."""
+        rendered, *further = images
+        count = len(self.others)
+        return attrs.evolve(self, rendered=rendered, others=tuple(further[:count]), recent=tuple(further[count:]))
 
     @cached_property
     def middle(self) -> View:
@@ -74,30 +86,30 @@ class ShownPicture:
 
 
 class History:
-    """Keep up to `keep` older frames, at least `spacing_ns` apart.
+    """Keep the older frames that `others` asks for: some at least its spacing apart, and the last.
 
     All others go to `discard` at once.
     """
 
-    def __init__(self, keep: int, spacing_ns: int, discard: Callable[[Frame], None]) -> None:
-        self._keep, self._spacing_ns, self._discard = keep, spacing_ns, discard
-        self._held: deque[Frame] = deque()
-
-    @property
-    def frames(self) -> tuple[Frame, ...]:
-        """The frames kept, newest first."""
-        return tuple(self._held)
+    def __init__(self, others: Others, discard: Callable[[Frame], None]) -> None:
+        self._others, self._discard = others, discard
+        # Those apart, and those straight before the shown one, each newest first.
+        self.frames: tuple[Frame, ...] = ()
+        self.recent: tuple[Frame, ...] = ()
 
     def offer(self, frame: Frame) -> None:
         """Take a frame that a newer one has replaced."""
-        if self._keep == 0 or (self._held and frame.drawn_ns - self._held[0].drawn_ns < self._spacing_ns):
-            self._discard(frame)
-            return
-        self._held.appendleft(frame)
-        if len(self._held) > self._keep:
-            self._discard(self._held.pop())
+        before, asked = (frame, *self.frames, *self.recent), self._others
+        if not self.frames or frame.drawn_ns - self.frames[0].drawn_ns >= asked.spacing_ns:
+            self.frames = (frame, *self.frames)[: asked.past]
+        self.recent = (frame, *self.recent)[: asked.recent]
+        kept = {*self.frames, *self.recent}
+        for dropped in dict.fromkeys(before):
+            if dropped not in kept:
+                self._discard(dropped)
 
     def close(self) -> None:
         """Pass all kept frames to `discard`."""
-        while self._held:
-            self._discard(self._held.pop())
+        kept, self.frames, self.recent = dict.fromkeys((*self.recent, *self.frames)), (), ()
+        for frame in kept:
+            self._discard(frame)

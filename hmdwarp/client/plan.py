@@ -468,6 +468,8 @@ def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool,
     warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
     reason = f"chosen: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
+        if older := warp.needs(choice.settings).others.recent:
+            reason += f"; averages the newest frame with up to {older} before it"
         if depth_for:
             reason += f"; writes the depth of what it shows for {depth_for}"
             reads = tuple(dict.fromkeys((*reads, *(warp.depth_reads or ()))))

@@ -25,8 +25,8 @@ LEVELS = (
     QualityLevel("none", "none", 1.33, 0.3120),
     QualityLevel("rotation", "none", 1.75, 0.2132),
     QualityLevel("mesh:grid=64", "none", 5.32, 0.1260),
-    QualityLevel("iterative", "pyramid", 23.4, 0.0982),
-    QualityLevel("iterative", "memory+pyramid", 43.6, 0.0827),
+    QualityLevel("iterative:frames=1,resample=bilinear", "pyramid", 23.4, 0.0982),
+    QualityLevel("iterative:frames=1,resample=bilinear", "memory+pyramid", 43.6, 0.0827),
 )
 Size = tuple[int, int]
 _ROUNDS = 3  # timed runs of each level on the first picture, after one that warms up

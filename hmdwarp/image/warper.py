@@ -274,7 +274,7 @@ class Warper:
                 self._client_depth = allocate(current.gl, self.size, SCALAR)
                 stack.callback(self._client_depth.release)
             # The picture itself, and the others that the plan reads.
-            count = 1 + self._needs.others.count
+            count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
             for picture in self._pictures:
@@ -705,7 +705,7 @@ class Warper:
 
     def _check_needs(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
-        named, most = self._named, self._needs.others.count
+        named, most = self._named, self._needs.others.count + self._needs.others.recent
         if most and not others and self.plan.reads(OTHERS):
             raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
         if others > most:
@@ -727,8 +727,9 @@ class Warper:
         return checked_picture(blank, depth_m, asked.depth_scale).arrays()[1]
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
-        others, depth, shown_ns = tuple(images[1:]), self._client_depth, self._count + age_ns
-        return PassInputs(images[0], shown, eye, others=others, client_inverse_depth=depth, shown_ns=shown_ns)
+        depth, shown_ns, count = self._client_depth, self._count + age_ns, 1 + self._needs.others.count
+        others, recent = tuple(images[1:count]), tuple(images[count:])
+        return PassInputs(images[0], shown, eye, others, recent, client_inverse_depth=depth, shown_ns=shown_ns)
 
 
 def _check_eye(eye: int) -> None:

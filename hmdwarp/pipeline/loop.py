@@ -22,6 +22,7 @@ from .source import FrameSource, PoseRequest
 class _Pictures(TypedDict):
     rendered: EyeImage
     others: tuple[EyeImage, ...]
+    recent: tuple[EyeImage, ...]
 
 
 @attrs.frozen(eq=False)
@@ -176,4 +177,9 @@ class Loop:
             older = [before.eyes[eye] for before in self.history.frames[: needs.others.past]]
             # Passes are made for pictures of one size.
             found += [one for one in older if one.size == rendered.size]
-        return {"rendered": rendered, "others": tuple([one.only(needs) for one in found]) if found else ()}
+        recent = [before.eyes[eye].only(needs) for before in self.history.recent[: needs.others.recent]]
+        return {
+            "rendered": rendered,
+            "others": tuple([one.only(needs) for one in found]) if found else (),
+            "recent": tuple([one for one in recent if one.size == rendered.size]) if recent else (),
+        }

@@ -220,7 +220,7 @@ class ProxySource(Source):
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
             latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
         age_ns = age_over_ns(first, asked.latency_ms, round(refresh_ns), rate_hz)
-        history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
+        history = History(plan.needs.others, server.recycle)
         stack.callback(history.close)
         geometry = client_scene(options, server.scene, server, stack)
         compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)

@@ -123,8 +123,8 @@ def held_over(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs
     sends_hz = link.sends_hz(rate_hz)
     if link.is_plain:
         # Those sent since the refresh before, less the latency.
-        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
-    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.past
+        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.kept
+    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.kept
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:

@@ -264,7 +264,7 @@ def frames_used(
     wanted, used = set(looked_at), set[int]()
     drawn: dict[int, list[int]] = {}
     pacer = Pacer(server_rate_hz, schedule.rate_hz)
-    history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
+    history = History(needs.others, lambda frame: None)
     link: Link[_Drawn] = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in schedule.numbered():
         drawn[number] = pacer.due(instant_ns)

@@ -151,7 +151,7 @@ class _Warping(Renderer):
             head = PoseSample(now_ns, ask.head, Origin.HELD)
             latency_ns = remote.measure(head, ask.views, options.guard, ask.size, plan.needs)
             eyes, known = _AskedEyes(ask.views), KnownHead()
-            history = History(plan.needs.others.past, plan.needs.others.spacing_ns, super().recycle)
+            history = History(plan.needs.others, super().recycle)
             stack.callback(history.close)
             geometry = ClientScene(self)
             stack.callback(geometry.close)

@@ -225,7 +225,7 @@ class Run(Generic[Options]):
             self.cleanup.callback(self.server.close)
             self.geometry = client_scene(options, source.scene, self.server, self.cleanup)
             frames = source.frames(options, self.server, target, requested, self.cleanup)
-            history = History(needs.others.past, needs.others.spacing_ns, frames.recycle)
+            history = History(needs.others, frames.recycle)
             self.cleanup.callback(history.close)
             # It waits for the next refresh at most.
             age_ns = expected_age_ns(options, target.link_latency_ns + round(1e9 / rate_hz), rate_hz)

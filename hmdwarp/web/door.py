@@ -41,7 +41,7 @@ _IMAGE = re.compile(r"layout\(r32f\) readonly uniform image2D")
 STEPS = 5
 WARPS: Mapping[str, tuple[str, dict[str, object]]] = {
     "rotation": ("warps/rotation.comp", {"CLAMP": 0}),
-    "iterative": ("warps/iterative.comp", {"PLAIN": STEPS - 1, "SLANTED": 1}),
+    "iterative": ("warps/iterative.comp", {"PLAIN": STEPS - 1, "SLANTED": 1, "CATMULL_ROM": 1}),
 }
 
 

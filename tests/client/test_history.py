@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.client import History
-from hmdwarp.frames import Frame
+from hmdwarp.frames import Frame, Others
 
 MS = 1_000_000
 # Instants in the order in which frames are replaced: never backwards, now and then the same again.
@@ -23,10 +23,10 @@ def frame(drawn_ns: int) -> Frame:
     return Frame((), drawn_ns, ())
 
 
-@given(KEEPS, SPACINGS, INSTANTS)
-def test_held_frames_keep_within_the_limits(keep, spacing_ns, instants):
-    history = History(keep, spacing_ns, lambda _: None)
-    for now in instants:
+@given(KEEPS, SPACINGS, KEEPS, INSTANTS)
+def test_held_frames_keep_within_the_limits(keep, spacing_ns, recent, instants):
+    history = History(Others(keep, spacing_ns, recent=recent), lambda _: None)
+    for count, now in enumerate(instants, start=1):
         history.offer(frame(now))
         held = [frame.drawn_ns for frame in history.frames]
         assert len(held) <= keep
@@ -35,19 +35,20 @@ def test_held_frames_keep_within_the_limits(keep, spacing_ns, instants):
         assert keep == 0 or held[0] > now - max(spacing_ns, 1), (
             "the newest held one is no older than the spacing allows"
         )
+        assert [frame.drawn_ns for frame in history.recent] == instants[:count][::-1][:recent]
 
 
-@given(KEEPS, SPACINGS, INSTANTS)
-def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, instants):
+@given(KEEPS, SPACINGS, KEEPS, INSTANTS)
+def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, recent, instants):
     discarded: list[Frame] = []
-    history = History(keep, spacing_ns, discarded.append)
+    history = History(Others(keep, spacing_ns, recent=recent), discarded.append)
     offered = []
     for now in instants:
         offered.append(frame(now))
         history.offer(offered[-1])
-        assert sorted(map(id, [*discarded, *history.frames])) == sorted(map(id, offered))
+        assert sorted({*map(id, [*discarded, *history.frames, *history.recent])}) == sorted(map(id, offered))
     history.close()
-    assert history.frames == ()
+    assert history.frames == history.recent == ()
     assert sorted(map(id, discarded)) == sorted(map(id, offered))
     history.close()
     assert len(discarded) == len(offered), "closing twice gives nothing back twice"
@@ -56,7 +57,7 @@ def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, instan
 @given(SPACINGS, INSTANTS)
 def test_a_history_of_none_returns_each_frame_at_once(spacing_ns, instants):
     discarded: list[Frame] = []
-    history = History(0, spacing_ns, discarded.append)
+    history = History(Others(0, spacing_ns), discarded.append)
     for number, now in enumerate(instants, start=1):
         history.offer(frame(now))
         assert len(discarded) == number
@@ -64,7 +65,7 @@ def test_a_history_of_none_returns_each_frame_at_once(spacing_ns, instants):
 
 def test_the_oldest_goes_when_a_newer_one_comes():
     discarded: list[Frame] = []
-    history = History(2, 10 * MS, discarded.append)
+    history = History(Others(2, 10 * MS), discarded.append)
     for now in (0, 5, 10, 14, 20, 30):
         history.offer(frame(now * MS))
     assert [frame.drawn_ns // MS for frame in history.frames] == [30, 20]

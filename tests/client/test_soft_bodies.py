@@ -192,7 +192,7 @@ def test_only_scenes_where_something_deforms_plan_it():
     assert dict(plain.left_out)[NAME] == "nothing in the scene calls for it"
     assert dict(soft.left_out)["soft_motion"] == f"{NAME} stands in for it"
     assert [step.name for step in soft.steps if step.stage == "effects"] == ["soft bodies out", "soft bodies"]
-    assert soft.needs == Needs(), "no layer is sent for it"
+    assert soft.needs == plain.needs, "no layer is sent for it"
     assert NAME not in effects.of(load_scene("parade"))
 
 

@@ -625,8 +625,8 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
             warper.warp(colour[:, :20], depth[:, :20], view(), view())
         with pytest.raises(InputError, match="client_depth_m: warp 'iterative' does not read it"):
             warper.warp(colour, depth, view(), view(), client_depth_m=depth)
-        with pytest.raises(InputError, match="others has 1 pictures, and warp 'iterative'.*reads none"):
-            warper.warp(colour, depth, view(), view(), others=[(colour, depth, view())])
+        with pytest.raises(InputError, match="others has 3 pictures, and warp 'iterative'.*reads at most 2"):
+            warper.warp(colour, depth, view(), view(), others=3 * [(colour, depth, view())])
         with pytest.raises(InputError, match="eye is 2: expected 0"):
             warper.warp(colour, depth, view(), view(), eye=2)
         with pytest.raises(InputError, match="shown is a str"):

@@ -187,7 +187,8 @@ ON_A_CENTRE = 1 / 1024  # pixels: so near to a texel's centre a cubic look takes
 
 
 def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: float = 0.5) -> ReferencePicture:
-    """As sample_covered, by cubic Hermite curves where the sixteen texels around are covered.
+    """As sample_covered, by cubic Hermite curves where twelve texels around, all of 4 x 4 but the
+    corners, are covered; between the four outer ones linear.
 
     A curve has at each texel the slope between its neighbours, and stays between the two texels
     that it joins; first along rows, then across them. It is nowhere steeper than 1.5 times the
@@ -207,18 +208,22 @@ def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: flo
     x, y = (np.clip(low[..., k, None] + np.arange(-1, 3), 0, n - 1) for k, n in enumerate((wide, high)))
     around = colour[y[..., :, None], x[..., None, :]]  # (.., 4 rows, 4 columns, 4)
     part = place - low
-    rows = _hermite(np.moveaxis(around, -2, 0), part[..., 0, None, None])
+    across = part[..., 0, None]
+    inner = _hermite(np.moveaxis(around[..., 1:3, :, :], -2, 0), across[..., None])
+    outer = around[..., ::3, 1, :] * (1 - across[..., None]) + around[..., ::3, 2, :] * across[..., None]
+    rows = np.stack([outer[..., 0, :], inner[..., 0, :], inner[..., 1, :], outer[..., 1, :]], axis=-2)
     curved = _hermite(np.moveaxis(rows, -2, 0), part[..., 1, None])
 
     error = np.minimum(position_error + near, _ANYWHERE)
     covered = ndimage.minimum_filter(colour[..., 3], size=5, mode="nearest")
     coords = [place[..., 1], place[..., 0]]
     in_middle = _near(covered, coords) >= 1
-    sharp = (around[..., 3].min(axis=(-1, -2)) >= 1) & (plain.colour[..., 3] > 0)
+    least_covered = np.minimum(around[..., 1:3, :, 3].min(axis=(-1, -2)), around[..., :, 1:3, 3].min(axis=(-1, -2)))
+    sharp = (least_covered >= 1) & (plain.colour[..., 3] > 0)
     brightest = _near(ndimage.maximum_filter(np.abs(colour).max(axis=-1), size=5, mode="nearest"), coords)
     tolerance = 4 * error * _contrast_near(colour, coords)[..., :3].max(axis=-1)
     tolerance += (HALF_UNIT + 64 * FLOAT32_UNIT) * brightest + HALF_SMALLEST
-    # Beyond a line of texel centres other sixteen texels count: with a hole only there, the look
+    # Beyond a line of texel centres other twelve texels count: with a hole only there, the look
     # turns bilinear at once.
     on_a_line = (np.abs(off_centre - ON_A_CENTRE) <= (error - ON_A_CENTRE)[..., None]).any(axis=-1)
     return ReferencePicture(

@@ -113,7 +113,7 @@ class Own:
         """Return what Warper returns for an eye of a refresh."""
         late, shown = looked["late"][eye], looked["views"][eye]
         colour, metres = self._late(looked)[eye]
-        warp = f"iterative:seed=rotation,steps={STEPS}"
+        warp = f"iterative:frames=1,seed=rotation,steps={STEPS}"
         sizes = tuple(shown["size"]), tuple(late["size"])
         if sizes not in self._warpers:
             how = {"warp": warp, "fill": "none", "effects": "panels,occluded_panels" if self._scene.panels else "none"}

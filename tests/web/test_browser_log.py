@@ -442,7 +442,7 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
         *("replay", str(alone), "--scene", "room", "--samples", "1", "--delay-trace", str(alone)),
         *("--headset", str(tmp_path / "headset.toml"), "--guard", "1.25"),
         *("--rate", rate, "--server-rate", rate, "--size", f"{size[0]}x{size[1]}", "--predict", "cautious"),
-        *("--horizon", str(ahead), "--warp", f"iterative:seed=rotation,steps={STEPS}", "--fill", "none"),
+        *("--horizon", str(ahead), "--warp", f"iterative:frames=1,seed=rotation,steps={STEPS}", "--fill", "none"),
         *("--against", "", "--metrics-every", "16", "--images", "1000", "--workers", "0", "--quiet"),
         *("--out", str(tmp_path / "replay")),
     ]

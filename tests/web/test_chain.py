@@ -54,7 +54,7 @@ CASES = {
 }
 
 
-WARPS = [("rotation", "rotation"), ("iterative", f"iterative:seed=rotation,steps={STEPS}")]
+WARPS = [("rotation", "rotation"), ("iterative", f"iterative:frames=1,seed=rotation,steps={STEPS}")]
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +193,7 @@ def test_panels_are_laid_as_here(browser, rendered, case, occluded):
     ]
     with np.errstate(divide="ignore"):
         metres = np.where(depth < 0, np.nan, 1 / depth)
-    warp = f"iterative:seed=rotation,steps={STEPS}"
+    warp = f"iterative:frames=1,seed=rotation,steps={STEPS}"
     here, bare = (
         warp_image(colour, metres, from_, to, warp, "none", size, result="linear", panels=laid)
         for laid in (panels, None)

@@ -20,7 +20,7 @@ from ..carry import as_image
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from ..warps import Output
-from ..warps.iterative import Iterative
+from ..warps.iterative import OF_A_PART, Iterative
 from . import Effect, RenderedPass, ShownPass, effects
 
 
@@ -81,7 +81,7 @@ class Reflections(ShownPass):
         self._compose = gpu.shaders.compute("effects/reflect.comp", grid="shown", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
         with gpu.shaders.hidden.skipping(False):  # holes are closed from all around them
-            self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
+            self._warp = Iterative(gpu, self.rendered_size, shown, OF_A_PART, Output(depth=glossy))
         self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)

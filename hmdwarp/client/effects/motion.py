@@ -111,10 +111,7 @@ class MotionPass(RenderedPass):
 
     def run(self, inputs: PassInputs) -> PassInputs:
         into = iter(self._moved)
-        rendered, *others = (
-            self._image(image, inputs.shown_ns - image.drawn_ns, into) for image in (inputs.rendered, *inputs.others)
-        )
-        return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
+        return inputs.having(self._image(image, inputs.shown_ns - image.drawn_ns, into) for image in inputs.images)
 
     def _image(self, image: EyeImage, age_ns: int, free: Iterator[_Moved]) -> EyeImage:
         """Return the image as it is `age_ns` later; the same object where nothing has moved.

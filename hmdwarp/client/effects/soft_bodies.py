@@ -155,9 +155,9 @@ class SoftBodiesPass(ShownPass):
     def take_out(self, inputs: PassInputs) -> PassInputs:
         # The newest comes last: `_then` is read again when its light is found.
         free = iter(self._left)
-        others = tuple(self._without(image, next(free)) for image in inputs.others)
+        left = [self._without(image, next(free)) for image in reversed(inputs.images)]
         self._late = inputs.rendered
-        return attrs.evolve(inputs, rendered=self._without(inputs.rendered, next(free)), others=others)
+        return inputs.having(reversed(left))
 
     def _without(self, image: EyeImage, left: list[moderngl.Texture]) -> EyeImage:
         assert self._bodies is not None, "a plan that reads client.soft_bodies is for a client with geometry"

@@ -10,7 +10,7 @@ from ...scenes import is_cutout
 from ..carry import as_image
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import GatherWarp, Seeds
-from ..warps.iterative import IterativeSettings
+from ..warps.iterative import OF_A_PART, IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
 
@@ -46,7 +46,9 @@ class _Veil(GatherWarp):
         self.behind.colour.texture.bind_to_image(2, read=True, write=False)
         self.behind.depth.bind_to_image(3, read=True, write=False)
         self.bind_colour(
-            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)), 1, self.maps(inputs)
+            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)),
+            1,
+            self.maps(inputs, inputs.rendered.view),
         )
         below = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
         self.run_gather(
@@ -70,7 +72,7 @@ class TransparencyPass(ShownPass):
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
-        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
+        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size, OF_A_PART)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         self._veil.behind = picture

@@ -68,7 +68,7 @@ class GatherWarp(Warp):
         if isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom":
             # Image loads take llvmpipe half the time of fetches.
             defines |= {"CATMULL_ROM": 1, **({"TEXELS": 1} if self.gpu.is_software else {})}
-        if self.output.depth:
+        if self.depth_into is not None:
             defines |= {"WRITES_DEPTH": 1}
         if self.output.foveated is not None:
             # A sampler is not exact at centres.
@@ -82,7 +82,7 @@ class GatherWarp(Warp):
 
     def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
         """Bind the colour and the result, set maps and sizes, and run over every output pixel."""
-        maps = self.maps(inputs)
+        maps = self.maps(inputs, inputs.rendered.view)
         self.bind_colour(inputs, _COLOUR, maps)
         into.bind_for_writing(0)
         program.uniforms.settle(self._size_uniforms)
@@ -90,7 +90,7 @@ class GatherWarp(Warp):
             self.depth_into.bind_to_image(_SHOWN_DEPTH, read=False, write=True)
             program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
         uniforms |= bind_texels(program, self.picture(inputs))
-        program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
+        program.uniforms.set(rendered_colour=_COLOUR, written=0, **self.coefficients(maps), **uniforms)
         if self.output.foveated is not None:
             found = inputs.rendered.get("foveated")
             # What came whole is as sharp everywhere.
@@ -119,15 +119,15 @@ class GatherWarp(Warp):
         exact = self.output.lens is None and all(map(WarpMap.moves_whole_pixels, maps))
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
-    def maps(self, inputs: PassInputs) -> list[WarpMap]:
-        """Return the map of the shown view; with scan-out of its first, middle and last instant."""
+    def maps(self, inputs: PassInputs, to: View) -> list[WarpMap]:
+        """Return the map from the shown view; with scan-out at its first, middle and last row."""
         if not self.output.scanout:
-            return [self.map_between(inputs.shown, inputs.rendered.view)]
+            return [self.map_between(inputs.shown, to)]
         first, last = inputs.shown, inputs.shown_last if inputs.shown_last is not None else inputs.shown
         middle = View(first.pose.towards(last.pose, 0.5), first.fov)
-        return [self.map_between(view, inputs.rendered.view) for view in (first, middle, last)]
+        return [self.map_between(view, to) for view in (first, middle, last)]
 
-    def _coefficients(self, maps: list[WarpMap]) -> dict[str, np.ndarray]:
+    def coefficients(self, maps: list[WarpMap]) -> dict[str, np.ndarray]:
         """Return H and e; with scan-out their parabola through three instants, t from 0 to 1.
 
         t = 0 at the first row, 1 past the last. A head that turns by an angle a during scan-out

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import attrs
 
-from ...geometry import Fov, Hidden
+from ...frames import Needs, Others
+from ...geometry import Fov, Hidden, WarpMap
 from ...gpu.hidden import Grid
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
+from ..warp_kinds.older import MOST_OLDER, OlderFrames
 from . import warps
 
 MOST_STEPS = 64
@@ -39,16 +41,27 @@ class IterativeSettings(GatherSettings):
     # Pixels by which neighbours on two surfaces may part and still be joined by a stretched sheet:
     # narrower than a pixel it looks like the mixed colours of an antialiased silhouette.
     sheet: float = 1.0
+    resample: Literal["bilinear", "catmull-rom"] = attrs.field(
+        default="catmull-rom", validator=attrs.validators.in_(("bilinear", "catmull-rom"))
+    )
+    # Late frames that are averaged: the newest, and older ones where they saw the same surface.
+    frames: int = 3
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
     fringe: Literal["front", "own"] = attrs.field(default="front", validator=attrs.validators.in_(("front", "own")))
 
     def __attrs_post_init__(self) -> None:
+        if not 1 <= self.frames <= MOST_OLDER + 1:
+            raise ValueError(f"frames={self.frames}: expected 1 to {MOST_OLDER + 1}")
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
             raise ValueError(
                 f"steps={self.steps}, slanted={self.slanted}: expected 1 <= slanted <= steps <= {MOST_STEPS}"
             )
         if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged, self.sheet)):
             raise ValueError("tolerance, floor, converged and sheet must be 0 or more")
+
+
+# As it is where it draws a part of the picture for another pass.
+OF_A_PART = IterativeSettings(frames=1, resample="bilinear")
 
 
 @warps.register
@@ -64,19 +77,34 @@ class Iterative(GatherWarp):
         "guess"
     )
     reads = ("rendered.colour", "rendered.inverse_depth")
-    exact_when = "the rendered picture saw the surface and the guesses converge, up to one bilinear resample"
+    exact_when = "the rendered picture saw the surface and the guesses converge, up to one resample"
     gets_wrong = (
         "may miss the front one of several surfaces on a ray, or end in a hole there; "
         "silhouettes are a pixel too wide, which suits antialiased pictures"
     )
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
-    variants = ("seed=rotation", "slanted=3")
+    variants = ("seed=rotation", "slanted=3", "frames=1", "frames=2")
     rows = 4
     rows_with_depth = 3  # with four, Mesa no longer unrolls the loop: 47 ms instead of 40 on llvmpipe
 
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        return Needs(others=Others(recent=settings.frames - 1)) if settings.frames > 1 else Needs()
+
     def prepare(self) -> None:
         chosen = self.settings
+        # Through the lens, and of foveated frames, the newest frame alone is shown.
+        self._older: OlderFrames | None = None
+        if chosen.frames > 1 and self.output.lens is None and self.output.foveated is None:
+            defines = {
+                **({"FRINGED": 1} if chosen.fringe == "front" else {}),
+                **({"SCANOUT": 1} if self.output.scanout else {}),
+            }
+            self._older = OlderFrames(self.gpu, self.shown_size, chosen.frames - 1, **defines)
+            if self._no_depth is not None:
+                self._no_depth.release()
+            self._no_depth = self.depth_into = allocate(self.gpu.gl, self.shown_size, SCALAR)
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
@@ -100,6 +128,12 @@ class Iterative(GatherWarp):
             cells["cells"] = self._seeds.cells
         limits = {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
         self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
+        # A picture that is shown as it was drawn keeps its last bits.
+        whole = all(map(WarpMap.moves_whole_pixels, self.maps(inputs, inputs.rendered.view)))
+        older = inputs.recent[: self.settings.frames - 1]
+        if self._older is not None and self.depth_into is not None and older and not whole:
+            maps = [self.coefficients(self.maps(inputs, image.view)) for image in older]
+            self._older.add(older, maps, into, self.depth_into, depth_limits(self.settings, inputs.rendered))
 
     def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
@@ -119,5 +153,7 @@ class Iterative(GatherWarp):
     def close(self) -> None:
         super().close()
         release_all(*self._fringed)
+        if self._older is not None:
+            self._older.close()
         if self._seeds is not None:
             self._seeds.close()

@@ -21,10 +21,17 @@ class Others:
     spacing_ns: int = 0
     # Whether the other eye's picture is used as well.
     other_eye: bool = False
+    # How many frames straight before the newest the client keeps beside those.
+    recent: int = 0
 
     def __bool__(self) -> bool:
         """Return whether any other picture is used."""
-        return bool(self.past or self.other_eye)
+        return bool(self.past or self.other_eye or self.recent)
+
+    @property
+    def kept(self) -> int:
+        """The most frames that the client keeps."""
+        return self.past + self.recent
 
     def of(self, carried: Others, pictures: tuple[Picture, ...]) -> tuple[Picture, ...]:
         """Return those that this needs of the pictures that `carried` brought."""
@@ -33,7 +40,7 @@ class Others:
 
     @property
     def count(self) -> int:
-        """The most other pictures that one eye gets."""
+        """The most other pictures that one eye gets, without the recent ones."""
         return self.past + self.other_eye
 
 
@@ -58,10 +65,10 @@ class OtherPictures(Layer):
         """Return enough for both, with the shorter of their spacings."""
         spacings = [each.spacing_ns for each in (amount, other) if each.past]
         past, other_eye = max(amount.past, other.past), amount.other_eye or other.other_eye
-        return Others(past, min(spacings, default=0), other_eye)
+        return Others(past, min(spacings, default=0), other_eye, max(amount.recent, other.recent))
 
     @classmethod
     def serves(cls, carried: Others, needed: Others) -> bool:
         """Return whether at least as many are kept, equally far apart; more do not disturb."""
         past = not needed.past or (needed.past <= carried.past and needed.spacing_ns == carried.spacing_ns)
-        return past and carried.other_eye >= needed.other_eye
+        return past and carried.other_eye >= needed.other_eye and carried.recent >= needed.recent

@@ -87,18 +87,14 @@ def _numbers(path: Path, lines: Iterable[str]) -> Iterator[float]:
         text = line.partition("#")[0].strip()
         if not text:
             continue
-        heading, may_be_heading = may_be_heading and _is_heading(text), False
+        is_word = text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
+        heading, may_be_heading = may_be_heading and is_word, False
         if heading:
             continue
         found += 1
         if found > _MOST_LINES:
             raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} delays")
         yield _delay(path, number, text)
-
-
-def _is_heading(text: str) -> bool:
-    """Return whether the line is a word, not a malformed number."""
-    return text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
 
 
 def _delay(path: Path, number: int, text: str) -> float:
