@@ -1,7 +1,6 @@
 """Compile shader files: flatten includes, add defines, map compiler messages to file and line.
 
-moderngl's own includes go one level deep and keep no line map, and `#line` cannot name a file on
-Mesa. So the text is flattened here, every file at most once, and the line map is kept beside it.
+moderngl's own includes go one level deep, without a line map; Mesa's `#line` cannot name a file.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
-from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
@@ -174,8 +172,15 @@ class Block:
 
 
 Program = TypeVar("Program", moderngl.Program, moderngl.ComputeShader)
-# Bindings of uniform blocks that a context has left: one a program, so that none is exchanged.
-_bindings: WeakKeyDictionary[moderngl.Context, Iterator[int]] = WeakKeyDictionary()
+
+
+@dataclass
+class Room:
+    """Where a context has the blocks of its programs; each has a binding, which none exchanges."""
+
+    buffer: moderngl.Buffer
+    bindings: Iterator[int]
+    end: int = 0
 
 
 def built(
@@ -183,15 +188,14 @@ def built(
 ) -> tuple[Program, Uniforms]:
     """Return the program that `build` makes of the stages' texts, and its uniforms.
 
-    They are in a block, unless the context has no binding left, or the text does not compile with
-    it: another stage may have another meaning for a name. Errors: moderngl.Error.
+    They are in a block, unless the context has no room left, or the text does not compile with it:
+    another stage may have another meaning for a name. Errors: moderngl.Error.
     """
-    block = Block(flats)
-    if 0 < block.size <= _MOST_BYTES:
-        free = _bindings.setdefault(gl, iter(range(gl.info["GL_MAX_UNIFORM_BUFFER_BINDINGS"])))
+    block, room = Block(flats), getattr(gl, "extra", None)
+    if room is not None and 0 < block.size <= min(_MOST_BYTES, room.buffer.size - room.end):
         with suppress(moderngl.Error, StopIteration):
-            binding, program = next(free), build(*block.texts)
-            return program, Uniforms(program, flats, name, block, binding)
+            binding, program = next(room.bindings), build(*block.texts)
+            return program, Uniforms(program, flats, name, block, room, binding)
     program = build(*(flat.text for flat in flats))
     return program, Uniforms(program, flats, name)
 
@@ -199,20 +203,17 @@ def built(
 class Uniforms:
     """Strict setter of uniforms by name.
 
-    A name that the shader text does not declare is an error; a uniform that the compiler optimised
-    away is fine.
+    A name that the shader text lacks is an error; a uniform that the compiler removed is fine.
     """
 
-    _DECLARED = re.compile(r"uniform\s+\w+\s+([^;]+);")
-
     def __init__(
-        self, program: Any, flats: Sequence[Flattened], name: str, block: Block | None = None, binding: int = 0
+        self, program: Any, flats: Sequence[Flattened], name: str, block: Block | None = None, *place: Any
     ) -> None:
         self._name = name
         declared = " ".join(line.partition("//")[0] for flat in flats for line in flat.lines)
         names = {
             re.sub(r"[\[=].*", "", part).strip()
-            for match in self._DECLARED.finditer(declared)
+            for match in re.finditer(r"uniform\s+\w+\s+([^;]+);", declared)
             for part in match.group(1).split(",")
         }
         self._members: dict[str, Any] = {name: program.get(name, None) for name in names}
@@ -220,9 +221,10 @@ class Uniforms:
         self._views, self._packs = block.views, block.packs
         self._data, self._sent = memoryview(block.data)[: block.size], bytearray(block.size)
         if block.size:
-            program[_BLOCK].binding = binding
-            self._buffer = program.ctx.buffer(self._data)
-            self._buffer.bind_to_uniform_block(binding)
+            room, program[_BLOCK].binding = place
+            self._buffer, self._at = room.buffer, room.end
+            self._buffer.bind_to_uniform_block(place[1], offset=self._at, size=block.size)
+            room.end += block.size + -block.size % 256  # no driver wants a larger alignment
         # Values that cannot have changed, compared by identity, which costs nothing.
         self._written: dict[str, object] = {}
         self._settled: dict[str, object] | None = None
@@ -266,7 +268,7 @@ class Uniforms:
             ):
                 written[name] = value
         if self._data != self._sent:
-            self._buffer.write(self._data)
+            self._buffer.write(self._data, offset=self._at)
             self._sent[:] = self._data
 
     def _set_outside(self, name: str, value: Any) -> None:
@@ -284,10 +286,7 @@ class Uniforms:
         self.set(**{name: value for name, value in values.items() if name in self._members})
 
     def settle(self, values: dict[str, object]) -> None:
-        """Set constant values like `set_declared`.
-
-        The same, unchanged dict as the last time is skipped.
-        """
+        """Set constant values like `set_declared`; the same dict as the last time is skipped."""
         if self._settled is not values:
             self.set_declared(**values)
             self._settled = values
@@ -389,10 +388,10 @@ class ShaderLibrary:
         self._gl = gl
         self._cache: dict[tuple[object, ...], Any] = {}
         self.hidden = HiddenAreas(gl, self)
+        if gl.extra is None:
+            gl.extra = Room(gl.buffer(bytes(1 << 16)), iter(range(gl.info["GL_MAX_UNIFORM_BUFFER_BINDINGS"])))
 
-    @property
-    def compiled(self) -> int:
-        """How many were compiled, for the tests."""
+    def __len__(self) -> int:
         return len(self._cache)
 
     def compute(self, path: str, *, grid: Any = None, **defines: object) -> Compute:

@@ -38,7 +38,7 @@ from ..poses.quaternions import conjugate, rotate
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
 from .replay_setup import ReplayRun, Schedule, schedule_of, set_up_replay
-from .side_by_side import Comparison, Measured, refreshes
+from .side_by_side import Comparison, refreshes
 
 QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
@@ -254,7 +254,13 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     nothing fits the budget.
     """
     source = source_of(options)
-    options, notes = _with_guard(source.fitted(options), source.headset)
+    notes: tuple[str, ...] = ()
+    options = source.fitted(options)
+    if options.guard == AUTO:
+        track = load_trace(options.trace, options.trace_options).track
+        schedule = schedule_of(track, options, options.rate_hz or source.headset.refresh_hz)
+        guard = guard_for(source.headset, track, schedule, options)
+        options, notes = attrs.evolve(options, guard=guard.factor), (str(guard),)
     if options.warp != AUTO:
         return Choice(options, None, (), notes)
     if options.bench is None:
@@ -267,16 +273,6 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     if (more := made.following) is not None:
         why += [f"The next better is {more}: {more.total_ms:.2f} ms, mean FLIP {more.error:.4f}."]
     return attrs.evolve(made, notes=(*why, *made.notes))
-
-
-def _with_guard(options: RunOptions, headset: Headset) -> tuple[RunOptions, tuple[str, ...]]:
-    """Return the options with a number in place of guard `auto`, and notes on it."""
-    if options.guard != AUTO:
-        return options, ()
-    track = load_trace(options.trace, options.trace_options).track
-    schedule = schedule_of(track, options, options.rate_hz or headset.refresh_hz)
-    found = guard_for(headset, track, schedule, options)
-    return attrs.evolve(options, guard=found.factor), (str(found),)
 
 
 def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
@@ -364,18 +360,12 @@ def _rows(options: RunOptions, source: Source, combinations: Sequence[Combinatio
                 comparison = Comparison(setup, case, batch, pool, ROUNDS)
                 comparison.run(INSTANTS, lambda: None)
             pool.wait()
-            yield from (_row(measured, pool, size) for measured in comparison.measured)
-
-
-def _row(measured: Measured, pool: QualityPool, size: tuple[int, int]) -> dict[str, Any]:
-    figures = [pool.results[key] for key in measured.keys]
-    return {
-        "warp": measured.combination.warp,
-        "fill": measured.combination.fill,
-        "size": size,
-        "time_ms": {"total": {"median": median(row["total_ms"] for row in measured.times)}},
-        "quality": {name: {"mean": fmean(figure[name] or 0.0 for figure in figures)} for name in ("flip", "psnr_db")},
-    }
+            for made in comparison.measured:
+                figures = [pool.results[key] for key in made.keys]
+                means = {name: {"mean": fmean(each[name] or 0.0 for each in figures)} for name in ("flip", "psnr_db")}
+                times = {"total": {"median": median(row["total_ms"] for row in made.times)}}
+                pair = {"warp": made.combination.warp, "fill": made.combination.fill}
+                yield {**pair, "size": size, "time_ms": times, "quality": means}
 
 
 def _batches(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> list[list[Combination]]:

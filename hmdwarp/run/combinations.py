@@ -65,16 +65,6 @@ def opencv_motion(rendered: View, shown: View) -> NDArray[np.float64]:
     return to_camera @ rendered.pose.relative_to(shown.pose).matrix() @ to_camera
 
 
-def _to_nearest(camera: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the 4x4 shear that moves what is seen by half a pixel to the right and down.
-
-    warpFrame rounds places down to whole pixels; after this they are rounded to the nearest.
-    """
-    shear = np.eye(4)
-    shear[0, 2], shear[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
-    return shear
-
-
 def opencv_depth(inverse_depth: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Return depth in metres, and the mask of the pixels that have one."""
     known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
@@ -100,12 +90,18 @@ class OpenCvWarp:
         picture = picture_from_linear(download(rendered.colour))
         depth, mask = opencv_depth(download(rendered.inverse_depth))
         camera = opencv_camera(rendered.view, rendered.size)
-        motion = _to_nearest(camera) @ opencv_motion(rendered.view, inputs.shown)
+        # Half a pixel to the right and down: warpFrame rounds places down to whole pixels.
+        to_nearest = np.eye(4)
+        to_nearest[0, 2], to_nearest[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
+        motion = to_nearest @ opencv_motion(rendered.view, inputs.shown)
         started_ns = time.perf_counter_ns()
         _, warped, covered = self._cv2.warpFrame(depth, picture, mask, motion, camera)
         done_ns = time.perf_counter_ns()
         self._gpu.timer.add("warp", (done_ns - started_ns) * 1e-6)
-        cut = self._shown_part(rendered.view, rendered.size, inputs.shown)
+        # The shown part: a guard band adds whole pixels.
+        own, (wide, high) = opencv_camera(inputs.shown, self._size), self._size
+        x, y = (round(camera[k, 2] - own[k, 2]) for k in (0, 1))
+        cut = np.s_[y : y + high, x : x + wide]
         coverage = covered[cut] > 0
         colour = linear_from_srgb(warped[cut]) * coverage[..., None]
         upload(canvas.texture, np.dstack([colour, coverage]))
@@ -115,13 +111,6 @@ class OpenCvWarp:
 
     def renew(self) -> None:
         """Nothing to do: it remembers nothing."""
-
-    def _shown_part(self, rendered: View, size: tuple[int, int], shown: View) -> tuple[slice, slice]:
-        """Return the rows from the top and the columns: a guard band adds whole pixels."""
-        camera, (wide, high) = opencv_camera(rendered, size), self._size
-        own = opencv_camera(shown, self._size)
-        x, y = (round(camera[k, 2] - own[k, 2]) for k in (0, 1))
-        return np.s_[y : y + high, x : x + wide]
 
     def close(self) -> None:
         """Free the pictures."""

@@ -280,34 +280,18 @@ def _along(name: str) -> Callable[[LiveOptions, int], object]:
     return step
 
 
-def _latency(options: LiveOptions, direction: int) -> float:
-    return _within("latency", options.latency_ms + direction * LATENCY_STEP_MS)
-
-
-def _guard(options: LiveOptions, direction: int) -> float:
-    guard = options.guard_band  # a rendered size begins at 1
-    return _within("guard", max(guard.x, guard.y) + direction * GUARD_STEP)
-
-
 def _within(name: str, value: float) -> float:
     least, most = control(name).span
     return min(max(value, least), most)
 
 
-def _lens(options: LiveOptions, _: int) -> str:
-    return "none" if options.lens != "none" else AUTO
-
-
-def _view(options: LiveOptions, _: int) -> str:
-    return FLAT if options.view == BOTH else BOTH
-
-
 _STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
     **{name: _along(name) for name in ("warp", "fill", "scene", "effects")},
-    "latency": _latency,
-    "guard": _guard,
-    "lens": _lens,
-    "view": _view,
+    "latency": lambda o, way: _within("latency", o.latency_ms + way * LATENCY_STEP_MS),
+    # A rendered size begins at 1.
+    "guard": lambda o, way: _within("guard", max(o.guard_band.x, o.guard_band.y) + way * GUARD_STEP),
+    "lens": lambda o, _: "none" if o.lens != "none" else AUTO,
+    "view": lambda o, _: FLAT if o.view == BOTH else BOTH,
 }
 
 
@@ -353,7 +337,9 @@ class Hand:
         if pose is None:
             return None
         # Later than what was drawn by now, which does not show it.
-        asked, held = _event(max(self.now_ns(), self._last_ns) + 1, action, pose), self._grabbed
+        (x, y, z), (dx, dy, dz) = pose.position_m.tolist(), (-pose.rotation_matrix[:, 2]).tolist()
+        later_ns, held = max(self.now_ns(), self._last_ns) + 1, self._grabbed
+        asked = InputEvent(later_ns, action, "", (x, y, z), (dx, dy, dz))
         is_held = action == GRAB and held is not None
         if is_held and held is not None and held.ray == asked.ray:
             return held  # no news
@@ -363,12 +349,6 @@ class Hand:
             self.took(done, is_held)
             self._grabbed = done if action == GRAB else held
         return done
-
-
-def _event(time_ns: int, action: str, pose: Pose) -> InputEvent:
-    x, y, z = pose.position_m.tolist()
-    dx, dy, dz = (-pose.rotation_matrix[:, 2]).tolist()
-    return InputEvent(time_ns, action, "", (x, y, z), (dx, dy, dz))
 
 
 @attrs.define(eq=False)
@@ -390,16 +370,13 @@ class CommandHandler:
         before = self.host.options
         for command in commands:
             if self.hand is not None and command.control in ACTIONS:
-                self._act(self.hand, command)
+                try:
+                    self.hand.act(command)
+                except InputError as error:  # the scene does not react
+                    self._refuse(str(error))
             else:
                 self._handle(command)
         return self.host.options is not before
-
-    def _act(self, hand: Hand, command: Command) -> None:
-        try:
-            hand.act(command)
-        except InputError as error:  # the scene does not react
-            self._refuse(str(error))
 
     def _handle(self, command: Command) -> None:
         options = self.host.options

@@ -125,7 +125,13 @@ class Driver:
 
     def _refresh(self, tick: Tick, handler: FrameHandler, log: LiveLog | None) -> Refresh | None:
         """Submit a picture, and return it if one was shown."""
-        refresh = self._made(tick, handler) if tick.render and (handler.pictures or handler.ahead) else None
+        refresh = None
+        if tick.render and (handler.pictures or handler.ahead):
+            self._host.fit()
+            loop = self._host.run.loop
+            loop.draw(self._display.now_ns())
+            if (refresh := loop.show(tick.shown_ns)) is not None:
+                handler.arrived(refresh)
         if not handler.pictures:
             # A question stays in place, even while tracking is lost.
             self._display.show(None, handler.label())
@@ -134,15 +140,6 @@ class Driver:
         submitted_ns = self._display.show(refresh, label)
         if log is not None:
             log.add(tick, refresh, submitted_ns, label if isinstance(label, str) else "")
-        return refresh
-
-    def _made(self, tick: Tick, handler: FrameHandler) -> Refresh | None:
-        self._host.fit()
-        loop = self._host.run.loop
-        loop.draw(self._display.now_ns())
-        refresh = loop.show(tick.shown_ns)
-        if refresh is not None:
-            handler.arrived(refresh)
         return refresh
 
     def _come_back(self, lost: Lost, handler: FrameHandler, log: LiveLog | None, recorder: Recorder | None) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -18,7 +18,6 @@ from ..gpu.textures import download
 from ..link.options import ALL, DROP
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
-from ..pipeline.loop import Refresh
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
@@ -72,7 +71,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
         if probe.clips is not None and "jod" in more:
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
-            out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
+            jods = sorted(probe.clips.refreshes.items())
+            rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
+            out.write_csv("jod.csv", rows, JOD_COLUMNS)
         if probe.second_eye["hole_share"]:
             beside = second_eye(log.rows, probe.second_eye)
             more["second_eye"] = beside
@@ -161,9 +162,19 @@ def measured(
 
 
 def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
-    log, count = ReplayLog(setup.track), 0
-    _leave_unseen_undrawn(setup)
-    with _video(setup, out) as video:
+    log, count, options, drawn_by = ReplayLog(setup.track), 0, setup.options, setup.loop.source
+    # No picture is drawn that arrives after the last refresh, in a frame that holds nothing else.
+    is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
+    is_server = isinstance(getattr(drawn_by, "server", None), Server)
+    is_plain = is_plain and is_server and options.coding.codec == "none"
+    if is_plain and isinstance(drawn_by, ServerFrames) and not drawn_by.requested.needs:
+        *_, (_, last_ns) = setup.schedule.numbered()
+        setup.loop.source = attrs.evolve(drawn_by, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
+    made: AbstractContextManager[VideoWriter | None] = nullcontext()
+    (wide, high), eyes = setup.sizes.shown, len(setup.source.headset.views(Pose()))
+    if options.video and out is not None:
+        made = VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
+    with made as video:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
@@ -172,11 +183,13 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
-                    video.add(_panels(refresh))
+                    panels = [picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes]
+                    video.add(np.concatenate(panels, axis=1))
                 count += 1
             progress(count, setup.schedule.count)
     if not count:
-        counts = _fates(setup)
+        tally = setup.channel.link.tally.as_dict()
+        counts = ", ".join(f"{name.replace('_', ' ')} {number}" for name, number in tally.items() if number)
         raise NothingShown(
             f"no frame has arrived in time to be shown ({counts}): "
             "use less loss, more bandwidth, or a longer part of the trace",
@@ -191,39 +204,8 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
     return log
 
 
-def _leave_unseen_undrawn(setup: ReplayRun) -> None:
-    """Draw no pictures that arrive after the last refresh, in frames that hold nothing else."""
-    options, source = setup.options, setup.loop.source
-    is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
-    if not is_plain or options.coding.codec != "none" or not isinstance(source, ServerFrames):
-        return
-    if isinstance(source.server, Server) and not source.requested.needs:
-        *_, (_, last_ns) = setup.schedule.numbered()
-        setup.loop.source = attrs.evolve(source, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
-
-
-def _fates(setup: ReplayRun) -> str:
-    tally = setup.channel.link.tally.as_dict()
-    return ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in tally.items() if count)
-
-
-def _video(setup: ReplayRun, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
-    if not setup.options.video or out is None:
-        return nullcontext()
-    wide, high = setup.sizes.shown
-    eyes = len(setup.source.headset.views(Pose()))
-    return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
-
-
-def _panels(refresh: Refresh) -> np.ndarray:
-    return np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)
-
-
 def _contest(setup: ReplayRun, key: tuple[int, int, int]) -> int | None:
-    """Return the second in which a picture competes for the worst one.
-
-    Only the run's own warp competes.
-    """
+    """Return the second in which a picture of the run's own warp competes for the worst one."""
     number, _, which = key
     return int(number / setup.schedule.rate_hz) if which == MAIN else None
 
@@ -259,11 +241,6 @@ def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]
         name = method_name(warp, fill)
         told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
     return f"{'; '.join(told)}. Predicted from the pictures: no one was asked."
-
-
-def _rated_rows(clips: Clips) -> Iterator[Row]:
-    for key, jod in sorted(clips.refreshes.items()):
-        yield dict(zip(JOD_COLUMNS, (*key, jod), strict=True))
 
 
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:

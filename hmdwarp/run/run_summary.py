@@ -289,16 +289,25 @@ def write_results(
     Pictures are encoded on threads while the page is made: one after the other they took longer.
     """
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
-        strips = [encoders.submit(_write_strip, out, kept, eye_names(result.summary)) for kept in pool.kept]
+
+        def write_strip(kept: Kept) -> tuple[str, NDArray[np.uint8]]:
+            number, eye, _ = kept.key
+            name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(panels_of(kept))
+            out.write_png(name, strip)
+            return name, strip
+
+        names = eye_names(result.summary)
+        strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
         if log.answers is not None:
             out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
+        time_s = {row["frame"]: row["time_s"] for row in result.rows}
         page = render_report(
             result.summary,
             result.against,
             rows=result.rows,
             baselines_rows=compared,
-            worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
+            worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],
         )
@@ -306,16 +315,3 @@ def write_results(
         pictures = dict(strip.result() for strip in strips)
     result.summary["digests"] = digests([*log.frames_csv()], pictures)
     out.write_json("summary.json", result.summary)
-
-
-def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> tuple[str, NDArray[np.uint8]]:
-    number, eye, _ = kept.key
-    name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(panels_of(kept))
-    out.write_png(name, strip)
-    return name, strip
-
-
-def _worst_frame(rows: list[Row], kept: Kept) -> WorstFrame:
-    number, eye, _ = kept.key
-    time_s = next(row["time_s"] for row in rows if row["frame"] == number)
-    return WorstFrame.of(time_s, eye, kept)

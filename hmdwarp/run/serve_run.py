@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ from ..pipeline.source import Source
 from ..poses import load_trace
 from ..poses.track import folded
 from ..resources import import_extra, recording_names
-from ..scenes import InputBook, InputEvent, load_scene
+from ..scenes import InputBook, load_scene
 from ..sources import sequences
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
@@ -75,7 +75,11 @@ def serve(
     """
     listener, secret, pair = listening(options, say)
     with closing(listener):
-        source = _source(options)
+        if options.frames is None:
+            source: Source = Source(PipelineOptions(), load_scene(options.scene, options.scene_options))
+        else:
+            sequence = sequences.open(options.frames, options.sequence_options)
+            source = RecordingSource(sequence.repaired(parse_repairs(options.repair)))
         with Gpu() as gpu, closing(_renderer(gpu, source, options)) as server:
             say(f"listening at {listener.address}: {source.title}")
             with _door(options, listener, source, secret, pair, say) if options.web else nullcontext():
@@ -108,14 +112,6 @@ def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callabl
             server.take_back()
         if asked is not None or not listener.clients:  # what was drawn for those who have left is freed
             server.trim()
-
-
-def _source(options: ServeOptions) -> Source:
-    """Return what is served. Errors: InputError."""
-    if options.frames is None:
-        return Source(PipelineOptions(), load_scene(options.scene, options.scene_options))
-    sequence = sequences.open(options.frames, options.sequence_options)
-    return RecordingSource(sequence.repaired(parse_repairs(options.repair)))
 
 
 def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
@@ -226,21 +222,15 @@ class _Sessions:
             self.server.begin_anew(asked.client)
             changes = Changes(self.server.scene, self.server.content) if told.only_changes else None
             found = self._of[asked.client] = _Session(told.number, asked.ask.number, changes)
-        self._act(found.book, asked.ask.inputs)
+        if (log := self.server.scene.inputs) is not None:  # the scene turns to the session's history
+            bounds.KEPT_INPUTS.check(len(found.book) + len(asked.ask.inputs))
+            log.book = found.book
+            for event in asked.ask.inputs:
+                log.add(event)
         for fate in told.fates:
             if fate.number in found.sent:
                 self.server.heard_of(asked.client, found.sent.pop(fate.number), fate.arrived, fate.heard_ns)
         return found
-
-    def _act(self, book: InputBook, events: Sequence[InputEvent]) -> None:
-        """Turn the scene to a session's history. Errors: InputError for inputs it does not take."""
-        log = self.server.scene.inputs
-        if log is None:
-            return
-        bounds.KEPT_INPUTS.check(len(book) + len(events))
-        log.book = book
-        for event in events:
-            log.add(event)
 
     def is_unchanged(self, asked: Asked, session: _Session) -> bool:
         """Return whether a frame would show nothing new."""

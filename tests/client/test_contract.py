@@ -11,7 +11,7 @@ from together import together
 from worlds import World, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
-from hmdwarp.client.fills.interpolate import minimum_count
+from hmdwarp.client.fills.plain import minimum_count
 from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it

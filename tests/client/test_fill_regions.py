@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 import hmdwarp
 from hmdwarp.client import CLIENT_MODEL
 from hmdwarp.client.fills import fills
-from hmdwarp.client.fills.interpolate import minimum_count
+from hmdwarp.client.fills.plain import minimum_count
 from hmdwarp.colour import srgb_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from worlds import World
 
-from hmdwarp.client.warps.forward_ordered import FARTHEST, epipole_pixel
+from hmdwarp.client.warps.forward import FARTHEST, epipole_pixel
 from hmdwarp.geometry import Pose, View, WarpMap
 
 from .scatters import FOV, Scatter

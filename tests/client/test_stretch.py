@@ -12,7 +12,7 @@ from holed import Holed
 from reference.stretch import stretch
 
 from hmdwarp.client import parse_fills
-from hmdwarp.client.fills.stretch import LEAST_PARALLAX
+from hmdwarp.client.fills.plain import LEAST_PARALLAX
 from hmdwarp.geometry import Pose, View
 
 from .filled import filled

@@ -271,7 +271,9 @@ def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypat
             program.uniforms.set(v=value)
             assert results(gpu, program, 2).tolist() == [number, 2.0]
     written, write = [], moderngl.Buffer.write
-    monkeypatch.setattr(moderngl.Buffer, "write", lambda self, data: (written.append(len(data)), write(self, data)))
+    monkeypatch.setattr(
+        moderngl.Buffer, "write", lambda self, data, **at: (written.append(len(data)), write(self, data, **at))
+    )
     constant, other = (5.0, 6.0), read_only([7.0, 8.0])
     for value in (constant, constant, other, other, constant):
         program.uniforms.set(v=value)
@@ -377,16 +379,16 @@ def test_the_library_compiles_each_combination_once(gpu, shaders):
     (shaders / "a.vert").write_text("void main() { gl_Position = vec4(0.0); }", encoding="utf-8")
     (shaders / "a.frag").write_text("out vec4 c;\nvoid main() { c = vec4(1.0); }", encoding="utf-8")
     library = ShaderLibrary(gpu.gl)
-    assert library.compiled == 0
+    assert len(library) == 0
     plain = library.compute("a.comp")
     assert library.compute("a.comp") is plain
-    assert library.compiled == 1
+    assert len(library) == 1
     assert library.compute("a.comp", PASS=0) is not plain
     assert library.compute("a.comp", PASS=1) is not library.compute("a.comp", PASS=0)
     assert library.compute("a.comp", A=1, B=2) is library.compute("a.comp", B=2, A=1)
-    assert library.compiled == 4
+    assert len(library) == 4
     assert library.draw("a.vert", "a.frag") is library.draw("a.vert", "a.frag")
-    assert library.compiled == 5
+    assert len(library) == 5
 
 
 def test_a_failed_shader_is_not_cached(gpu, shaders):
@@ -395,7 +397,7 @@ def test_a_failed_shader_is_not_cached(gpu, shaders):
     for _ in range(2):
         with pytest.raises(ShaderError):
             library.compute("a.comp")
-    assert library.compiled == 0
+    assert len(library) == 0
     (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
     assert isinstance(library.compute("a.comp").program, moderngl.ComputeShader)
 

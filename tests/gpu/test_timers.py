@@ -49,8 +49,7 @@ class FakeGl:
     """
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
-        most = {"GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3, "GL_MAX_UNIFORM_BUFFER_BINDINGS": 0}
-        self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, **most}
+        self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, "GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3}
         self.of_dispatches: int | None = None
         self.queries: list[FakeQuery] = []
         self.now_ns = self.waiting_ns = 0

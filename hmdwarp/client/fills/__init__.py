@@ -1,4 +1,4 @@
-"""Fills: one file each, registered by name; each gives uncovered pixels a plausible colour."""
+"""Fills, registered by name; each gives uncovered pixels a plausible colour."""
 
 from ...registry import Registry
 from ._base import Fill
@@ -6,7 +6,11 @@ from ._base import Fill
 fills: Registry[type[Fill]] = Registry(
     "fill",
     __name__,
-    modules=dict.fromkeys(("model", "relight"), "model"),
+    modules={
+        **dict.fromkeys(("model", "relight"), "model"),
+        **dict.fromkeys(("none", "constant", "interpolate", "stretch"), "plain"),
+        **dict.fromkeys(("memory", "wide"), "memory"),
+    },
     columns="reads settings=Settings leaves_no_hole=complete source",
 )
 

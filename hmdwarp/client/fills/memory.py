@@ -1,4 +1,4 @@
-"""Fill holes from what earlier frames showed there."""
+"""Fill holes from what other pictures showed there: earlier frames, or a wide one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...frames import Needs
 from ...geometry import View
+from ...geometry.cube import COARSER
 from ...gpu.textures import release_all
 from ..fill_parts import (
     BYTES_PER_PIXEL,
@@ -138,3 +140,32 @@ class Memory(Fill):
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
+
+
+@fills.register
+class Wide(Fill):
+    """Gather from the wide view where the warp left holes.
+
+    They lie mostly at the border, and at edges where the wide view saw more.
+    """
+
+    name = "wide"
+    summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"
+    reads = ("shown.colour", "rendered.wide")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "this project's; the gather of Bowles et al. 2012"
+
+    def prepare(self) -> None:
+        self._holes = HoleFiller(self.gpu, self.shown_size, COARSER)
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        wide = inputs.rendered["wide"]
+        self._holes.start(picture, into)
+        self._holes.add(DepthPicture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
+
+    def close(self) -> None:
+        self._holes.close()
+
+    @classmethod
+    def needs(cls, settings: Any) -> Needs:
+        return Needs(wide=True)

@@ -13,6 +13,8 @@ warps: Registry[type[Warp]] = Registry(
         **dict.fromkeys(("none", "rotation", "planar", "similarity", "shift"), "planes"),
         **dict.fromkeys(("mesh", "mesh_adaptive"), "mesh"),
         **dict.fromkeys(("layered", "multi"), "multi"),
+        **dict.fromkeys(("forward", "forward_ordered", "forward_raster", "splat"), "forward"),
+        **dict.fromkeys(("backward", "search"), "backward"),
     },
     columns="kind reads settings=Settings fused_with_the_lens=fuses follows_scanout=scans_out exact_when gets_wrong",
 )

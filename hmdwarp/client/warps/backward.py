@@ -1,4 +1,4 @@
-"""Backward warping: the client draws its own depth and fetches colour from the late frame."""
+"""Gathers that test each shown pixel against the rendered depth, or search along its ray."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Literal
 import attrs
 
 from ...errors import PlanError
-from ...gpu.textures import Canvas
+from ...gpu.textures import Canvas, tiles
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
 from . import warps
@@ -65,3 +65,81 @@ class Backward(GatherWarp):
             inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
             tested = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
         self.run_gather(self._program, inputs, into, client_inverse_depth=2, **tested)
+
+
+LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
+BOUND_BYTES = 8
+NEAREST = 2.0**11  # 1/m; the search ends half a millimetre before the eye
+
+
+@attrs.frozen
+class SearchSettings(GatherSettings):
+    """How far rays run, and which neighbours are one surface.
+
+    Neighbours are connected if they differ by at most tolerance * (the farther one's inverse depth
+    + floor).
+    """
+
+    steps: int = 512  # Cells that a ray may pass before it ends in a hole.
+    # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces
+    # stay connected.
+    gap: float = 0.05
+    tolerance: float = DEPTH_TOLERANCE
+    floor: float = DEPTH_FLOOR  # 1/m
+
+    def __attrs_post_init__(self) -> None:
+        if not 1 <= self.steps <= 65536:
+            raise ValueError(f"steps={self.steps}: expected 1 to 65536")
+        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.gap)):
+            raise ValueError("tolerance, floor and gap must be 0 or more")
+
+
+@warps.register
+class Search(GatherWarp):
+    """A gather to the first hit along the epipolar segment, which skips by a pyramid of bounds.
+
+    Rays that hit nothing are holes.
+    """
+
+    name = "search"
+    summary = "follows each pixel's ray through the rendered picture to the first surface it meets"
+    reads = ("rendered.colour", "rendered.inverse_depth")
+    exact_when = (
+        "the rendered picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
+    )
+    gets_wrong = "silhouettes end half way between rendered pixels; slow where rays run long past many edges"
+    source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
+    Settings = SearchSettings
+    rows = 4
+
+    def prepare(self) -> None:
+        self._program = self.gather("warps/search.comp")
+        self._build = tuple(self.gpu.shaders.compute("warps/search_pyramid.comp", FROM_DEPTH=k) for k in (1, 0))
+        self._sizes = [self.rendered_size]
+        for _ in range(LEVELS):
+            self._sizes.append(tiles(self._sizes[-1], FACTOR))
+        counts = [w * h for w, h in self._sizes[1:]]
+        self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
+        self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        self._bounds.bind_to_storage_buffer(0)
+        levels = {"level_first": self._first, "level_width": tuple(w for w, _ in self._sizes[1:])}
+        for level in range(1, LEVELS + 1):
+            program, (below, blocks) = self._build[min(level, 2) - 1], self._sizes[level - 1 : level + 1]
+            own = {"rendered_inverse_depth": 1, "rendered_size": self.rendered_size} if level == 1 else {}
+            program.uniforms.set(level=level, blocks=blocks, below=below, **levels, **own)
+            program.run(*blocks)
+            self.gpu.barrier()
+        wide, high = self.rendered_size
+        chosen = self.settings
+        surface = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        surface |= depth_limits(chosen, inputs.rendered)
+        self.run_gather(
+            self._program, inputs, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
+        )
+
+    def close(self) -> None:
+        super().close()
+        self._bounds.release()

@@ -1,17 +1,19 @@
-"""Forward warping by points: every rendered pixel moves, and the nearest wins."""
+"""Forward warping: each rendered pixel moves by its own depth, as a point or as a footprint."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError, MachineError
-from ...geometry import WarpMap
+from ...geometry import WarpMap, view_map
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
-from ..warp_kinds import ScatterWarp, check_room
+from ..warp_kinds import OrderedScatter, ScatterWarp, check_room, depth_limits
 from . import KEY_BYTES, warps
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
@@ -134,4 +136,163 @@ class _OnePass:
             program.run(*size)
 
     def close(self) -> None:
+        self._keys.release()
+
+
+# Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows
+# of the largest picture then turn by at most 2^14 / 2^20 rad against the true lines, a pixel in 64,
+# and the distance still fits into an integer.
+FARTHEST = 2.0**20
+
+
+@attrs.frozen
+class ForwardOrderedSettings:
+    """The order in which rendered pixels are visited."""
+
+    # rings: squares around the epipole, so that pixels of similar distance are compared. rows:
+    # McMillan's quadrants, row by row.
+    sheets: Literal["rings", "rows"] = attrs.field(default="rings", validator=attrs.validators.in_(("rings", "rows")))
+
+
+@warps.register
+class ForwardOrdered(OrderedScatter):
+    """Scatter pixels as if one after the other.
+
+    They run towards the epipole when the eye has moved forward, and away from it when it has moved
+    back.
+    """
+
+    name = "forward_ordered"
+    summary = (
+        "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
+    )
+    exact_when = "as 'forward', of surfaces whose pixels meet along epipolar lines"
+    gets_wrong = (
+        "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; "
+        "else as 'forward'"
+    )
+    source = (
+        "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
+    )
+    Settings = ForwardOrderedSettings
+
+    def defines(self) -> dict[str, object]:
+        return {"RINGS": 1} if self.settings.sheets == "rings" else {}
+
+    def order(self, inputs: PassInputs) -> dict[str, object]:
+        backward = view_map(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        pixel, sense = epipole_pixel(backward.e, self.rendered_size)
+        # The origin of the ranks: the greatest distance, or minus the least if running away.
+        to_low, to_high = -pixel, np.array(self.rendered_size) - 1 - pixel
+        greatest = np.maximum(np.abs(to_low), np.abs(to_high))
+        least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
+        if self.settings.sheets == "rings":
+            greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
+        start = tuple((greatest if sense > 0 else -least).tolist())
+        return {
+            "epipole": tuple(pixel),
+            "sense": sense,
+            "start": start,
+        }
+
+
+def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:
+    """Return the rendered pixel (x, y) that holds the shown eye, and 1 or -1.
+
+    1: the shown eye lies ahead of the rendered one (run towards it); -1: behind.
+    e: the shown eye in homogeneous pixels, view_map(shown, rendered).e. An epipole at
+    infinity or beyond FARTHEST pixels is put that far away in its direction. Without a baseline any
+    order is right, and the picture's middle is used.
+    """
+    middle = np.array(size) / 2
+    sense = -1 if e[2] < 0 else 1
+    offset = sense * (e[:2] - middle * e[2])  # times 1 / |e.z|, which may be 0
+    length, depth = np.hypot(*offset), abs(e[2])
+    if length > FARTHEST * depth:
+        offset = offset / length * FARTHEST
+    elif depth > 0:
+        offset = offset / depth
+    # An epipole on the border between two pixels counts to the upper one, despite rounding.
+    return np.floor(middle + offset + 1e-6).astype(np.int64), sense
+
+
+@warps.register
+class ForwardRaster(OrderedScatter):
+    """Scatter pixels as if one after the other, in raster order; the last one wins.
+
+    Raster order runs row by row from the top of the picture, each from left to right.
+    """
+
+    name = "forward_raster"
+    summary = "moves each pixel by its own depth, the last one in raster order wins: shows why a depth test is needed"
+    exact_when = "the eye does not move"
+    gets_wrong = (
+        "shows hidden things through what hides them, wherever they come later in the picture; "
+        "cracks and holes as 'forward'"
+    )
+    source = "what McMillan 1995 (UNC TR95-005) and the 2014 thesis set out from: pixels moved in raster order"
+
+    def order(self, inputs: PassInputs) -> dict[str, object]:
+        return {}
+
+
+@attrs.frozen
+class SplatSettings:
+    """The size of footprints, and which neighbours are one surface.
+
+    Neighbours are one surface if their inverse depths differ by at most tolerance * (their own +
+    floor).
+    """
+
+    tolerance: float = attrs.field(default=0.03, validator=attrs.validators.ge(0))
+    floor: float = attrs.field(default=0.02, validator=attrs.validators.ge(0))  # 1/m
+    # Pixels that a footprint may extend from its middle. Beyond twice that magnification gaps
+    # appear; one rendered pixel costs at most (2 reach + 1)^2 tests.
+    reach: int = attrs.field(default=16, validator=[attrs.validators.ge(1), attrs.validators.le(256)])
+    # Rendered pixels by which each square is larger on each side, against cracks on curved
+    # surfaces.
+    overlap: float = attrs.field(default=0.05, validator=[attrs.validators.ge(0), attrs.validators.le(0.5)])
+
+
+@warps.register
+class Splat(ScatterWarp):
+    """Scatters the depth of each rendered pixel over its footprint, then fetches the colours back.
+
+    The nearest depth wins; colours are fetched through that depth.
+    """
+
+    name = "splat"
+    summary = (
+        "each pixel covers the footprint its square becomes, nearest surface wins: no cracks, smooth between pixels"
+    )
+    exact_when = "always, up to one resample, where the rendered picture saw the surface"
+    gets_wrong = "what was hidden is a hole; soft edges travel with their depth; magnified over 32 times it shows gaps"
+    source = (
+        "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); "
+        "Mori et al. 2009 (depth forward, colour backward)"
+    )
+    Settings = SplatSettings
+
+    def prepare(self) -> None:
+        self._cover = self.gpu.shaders.compute("warps/splat.comp", grid="rendered", PASS=0)
+        self._fetch = self.gpu.shaders.compute("warps/splat.comp", PASS=1, **self.depth_defines)
+        self._keys = self.empty_keys()
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.bind(inputs, into)
+        self._keys.bind_to_storage_buffer(0)
+        s = self.settings
+        limits = {**depth_limits(s, inputs.rendered), "reach": float(s.reach), "overlap": s.overlap}
+        backward = view_map(inputs.shown, self.shown_size, inputs.rendered.view, self.rendered_size)
+        passes = ((self._cover, self.forward_map(inputs), self.rendered_size), (self._fetch, backward, self.shown_size))
+        for program, warp_map, size in passes:
+            self.gpu.barrier()
+            H, e = warp_map.H, warp_map.e
+            if warp_map.moves_whole_pixels():  # each is then fetched from its very centre
+                H, e = np.round(H), np.zeros(3)
+            self.set(program, H=H, e=e, **limits)
+            program.run(*size)
+
+    def close(self) -> None:
+        super().close()
         self._keys.release()

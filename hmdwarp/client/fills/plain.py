@@ -1,0 +1,215 @@
+"""Fills from the picture's own pixels: none, their mean, the median of neighbours, stretching."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Literal
+
+import attrs
+import numpy as np
+
+from ...geometry import view_map
+from ...gpu.textures import COLOUR, allocate
+from ..fill_parts import HolePieces
+from ..inputs import PassInputs, ShownPicture
+from . import fills
+from ._base import Fill
+
+
+@fills.register
+class NoFill(Fill):
+    """Leave every hole as it is; the plan leaves this pass out."""
+
+    name = "none"
+    summary = "holes stay black, so that they can be seen and counted"
+    source = "the baseline of every fill"
+    is_pass = False
+
+    def prepare(self) -> None:
+        """Do nothing."""
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        raise AssertionError("the plan leaves this fill out")
+
+
+_HEADER_BYTES = 32  # three work-group counts and one spare, then the mean
+
+
+@fills.register
+class Constant(Fill):
+    """Give empty pixels the mean colour of the covered ones, or black if there are none."""
+
+    name = "constant"
+    summary = "whatever is left takes the mean colour of the picture: nothing stays empty"
+    source = "the last resort of a chain: coverage 1 whatever came before"
+    complete = True
+
+    def prepare(self) -> None:
+        compute = partial(self.gpu.shaders.compute, "fills/constant.comp")
+        self._sum, self._fill = (compute(grid="shown", PASS=k) for k in (0, 2))
+        self._mean = compute(PASS=1)
+        self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
+        self._sums = self.gpu.gl.buffer(bytes(_HEADER_BYTES + 16 * self._columns))
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        picture.colour.texture.bind_to_image(1, read=True, write=False)
+        into.colour.bind_for_writing(0)
+        if self._sum.skips:
+            self._sums.clear()  # both eyes use it, and each hides other pixels
+        groups = self._fill.groups(*self.shown_size)
+        self._sums.write(np.array([*groups, 0, 0], np.uint32).tobytes())
+        self._sums.bind_to_storage_buffer(0)
+        for program in (self._sum, self._fill):
+            program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
+        self._mean.uniforms.set(columns=self._columns)
+        self._sum.run(*self.shown_size)
+        self.gpu.barrier()
+        self._mean.run(1)
+        self.gpu.barrier()
+        self._fill.program.run_indirect(self._sums)
+
+    def close(self) -> None:
+        self._sums.release()
+
+
+WORKERS = 1 << 14  # invocations that share the list of holes
+
+
+def minimum_count(size: int) -> int:
+    """Return the least covered neighbours of a pixel that is filled, for a kernel of that size.
+
+    3 of 8, 9 of 24, 18 of 48: three eighths of them. A pixel with fewer lies inside a hole, not in
+    a crack: filling it would smear.
+    """
+    return 3 * (size**2 - 1) // 8
+
+
+@attrs.frozen
+class InterpolateSettings:
+    size: Literal[3, 5, 7] = 3  # Of the kernel, in pixels.
+
+
+@fills.register
+class Interpolate(Fill):
+    """Give an empty pixel with enough covered neighbours their median, by channel.
+
+    Of a kernel of 3x3 three of the eight are enough; of a larger one as many in proportion.
+    """
+
+    name = "interpolate"
+    needs_compute = False
+    summary = "one 3x3 median pass: closes cracks, leaves wide holes"
+    source = "the 2014 thesis's interpolation step"
+    Settings = InterpolateSettings
+    variants = ("size=5", "size=7")
+
+    @classmethod
+    def needs_compute_for(cls, settings: Any) -> bool:
+        """Return whether it runs over a list of holes, which larger kernels do."""
+        return bool(settings.size > 3)
+
+    def prepare(self) -> None:
+        size, (wide, high) = self.settings.size, self.shown_size
+        shaders = self.gpu.shaders
+        if size == 3:
+            self._program = shaders.compute("fills/interpolate.comp", grid="shown")
+            self._list = self._holes = None
+            return
+        # Run for every pixel, a large kernel takes llvmpipe three to four times as long after
+        # `forward`, where most holes are cracks.
+        self._program = shaders.compute("fills/interpolate_listed.comp", SIZE=size)
+        self._list = shaders.compute("fills/hole_list.comp", grid="shown", COPY=1)
+        self._holes = self.gpu.gl.buffer(reserve=16 + 4 * wide * high)
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        picture.colour.texture.bind_to_image(1, read=True, write=False)
+        into.colour.bind_for_writing(0)
+        units, least = {"warped": 1, "filled": 0}, minimum_count(self.settings.size)
+        if self._list is None or self._holes is None:
+            self._program.uniforms.set(shown_size=self.shown_size, minimum_count=least, **units)
+            self._program.run(*self.shown_size)
+            return
+        self._holes.write(bytes(16))
+        self._holes.bind_to_storage_buffer(2)
+        self._list.uniforms.set(shown_size=self.shown_size, **units)
+        self._list.run(*self.shown_size)
+        self.gpu.barrier()
+        self._program.uniforms.set(minimum_count=least, **units)
+        self._program.run(WORKERS)
+
+    def close(self) -> None:
+        if self._holes is not None:
+            self._holes.release()
+
+
+LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
+_FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image units
+
+
+@attrs.frozen
+class StretchSettings:
+    """How streaks are smoothed, and which depths are one surface.
+
+    Inverse depths are of one surface if they differ by at most tolerance * (the smaller one +
+    floor).
+    """
+
+    # Pixels of smoothing per pixel of distance from the start of the streak, if that is at least
+    # one pixel; 0: none.
+    spread: float = 0.1
+    tolerance: float = 0.1
+    floor: float = 0.02  # 1/m
+
+    def __attrs_post_init__(self) -> None:
+        if not all(0 <= value < float("inf") for value in (self.spread, self.tolerance, self.floor)):
+            raise ValueError("spread, tolerance and floor must be 0 or more")
+
+
+@fills.register
+class Stretch(Fill):
+    """Follow the epipolar line of an empty pixel to both edges of the hole.
+
+    It takes the farther one's colour, smoothed inside the hole alone. Pixels outside the rendered
+    picture stay empty: they were not occluded, and their line leads nowhere. `stretch+pyramid`
+    fills them too.
+    """
+
+    name = "stretch"
+    summary = "draws the background into the hole along the line on which things moved, then smooths it"
+    reads = ("shown.colour", "shown.inverse_depth")
+    writes = ("shown.colour", "shown.inverse_depth")
+    source = "Mark 1999, Post-Rendering 3D Image Warping (UNC TR99-022); decaying weights as in YORO"
+    Settings = StretchSettings
+
+    def prepare(self) -> None:
+        self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        self._streaks = allocate(self.gpu.gl, self.shown_size, COLOUR)
+
+    def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
+        stamp = self._pieces.find(picture, into)
+        forward = view_map(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
+        back = view_map(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
+        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
+        picture.depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+        into.depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
+        self._streaks.bind_to_image(_STREAKS, read=True, write=True)
+        into.colour.bind_for_writing(_FILLED)
+        chosen = self.settings
+        uniforms = {
+            "warped": _WARPED,
+            "filled_depth": _FILLED_DEPTH,
+            "streaks": _STREAKS,
+            "shown_size": self.shown_size,
+            "e": forward.e,
+        }
+        uniforms |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
+        views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
+        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **uniforms)
+        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **uniforms)
+        self._pieces.run(self._draw)
+        self._pieces.run(self._smooth)
+
+    def close(self) -> None:
+        self._pieces.close()
+        self._streaks.release()
