@@ -188,18 +188,9 @@ def _pip(target: Path) -> list[str]:
         "--no-warn-script-location",
     ]
     return [
-        sys.executable,
-        "-m",
-        "pip",
-        "install",
-        *quiet,
-        "--no-deps",
-        "--no-compile",
-        *fit,
-        "--target",
-        str(target),
+        sys.executable, "-m", "pip", "install", *quiet, "--no-deps", "--no-compile", *fit, "--target", str(target),
         *_pins(),
-    ]
+    ]  # fmt: skip
 
 
 def _bootstrap(place: Path) -> None:
