@@ -46,8 +46,8 @@ class Screen:
         with os.fdopen(told) as numbers:
             try:
                 command = [
-                    "Xvfb", "-displayfd", str(tells), "-screen", "0", screen, "-fbdir", self._folder.name, "-nolisten",
-                    "tcp",
+                    "Xvfb", "-displayfd", str(tells), "-screen", "0", screen, "-fbdir", self._folder.name,
+                    "-nolisten", "tcp",
                 ]  # fmt: skip
                 silent = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
                 self._process = subprocess.Popen(command, pass_fds=[tells], **silent)

@@ -18,8 +18,17 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.report import OutputFolder, atomic, files, write_bytes, write_csv, write_json, write_png, write_text
-from hmdwarp.report.files import raw_text
+from hmdwarp.report import (
+    OutputFolder,
+    atomic,
+    files,
+    raw_text,
+    write_bytes,
+    write_csv,
+    write_json,
+    write_png,
+    write_text,
+)
 
 
 def everything_below(folder: Path) -> set[str]:
