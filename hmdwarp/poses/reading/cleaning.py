@@ -33,8 +33,7 @@ _LEAST_PAIRS = 20
 # Shares of steps back in time: a file with restarts has few, a shuffled one half.
 _SHUFFLED, _REVERSED = 0.2, 0.9
 _LEAST_STEPS = 10
-_MEDIAN_NORM = 0.1
-_ZERO_NORM = 1e-6
+_MEDIAN_NORM, _ZERO_NORM = 0.1, 1e-6
 _LEAST_RUN = 3  # rows of one pose at the start
 _LARGEST_NORM = 2.0
 _WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)

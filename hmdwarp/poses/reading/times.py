@@ -275,11 +275,7 @@ def _counted_on(stamps: Stamps, rows: NDArray[np.intp], shift: int | list[int], 
 
 
 def clock_changes(stamps: Stamps, unit: str, orientation: NDArray[np.float64]) -> Wraps | None:
-    """Count on where a recording goes on with another clock: time leaps, and the head does not.
-
-    A head that turns, and is where it was going to be, has not paused for half a minute. Of one at
-    rest only a leap of years says so.
-    """
+    """Count on where time leaps and the head does not, half a minute at least, at rest years."""
     steps, n = stamps.steps(), len(stamps)
     rising = steps[steps > 0]
     step = float(np.median(rising)) if len(rising) else math.inf
@@ -387,11 +383,7 @@ class CoarseClock:
 
 
 def coarse_clock(time_ns: NDArray[np.int64], orientation: NDArray[np.float64]) -> CoarseClock | None:
-    """Find a clock whose ticks are so long that rows seem to come in turns fast and slow.
-
-    All steps are then few multiples of a tick. Those of a recorder that leaves rows out are as
-    well, but there a longer step turns the head further.
-    """
+    """Find a clock of so few ticks that rows, taken evenly, fit the head better than stamps."""
     steps = np.diff(time_ns)
     if len(steps) < 2 * _SHORTEST or (tick := _tick(steps)) is None:
         return None
