@@ -261,5 +261,5 @@ def frames_used(
             link.send(_Drawn(drawn_ns), drawn_ns)
         newest = link.newest(instant_ns)
         if number in wanted and number >= 0:
-            used |= {frame.drawn_ns for frame in (newest, *history.frames) if frame is not None}
+            used |= {frame.drawn_ns for frame in (newest, *history.frames, *history.recent) if frame is not None}
     return {number: [instant for instant in instants if instant in used] for number, instants in drawn.items()}
