@@ -273,7 +273,6 @@ class Warper:
             if self.plan.reads(CLIENT_DEPTH):
                 self._client_depth = allocate(current.gl, self.size, SCALAR)
                 stack.callback(self._client_depth.release)
-            # The picture itself, and the others that the plan reads.
             count = 1 + self._needs.others.count + self._needs.others.recent
             has_confidence = bool(self.repair.steps)
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]

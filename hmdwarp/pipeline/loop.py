@@ -171,15 +171,13 @@ class Loop:
         Frames may carry more layers, for plans that run on the same refresh.
         """
         rendered = frame.eyes[eye].only(needs)
-        found = [frame.eyes[1 - eye]] if needs.others.other_eye else []
+        asked, kept = needs.others, self.history
+        found = [frame.eyes[1 - eye]] if asked.other_eye else []
         found += rendered.carried.get("views", ())
-        if needs.others.past:
-            older = [before.eyes[eye] for before in self.history.frames[: needs.others.past]]
-            # Passes are made for pictures of one size.
-            found += [one for one in older if one.size == rendered.size]
-        recent = [before.eyes[eye].only(needs) for before in self.history.recent[: needs.others.recent]]
-        return {
-            "rendered": rendered,
-            "others": tuple([one.only(needs) for one in found]) if found else (),
-            "recent": tuple([one for one in recent if one.size == rendered.size]) if recent else (),
-        }
+        found += [before.eyes[eye] for before in kept.frames[: asked.past]]
+        recent = [before.eyes[eye] for before in kept.recent[: asked.recent]]
+        # Passes are made for pictures of one size.
+        others, recent = (
+            [one.only(needs) for one in images if one.size == rendered.size] for images in (found, recent)
+        )
+        return {"rendered": rendered, "others": tuple(others), "recent": tuple(recent)}

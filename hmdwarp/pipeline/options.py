@@ -68,11 +68,6 @@ def _warp_name(value: str) -> str:
     return value
 
 
-def _check_predictor(_: object, __: object, value: str) -> None:
-    if value not in PREDICTORS:
-        poses.predictors.get(value)  # another package's, or none
-
-
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     """Return the chosen fill, or the default one: none for a warp fused with the lens.
 
@@ -316,7 +311,7 @@ class PipelineOptions(Declared):
         attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
         f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, "
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
-        valid=_check_predictor,
+        valid=lambda *given: given[-1] in PREDICTORS or poses.predictors.get(given[-1]),
         kind=str,
         default=None,
         heading=RENDERING,

@@ -120,11 +120,11 @@ def held_over(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
-    sends_hz = link.sends_hz(rate_hz)
+    sends_hz, kept = link.sends_hz(rate_hz), needs.others.past + needs.others.recent
     if link.is_plain:
         # Those sent since the refresh before, less the latency.
-        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.kept
-    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.kept
+        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + kept
+    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + kept
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:

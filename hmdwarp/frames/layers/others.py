@@ -28,11 +28,6 @@ class Others:
         """Return whether any other picture is used."""
         return bool(self.past or self.other_eye or self.recent)
 
-    @property
-    def kept(self) -> int:
-        """The most frames that the client keeps."""
-        return self.past + self.recent
-
     def of(self, carried: Others, pictures: tuple[Picture, ...]) -> tuple[Picture, ...]:
         """Return those that this needs of the pictures that `carried` brought."""
         skipped = int(carried.other_eye and not self.other_eye)

@@ -180,7 +180,7 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     def seen(refresh, setup):
         return (
             refresh.frame.drawn_ns,
-            [frame.drawn_ns for frame in setup.loop.history.frames],
+            [frame.drawn_ns for frame in (*setup.loop.history.frames, *setup.loop.history.recent)],
             refresh.head.pose.position_m.tolist(),
         )
 
