@@ -276,7 +276,7 @@ def read_only(values: list[float]) -> np.ndarray:
 
 
 def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypatch):
-    """The same array may hold other numbers, and so may a read-only view; the same tuple may not."""
+    """The same array may hold other numbers, and so may a view of it; the same tuple may not."""
     program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
     array = np.array([1.0, 2.0])
     view = array[:]
