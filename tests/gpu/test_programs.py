@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import contexts
 import moderngl
 import numpy as np
 import pytest
@@ -15,7 +16,14 @@ from hypothesis import strategies as st
 
 import hmdwarp.gpu.shaders
 from hmdwarp.errors import InputError, ShaderError
-from hmdwarp.gpu import Compute, Draw, ShaderLibrary
+from hmdwarp.gpu import Compute, Draw, Gpu, ShaderLibrary
+
+
+@pytest.fixture(scope="module")
+def gpu():
+    """A context of its own, which has room for the blocks of these programs."""
+    with contexts.as_shipped(), Gpu() as own:
+        yield own
 
 
 @pytest.fixture
@@ -257,10 +265,7 @@ def read_only(values: list[float]) -> np.ndarray:
 
 
 def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypatch):
-    """The same array may hold other numbers, and so may what a read-only view shows.
-
-    The same tuple may not.
-    """
+    """The same array may hold other numbers, and so may a view of it; the same tuple may not."""
     program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
     array = np.array([1.0, 2.0])
     view = array[:]
@@ -282,9 +287,7 @@ def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypat
 
 
 def test_one_constant_goes_to_programs_of_other_types(gpu, shaders):
-    """What was packed for one program is not what another takes, be it for its type or for being no
-    matrix.
-    """
+    """What was packed for one program is not what another takes, of another type or no matrix."""
     values = read_only([1.0, 2.0, 3.0, 4.0]).reshape(2, 2).copy()
     values.flags.writeable = False
     for kind, body in (
