@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (10564, 8500),
-    "run": (7058, 5400),
-    "client": (8105, 6500),
+    "sources": (10531, 8500),
+    "run": (6973, 5400),
+    "client": (7925, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (6075, 4600),
-    "poses": (6537, 4500),
-    "pipeline": (5128, 3700),
-    "link frames": (3945, 3100),
+    "scenes": (6069, 4600),
+    "poses": (6535, 4500),
+    "pipeline": (5124, 3700),
+    "link frames": (3943, 3100),
     "image check": (3683, 3200),
-    "gpu geometry headsets": (3754, 3100),
-    "report": (5562, 4200),
-    "experiments": (4161, 3200),
-    "metrics options": (3470, 2600),
-    "cli": (2988, 2400),
+    "gpu geometry headsets": (3753, 3100),
+    "report": (5380, 4200),
+    "experiments": (4046, 3200),
+    "metrics options": (3461, 2600),
+    "cli": (2910, 2400),
     "display web": (5014, 4000),
-    "study": (12041, 10000),
+    "study": (11691, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (91539, 58000)
+TEST_LINES = (91429, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
