@@ -34,7 +34,7 @@ from pages import DOCS, ROOT, lines_of, markdown, replace, rows_of, text_of
 RECORDINGS = ("look-around", "walk")
 REPLAYS = tomllib.loads((DOCS / "tables.toml").read_text(encoding="utf-8"))
 COLUMNS = REPLAYS.pop("columns")
-BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv2.warpFrame")
+BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512,ring=0.002", "cv2.warpFrame")
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
 # Tables that a command or a script prints; True for Markdown, False for a block of text.

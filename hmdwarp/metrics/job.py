@@ -51,10 +51,6 @@ class Compared:
         return error_image(self.shown, self.truth)
 
 
-def _covered(coverage: NDArray[Any] | None) -> NDArray[np.bool_] | None:
-    return None if coverage is None else np.asarray(coverage) != 0
-
-
 @attrs.frozen(eq=False)
 class QualityJob:
     """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
@@ -67,14 +63,15 @@ class QualityJob:
     # The neighbouring frame of the same eye.
     previous: Compared | None = None
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
-    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
+    covered: NDArray[np.bool_] | None = attrs.field(
+        default=None, converter=attrs.converters.optional(lambda coverage: np.asarray(coverage) != 0)
+    )
     # (h, w), 1/m in the shown view, top row first.
     truth_inverse_depth: NDArray[Any] | None = None
     # View and (w, h) of the late frame.
     rendered: View | None = None
     rendered_size: tuple[int, int] | None = None
-    # The late frame's picture, for reports only.
-    rendered_picture: NDArray[Any] | None = None
+    rendered_picture: NDArray[Any] | None = None  # the late frame's, for reports only
     # FLIP, SSIM and flicker, where a PairPass has found them.
     alike: Alike | None = None
     # (name, picture) of other warps on the same late frame, for reports only.

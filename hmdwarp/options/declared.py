@@ -18,14 +18,17 @@ from ..errors import InputError, in_brief, listed
 from ..registry import own_entries
 
 _PACKAGE = Path(__file__).resolve().parent.parent
+_FAMILY = re.compile(r'dict\.fromkeys\(\s*\(([^)]*)\),\s*"(\w+)"')
 
 
 def names_in(folder: str, pattern: str = "*", without: Collection[str] = (), *, added: bool = True) -> str:
     """Return the entries of a registry for a help text; added: with what packages of hmdwarp add.
 
-    Reads file names alone, modules and tables, so that --help imports nothing.
+    Reads file names and the text in which a registry names its families, so --help imports nothing.
     """
     names = {p.stem for p in (_PACKAGE / folder).glob(pattern) if p.suffix in (".py", ".toml")}
+    for entries, module in _FAMILY.findall((_PACKAGE / folder / "__init__.py").read_text(encoding="utf-8")):
+        names = (names - {module}) | set(re.findall(r"\w+", entries))
     names |= own_entries(folder.rpartition("/")[2]).keys() if added else set()
     return ", ".join(sorted(name for name in names if not name.startswith("_") and name not in without))
 

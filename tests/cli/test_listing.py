@@ -18,6 +18,9 @@ import typer
 from hmdwarp.cli._app import app, options_of_commands
 from hmdwarp.cli.catalogue import KINDS, entries
 from hmdwarp.client.effects import effects
+from hmdwarp.client.fills import fills
+from hmdwarp.client.lens import lenses
+from hmdwarp.client.strategies import strategies
 from hmdwarp.client.warps import warps
 from hmdwarp.experiments.bench.cases import baselines
 from hmdwarp.frames.layers import layers
@@ -80,7 +83,8 @@ def test_json_is_an_array_of_named_things(kind, command):
 
 
 def test_lists_hold_what_the_registries_hold(command):
-    assert ", ".join(warps.names()) in " ".join(command("replay", "--help").done().out.split())
+    told = " ".join(command("replay", "--help").done().out.split())
+    assert all(", ".join(sorted(each.names())) in told for each in (warps, fills, lenses, strategies))
     own = [row["name"] for row in json.loads(command("list", "warps", "--json").out) if row["does_as"] == "none"]
     assert own == warps.names()
     assert [row["name"] for row in json.loads(command("list", "recordings", "--json").out)] == recording_names()
@@ -91,12 +95,9 @@ def test_warps_hold_what_other_systems_do(command):
     rows = {row["name"]: row for row in entries("warps") if row["does_as"] != "none"}
     there = {name: system for name, system in baselines().items() if name not in OUTSIDE or not missing(name)}
     assert {name: row["does_as"] for name, row in rows.items()} == there
-    assert {"mesh:grid=64", "mesh:grid=512", "rotation:edge=clamp"} <= set(rows)
     assert rows["mesh:grid=64"]["summary"].startswith("as CloudXR.js: ")
     assert "grid=64" in rows["mesh:grid=64"]["settings"].split(", ")
-    assert "does as: CloudXR.js" in re.sub(
-        r"does as +", "does as: ", command("list", "warps", "mesh:grid=64").done().out
-    )
+    assert re.search("does as +CloudXR.js", command("list", "warps", "mesh:grid=64").done().out)
 
 
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):
@@ -227,11 +228,11 @@ def test_plan_refuses_what_live_refuses(command):
 def test_plan_counts_bytes_and_frames(command):
     """640x400 of 8 bytes of colour and 4 of depth, two eyes.
 
-    6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2.
+    6.144 MB; 200 ms at 90 Hz are 18 refreshes, and 2; two more are averaged.
     """
     usual = ("--scene", "planes", "--size", "640x400", "--guard", "1")
     told = " ".join(command("plan", *usual, "--rate", "90").done().out.split())
-    assert "6.1 MB" in told and "at most 20 of them at 200 ms and 90 Hz" in told
+    assert "6.1 MB" in told and "at most 22 of them at 200 ms and 90 Hz" in told
     only_colour = " ".join(command("plan", *usual, "--warp", "rotation").done().out.split())
     assert "4.1 MB" in only_colour
 

@@ -1,7 +1,4 @@
-"""Late frames that are averaged: where they count, by how much, and where they must not.
-
-The frames are drawn here, in NumPy: a near wall before a far one, each with a pattern of its own.
-"""
+"""Late frames that are averaged: a near wall before a far one, each with a pattern of its own."""
 
 from __future__ import annotations
 

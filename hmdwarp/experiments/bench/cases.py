@@ -39,7 +39,7 @@ from .options import FILLS, BenchOptions
 # warps that leave the same holes. Where everything is compared complete fills run with these: of
 # the warps that read colour and depth those on the Pareto front of one of the recordings at 200 ms
 # (docs/results-warps.md), the thesis's, and the baselines that leave holes.
-WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
+WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512,ring=0.002")
 _INCOMPLETE = FILLS[:2]
 _RUN = attrs.fields(RunOptions)
 
