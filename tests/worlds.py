@@ -35,8 +35,8 @@ def twin_of(name: str):
 def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
-    Without mesh:grid=512,ring=0.002, whose twin would meet each ray with half a million triangles; it is
-    mesh:grid=64 with another number. Without what draws a scene and warps no picture: that is
+    Without mesh:grid=512,ring=0.002, whose twin would meet each ray with half a million triangles;
+    it is mesh:grid=64 with other numbers. Without what draws a scene and warps no picture: that is
     compared with the server's pictures, see tests/client/test_model.py.
     """
     every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512,ring=0.002")]
