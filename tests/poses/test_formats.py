@@ -45,7 +45,7 @@ def test_every_format_says_what_it_is(name):
 )
 def test_written_traces_read_back_bit_for_bit(tmp_path_factory, name, first, steps, quaternions, places):
     times, n = first + np.cumsum([0, *steps]), len(steps) + 1
-    # Neither at the origin nor without a turn: default poses between jumps would be dropped, rightly.
+    # Not at the origin, and turned: default poses between jumps would be dropped, rightly.
     place = np.array([one or 3.5 for one in places]).reshape(6, 3)[:n]
     q = np.array(quaternions)[:n]
     q[abs(q[:, 3]) > 1 - 1e-6] = [0.5, 0.5, 0.5, 0.5]
