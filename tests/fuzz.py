@@ -429,6 +429,7 @@ def _traces() -> Iterator[tuple[str, Target]]:
     for name, text in texts.items():
         stated = {"quat_order": "wxyz"} if name == "ticks" else None
         yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
+    sys.path.append(str(ROOT / "docs"))  # whose tables these samples check
     from poses.test_assumptions import SAMPLES
 
     for name in ("eyenavgs", "browser"):

@@ -221,7 +221,7 @@ class Channel:
             wasted=lambda coded: recycle(coded.frame),
             receive=self._receiver(),
             decoding=self._decoding,
-            settled=lambda coded, arrived, heard_ns: self._tell(coded.frame, arrived, heard_ns),
+            settled=self._settled,
             in_order=self._needs_earlier(),
         )
 
@@ -230,6 +230,9 @@ class Channel:
 
     def _needs_earlier(self) -> bool:
         return True
+
+    def _settled(self, coded: CodedFrame, arrived: bool, heard_ns: int) -> None:
+        self._tell(coded.frame, arrived, heard_ns)
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
         """Set the latency of frames sent from now on; those in transit keep theirs.

@@ -25,6 +25,7 @@ from hmdwarp.client.fills.plain import minimum_count
 from hmdwarp.colour import srgb_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 
+WARP = "iterative:frames=1,resample=bilinear"
 SIZE, FOV = (160, 120), Fov.symmetric(math.radians(80), math.radians(64))
 FILLS = [
     fill.name if fill.complete else f"{fill.name}+pyramid"
@@ -147,10 +148,10 @@ def of_regions(name: str, tried: Iterable[str]) -> dict[str, tuple[float, dict[s
     scene, head = SCENES[name]
     rendered, shown = View(Pose(), FOV), View(head, FOV)
     (colour, depth), (truth, truth_depth) = drawn(scene, rendered), drawn(scene, shown)
-    bare = hmdwarp.warp_image(colour, depth, rendered=rendered, shown=shown, warp="iterative", fill="none")
+    bare = hmdwarp.warp_image(colour, depth, rendered=rendered, shown=shown, warp=WARP, fill="none")
     holes, found = np.asarray(bare.coverage) == 0, {}
     filled = {
-        fill: hmdwarp.warp_image(colour, depth, rendered=rendered, shown=shown, warp="iterative", fill=fill).colour
+        fill: hmdwarp.warp_image(colour, depth, rendered=rendered, shown=shown, warp=WARP, fill=fill).colour
         for fill in {*SIMPLE, *tried}
     }
     for region, part in regions(holes, truth_depth, shown, rendered).items():

@@ -16,7 +16,7 @@ from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.effects.overlay import OverlayPass
 from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
-from hmdwarp.client.warps.iterative import IterativeSettings
+from hmdwarp.client.warps.iterative import OF_A_PART
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent
 from hmdwarp.geometry import Fov, Pose, View
@@ -69,7 +69,7 @@ class Veiled:
         return found[0]
 
     def twin(self):
-        asked = self.world.asked(IterativeSettings())
+        asked = self.world.asked(OF_A_PART)
         return lay_over(asked, self.passing, self.behind)
 
 

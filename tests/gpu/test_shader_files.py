@@ -248,6 +248,7 @@ def test_every_side_of_every_condition_is_compiled(gpu, variants):
     ways = [set(each.items()) for each in (GPU_DEFINES, SOFTWARE_DEFINES)]
     here, elsewhere = reversed(ways) if gpu.is_software else ways
     others = {(path, (*(set(defines) - here), *elsewhere)) for path, defines in variants if here <= set(defines)}
+    others |= {(path, tuple(set(defines) - {("TEXELS", 1)})) for path, defines in variants}
     for path, defines in variants | others:
         flat = flatten(path, dict(defines))
         walk(flat.lines, flat.origins, sides)

@@ -120,7 +120,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
             record=recording,
             out=out,
             images_every=1,
-            depth_layer=passes["warp"] != "iterative",
+            depth_layer=not passes["warp"].startswith("iterative"),
             **passes,
         ),
         after,
@@ -197,7 +197,7 @@ class HeadsetEyes:
         ).views
 
 
-PASSES = [{"warp": "forward", "fill": "interpolate"}, {"warp": "iterative", "fill": "none"}]
+PASSES = [{"warp": "forward", "fill": "interpolate"}, {"warp": "iterative:frames=1", "fill": "none"}]
 
 
 @pytest.mark.parametrize("passes", PASSES, ids=lambda passes: passes["warp"])

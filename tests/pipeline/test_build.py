@@ -12,7 +12,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import StageTimer, download
+from hmdwarp.gpu import Lap, download
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, plans_for, source_of
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import Run
@@ -112,8 +112,8 @@ def test_one_eye_is_enough(gpu, warp):
 
 
 def test_exchanged_passes_show_what_they_would_have_shown_alone(gpu):
-    other = build_plan((), "iterative", "interpolate", "none", client_geometry=True)
-    with pipeline(gpu, OneEye(), warp="iterative", fill="interpolate") as made:
+    other = build_plan((), "iterative:frames=1", "interpolate", "none", client_geometry=True)
+    with pipeline(gpu, OneEye(), warp="iterative:frames=1", fill="interpolate") as made:
         wanted = download(shown_at(made, 5).eyes[0].shown.texture)
     with pipeline(gpu, OneEye(), warp="forward") as made:
         for k in range(6):
@@ -158,16 +158,8 @@ def test_a_change_of_latency_keeps_what_is_under_way(gpu):
 
 def test_times_are_read_when_they_are_asked_for(gpu, monkeypatch):
     """A live driver asks a refresh later, so that the GPU never has to be waited for."""
-    read = []
-    made_lap = StageTimer.lap
-
-    def lap(self):
-        got = made_lap(self)
-        unread = got.read
-        got.read = lambda: (read.append(got), unread())[1]
-        return got
-
-    monkeypatch.setattr(StageTimer, "lap", lap)
+    read, unread = [], Lap.read
+    monkeypatch.setattr(Lap, "read", lambda self: (read.append(self), unread(self))[1])
     with pipeline(gpu, OneEye()) as made:
         refresh = shown_at(made, 4)
         assert not read
