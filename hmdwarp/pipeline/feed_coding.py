@@ -112,18 +112,15 @@ def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
 
 def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Collection[str] = ()) -> Arrays:
     """Return what a decoded frame has of one eye, in (w, h) pixels; nothing where it is missing."""
-    (of_colour, of_depth), (no_colour, no_depth) = PICTURE, _blank(size)
+    of_colour, of_depth = PICTURE
+    # Where nothing was drawn: one number each, at every pixel.
+    no_colour, no_depth = np.broadcast_to(np.float16(0), (*size[::-1], 4)), np.broadcast_to(np.float32(-1), size[::-1])
     colour: Picture = no_colour if of_colour in missing else frame.colours[eye]
     depth: Picture = no_depth if of_depth in missing else frame.inverse_depths[eye]
     assert isinstance(colour, np.ndarray) and not isinstance(depth, bytes), "it is decoded"
     codes, step = (depth.codes, depth.step) if isinstance(depth, DepthCodes) else (depth, 1.0)
     encoding = SRGB8 if colour.dtype == np.uint8 else LINEAR
     return Arrays(colour, encoding, codes, step, is_inverse=True, is_apart=True)
-
-
-def _blank(size: tuple[int, int]) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
-    """Return pictures where nothing was drawn: one number each, at every pixel."""
-    return np.broadcast_to(np.float16(0), (*size[::-1], 4)), np.broadcast_to(np.float32(-1), size[::-1])
 
 
 def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:

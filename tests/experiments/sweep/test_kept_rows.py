@@ -74,6 +74,6 @@ def _peak(folder: Path, count: int) -> int:
 
 
 if __name__ == "__main__":
-    _peak(Path(sys.argv[1]), 3)  # imports and caches
     FEW, MANY = 20, 120
+    _peak(Path(sys.argv[1]) / "before", 2 * MANY)  # imports, caches, Python's table of texts
     print(FEW, MANY, *(_peak(Path(sys.argv[1]), count) for count in (FEW, MANY)))
