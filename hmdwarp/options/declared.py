@@ -22,7 +22,7 @@ _FAMILY = re.compile(r'dict\.fromkeys\(\s*\(([^)]*)\),\s*"(\w+)"')
 
 
 def names_in(folder: str, pattern: str = "*", without: Collection[str] = (), *, added: bool = True) -> str:
-    """Return a registry's entries for help, without imports; added: with those of other packages."""
+    """Return a registry's entries for help, without imports; added: with those of packages."""
     names = {p.stem for p in (_PACKAGE / folder).glob(pattern) if p.suffix in (".py", ".toml")}
     for entries, module in _FAMILY.findall((_PACKAGE / folder / "__init__.py").read_text(encoding="utf-8")):
         names = (names - {module}) | set(re.findall(r"\w+", entries))
