@@ -63,13 +63,13 @@ def images_read(needs: Needs) -> int:
 
     Includes the newest.
     """
-    return 1 + needs.others.count + int(needs.get("views", 0)) + needs.others.recent
+    return 1 + needs.others.count + needs.others.recent + int(needs.get("views", 0))
 
 
 def pictures_read(needs: Needs) -> int:
     """Return how many pictures with depth a warp with these needs reads for one eye, at most."""
-    # Recent frames only average what is carried.
-    return (1 + int(needs.get("peeled", 0))) * (images_read(needs) - needs.others.recent)
+    # Of recent frames nothing is carried.
+    return (1 + int(needs.get("peeled", 0))) * (1 + needs.others.count + int(needs.get("views", 0)))
 
 
 class ShownDepth:

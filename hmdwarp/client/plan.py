@@ -112,8 +112,9 @@ class Plan:
 
     @cached_property
     def warp_needs(self) -> Needs:
-        """Layers that the warp alone needs of a frame."""
-        return self.warp.needs(self.choice.settings)
+        """Layers that the warp alone needs of a frame; through the lens it averages no others."""
+        needs = self.warp.needs(self.choice.settings)
+        return Needs(**{**needs, "others": attrs.evolve(needs.others, recent=0)}) if self.fused else needs
 
     @cached_property
     def needs(self) -> Needs:

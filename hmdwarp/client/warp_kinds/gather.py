@@ -60,7 +60,7 @@ class GatherWarp(Warp):
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
         if lens is None:
-            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
+            defines |= {"ROWS": (self.depth_into and self.rows_with_depth) or self.rows}
         else:
             defines |= lens.panel_defines
         if self.output.scanout:

@@ -33,11 +33,11 @@ class OlderFrames:
     counts less the more light has changed there, and the farther off it lies.
     """
 
-    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], most: int, **defines: object) -> None:
-        """Compile for at most `most` older frames; defines: of warps/older_look.comp."""
+    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], most: int, ways: Mapping[str, bool]) -> None:
+        """Compile for at most `most` older frames; ways: what warps/older_look.comp defines."""
         self._gpu, self._size, self._blocks = gpu, shown_size, tiles(shown_size, BLOCK)
-        texels = {"TEXELS": 1} if gpu.is_software else {}
-        self._look = gpu.shaders.compute("warps/older_look.comp", **texels, **defines)
+        defines = {name: 1 for name, asked in {**ways, "TEXELS": gpu.is_software}.items() if asked}
+        self._look = gpu.shaders.compute("warps/older_look.comp", **defines)
         self._compare = gpu.shaders.compute("warps/older_compare.comp")
         self._agree = gpu.shaders.compute("warps/older_agree.comp")
         self._join = [gpu.shaders.compute("warps/older_join.comp", OLDER=count) for count in range(1, most + 1)]
@@ -75,16 +75,12 @@ class OlderFrames:
         for k in range(count):
             self._looked_up[k].bind_to_image(1 + 2 * k, read=True, write=False)
             self._told[k].bind_to_image(2 + 2 * k, read=True, write=False)
-        units = {"looked_up": tuple(range(1, 2 * count, 2)), "told": tuple(range(2, 2 * count + 1, 2))}
-        last = (self._blocks[0] - 1, self._blocks[1] - 1)
-        self._run(
-            self._join[count - 1],
-            self._size,
-            shown_colour=_SHOWN,
-            shown_size=self._size,
-            last_block=last,
-            **(units if count > 1 else {name: numbers[0] for name, numbers in units.items()}),
-        )
+        units = {
+            name: first if count == 1 else tuple(range(first, 2 * count + 1, 2))
+            for first, name in enumerate(("looked_up", "told"), start=1)
+        }
+        sizes = {"shown_size": self._size, "last_block": (self._blocks[0] - 1, self._blocks[1] - 1)}
+        self._run(self._join[count - 1], self._size, shown_colour=_SHOWN, **sizes, **units)
 
     def _run(self, program: Compute, size: tuple[int, int], **uniforms: object) -> None:
         self._gpu.barrier()

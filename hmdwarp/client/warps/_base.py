@@ -100,10 +100,13 @@ class Warp(ABC):
             "rendered_pixel": rendered_pixel,
             "shown_size": tuple(shown_size),
         }
-        # Where the inverse depth of this run goes: by run() into one pixel that is not read.
-        self._no_depth = allocate(gpu.gl, (1, 1), SCALAR) if self.output.depth else None
-        self.depth_into = self._no_depth
+        # Where the inverse depth of this run goes.
+        self.depth_into = self._run_depth = self.own_depth()
         self.prepare()
+
+    def own_depth(self) -> moderngl.Texture | None:
+        """Return where run() writes the inverse depth: one pixel that nobody reads, or nowhere."""
+        return allocate(self.gpu.gl, (1, 1), SCALAR) if self.output.depth else None
 
     @abstractmethod
     def prepare(self) -> None:
@@ -120,12 +123,12 @@ class Warp(ABC):
         """
         self.depth_into = depth
         self.run(inputs, into)
-        self.depth_into = self._no_depth
+        self.depth_into = self._run_depth
 
     def close(self) -> None:
         """Free what the warp owns."""
-        if self._no_depth is not None:
-            self._no_depth.release()
+        if self._run_depth is not None:
+            self._run_depth.release()
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import attrs
+import moderngl
 
 from ...frames import Needs, Others
 from ...geometry import Fov, Hidden, WarpMap
@@ -41,9 +42,7 @@ class IterativeSettings(GatherSettings):
     # Pixels by which neighbours on two surfaces may part and still be joined by a stretched sheet:
     # narrower than a pixel it looks like the mixed colours of an antialiased silhouette.
     sheet: float = 1.0
-    resample: Literal["bilinear", "catmull-rom"] = attrs.field(
-        default="catmull-rom", validator=attrs.validators.in_(("bilinear", "catmull-rom"))
-    )
+    resample: Literal["bilinear", "catmull-rom"] = "catmull-rom"
     # Late frames that are averaged: the newest, and older ones where they saw the same surface.
     frames: int = 3
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
@@ -92,19 +91,19 @@ class Iterative(GatherWarp):
     def needs(cls, settings: Any) -> Needs:
         return Needs(others=Others(recent=settings.frames - 1)) if settings.frames > 1 else Needs()
 
+    @property
+    def _averages(self) -> bool:
+        return self.settings.frames > 1 and self.output.lens is None
+
+    def own_depth(self) -> moderngl.Texture | None:
+        return allocate(self.gpu.gl, self.shown_size, SCALAR) if self._averages else super().own_depth()
+
     def prepare(self) -> None:
         chosen = self.settings
-        # Through the lens, and of foveated frames, the newest frame alone is shown.
         self._older: OlderFrames | None = None
-        if chosen.frames > 1 and self.output.lens is None and self.output.foveated is None:
-            defines = {
-                **({"FRINGED": 1} if chosen.fringe == "front" else {}),
-                **({"SCANOUT": 1} if self.output.scanout else {}),
-            }
-            self._older = OlderFrames(self.gpu, self.shown_size, chosen.frames - 1, **defines)
-            if self._no_depth is not None:
-                self._no_depth.release()
-            self._no_depth = self.depth_into = allocate(self.gpu.gl, self.shown_size, SCALAR)
+        if self._averages:
+            ways = {"FRINGED": chosen.fringe == "front", "SCANOUT": self.output.scanout}
+            self._older = OlderFrames(self.gpu, self.shown_size, chosen.frames - 1, ways)
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
@@ -128,10 +127,11 @@ class Iterative(GatherWarp):
             cells["cells"] = self._seeds.cells
         limits = {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
         self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
-        # A picture that is shown as it was drawn keeps its last bits.
-        whole = all(map(WarpMap.moves_whole_pixels, self.maps(inputs, inputs.rendered.view)))
         older = inputs.recent[: self.settings.frames - 1]
-        if self._older is not None and self.depth_into is not None and older and not whole:
+        if self._older is None or self.depth_into is None or not older:
+            return
+        # A picture that is shown as it was drawn keeps its last bits.
+        if not all(map(WarpMap.moves_whole_pixels, self.maps(inputs, inputs.rendered.view))):
             maps = [self.coefficients(self.maps(inputs, image.view)) for image in older]
             self._older.add(older, maps, into, self.depth_into, depth_limits(self.settings, inputs.rendered))
 
