@@ -77,12 +77,9 @@ class Surfaces:
             return
         self._several.draw(self._passes[kind], view, into.colour.texture, time_ns)
         if into.inverse_depth is not None:
-            self._depth_passes().draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
-
-    def _depth_passes(self) -> ScenePasses:
-        if self._depth is None:
-            self._depth = ScenePasses(self._gpu, self.scene, self._buffers, colour=False, moving=self._moving)
-        return self._depth
+            if self._depth is None:
+                self._depth = ScenePasses(self._gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+            self._depth.draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
 
     def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
         depth = (into.inverse_depth,) if into.inverse_depth is not None else ()

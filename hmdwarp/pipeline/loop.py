@@ -175,9 +175,8 @@ class Loop:
         found = [frame.eyes[1 - eye]] if asked.other_eye else []
         found += rendered.carried.get("views", ())
         found += [before.eyes[eye] for before in kept.frames[: asked.past]]
-        recent = [before.eyes[eye] for before in kept.recent[: asked.recent]]
-        # Passes are made for pictures of one size.
-        others, recent = (
-            [one.only(needs) for one in images if one.size == rendered.size] for images in (found, recent)
-        )
-        return {"rendered": rendered, "others": tuple(others), "recent": tuple(recent)}
+        late = [before.eyes[eye] for before in kept.recent[: asked.recent]]
+        size = rendered.size  # passes are made for pictures of one size
+        others = tuple([one.only(needs) for one in found if one.size == size]) if found else ()
+        recent = tuple([one.only(needs) for one in late if one.size == size]) if late else ()
+        return {"rendered": rendered, "others": others, "recent": recent}

@@ -80,8 +80,8 @@ class GatherWarp(Warp):
         """Return the map from shown to rendered pixels."""
         return view_map(shown, self.shown_size, rendered, self.rendered_size)
 
-    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> None:
-        """Bind the colour and the result, set maps and sizes, and run over every output pixel."""
+    def run_gather(self, program: Compute, inputs: PassInputs, into: Canvas, **uniforms: object) -> list[WarpMap]:
+        """Bind colour and result, set maps and sizes, run over every pixel; return the maps."""
         maps = self.maps(inputs, inputs.rendered.view)
         self.bind_colour(inputs, _COLOUR, maps)
         into.bind_for_writing(0)
@@ -99,6 +99,7 @@ class GatherWarp(Warp):
         if (lens := self.output.lens) is not None:
             program.uniforms.set(panel_size=into.size, **lens.library_uniforms(inputs.shown.fov, inputs.eye))
         program.run(*into.size)
+        return maps
 
     def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
         """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""

@@ -41,6 +41,8 @@ class OlderFrames:
         self._compare = gpu.shaders.compute("warps/older_compare.comp")
         self._agree = gpu.shaders.compute("warps/older_agree.comp")
         self._join = [gpu.shaders.compute("warps/older_join.comp", OLDER=count) for count in range(1, most + 1)]
+        self._runs = {one: one.over(*shown_size) for one in (self._look, *self._join)}
+        self._runs |= {one: one.over(*self._blocks) for one in (self._compare, self._agree)}
         self._looked_up = [allocate(gpu.gl, shown_size, COLOUR) for _ in range(most)]
         self._told = [allocate(gpu.gl, self._blocks, COLOUR) for _ in range(most)]
         self._sums = allocate(gpu.gl, (self._blocks[0], 4 * self._blocks[1]), (4, "f4"))
@@ -64,12 +66,12 @@ class OlderFrames:
             image.colour.bind_to_image(_COLOUR, read=True, write=False)
             image.colour.use(_COLOUR)
             sizes = {"shown_size": self._size, "rendered_size": image.size}
-            self._run(self._look, self._size, **_LOOK, **sizes, **back, **limits)
+            self._run(self._look, **_LOOK, **sizes, **back, **limits)
             into.texture.bind_to_image(_SHOWN, read=True, write=False)
             self._sums.bind_to_image(_SUMS, read=True, write=True)
-            self._run(self._compare, self._blocks, **_COMPARE, blocks=self._blocks)
+            self._run(self._compare, **_COMPARE, blocks=self._blocks)
             told.bind_to_image(_SHOWN, read=False, write=True)
-            self._run(self._agree, self._blocks, sums=_SUMS, told=_SHOWN, blocks=self._blocks)
+            self._run(self._agree, sums=_SUMS, told=_SHOWN, blocks=self._blocks)
         count = min(len(older), len(self._looked_up))
         into.texture.bind_to_image(_SHOWN, read=True, write=True)
         for k in range(count):
@@ -80,12 +82,12 @@ class OlderFrames:
             for first, name in enumerate(("looked_up", "told"), start=1)
         }
         sizes = {"shown_size": self._size, "last_block": (self._blocks[0] - 1, self._blocks[1] - 1)}
-        self._run(self._join[count - 1], self._size, shown_colour=_SHOWN, **sizes, **units)
+        self._run(self._join[count - 1], shown_colour=_SHOWN, **sizes, **units)
 
-    def _run(self, program: Compute, size: tuple[int, int], **uniforms: object) -> None:
+    def _run(self, program: Compute, **uniforms: object) -> None:
         self._gpu.barrier()
         program.uniforms.set(**uniforms)
-        program.run(*size)
+        self._runs[program]()
 
     def close(self) -> None:
         """Free the textures."""

@@ -126,14 +126,14 @@ class Iterative(GatherWarp):
             self._seeds.find(inputs, surface)
             cells["cells"] = self._seeds.cells
         limits = {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
-        self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
+        maps = self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
         older = inputs.recent[: self.settings.frames - 1]
         if self._older is None or self.depth_into is None or not older:
             return
         # A picture that is shown as it was drawn keeps its last bits.
-        if not all(map(WarpMap.moves_whole_pixels, self.maps(inputs, inputs.rendered.view))):
-            maps = [self.coefficients(self.maps(inputs, image.view)) for image in older]
-            self._older.add(older, maps, into, self.depth_into, depth_limits(self.settings, inputs.rendered))
+        if not all(map(WarpMap.moves_whole_pixels, maps)):
+            back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
+            self._older.add(older, back, into, self.depth_into, depth_limits(self.settings, inputs.rendered))
 
     def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
