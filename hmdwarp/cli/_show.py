@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..errors import InputError
-from ..run.requirements import Requirements, hold
+from ..run.requirements import Requirements
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def run_experiment(
     if result.refused:  # after the results are written: they are good, the budget was not
         raise InputError(result.refused)
     if required is not None:
-        hold(required.missed(result.data["rows"]))
+        required.end(required.judge(result.data["rows"]))
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

@@ -4,6 +4,7 @@ from .charts import canvas as canvas
 from .charts import draw_numbers as draw_numbers
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
+from .files import Panel as Panel
 from .files import atomic as atomic
 from .files import comparison_panels as comparison_panels
 from .files import inert_text as inert_text
@@ -30,6 +31,7 @@ from .output import OutputFolder as OutputFolder
 from .output import refuse_existing as refuse_existing
 from .output import summary_faults as summary_faults
 from .output import validate_summary as validate_summary
+from .page import Section as Section
 from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
@@ -39,15 +41,21 @@ from .replay_page import render_report as render_report
 from .replay_page import summary_html as summary_html
 from .replay_page import summary_table as summary_table
 from .run_diff import DIFF_PAGE as DIFF_PAGE
+from .run_diff import ROWS as ROWS
+from .run_diff import SECTIONS as SECTIONS
 from .run_diff import RunDiff as RunDiff
 from .run_diff import StoredRun as StoredRun
 from .run_diff import diff_runs as diff_runs
 from .run_diff import digests as digests
+from .run_diff import figures_table as figures_table
+from .run_diff import is_same as is_same
+from .run_diff import verdict_section as verdict_section
 from .run_texts import ALPHA as ALPHA
 from .run_texts import axes_of_traces as axes_of_traces
 from .run_texts import budget_rows as budget_rows
 from .run_texts import coding_rows as coding_rows
 from .run_texts import counted as counted
+from .run_texts import figure_of as figure_of
 from .run_texts import filled_rows as filled_rows
 from .run_texts import frame_rows as frame_rows
 from .run_texts import interval as interval

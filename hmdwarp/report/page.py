@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 from markupsafe import Markup
 
-from .files import jpeg_bytes
+from .files import jpeg_bytes, png_bytes
 from .run_texts import name_pieces
 from .style import css_variables
 
@@ -98,11 +98,19 @@ class Picture:
     source: str  # data URI
     alt: str
     size: tuple[int, int] | None = None
+    # Data URI of another that takes its place in turn, where the section's choice says so.
+    over: str = ""
 
     @classmethod
     def of(cls, caption: str, picture: Any, alt: str) -> Picture:
         """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size."""
         return cls(caption, data_uri(picture), alt, (picture.shape[1], picture.shape[0]))
+
+    @classmethod
+    def exact(cls, caption: str, picture: Any, alt: str, over: Any = None) -> Picture:
+        """Make one without loss. over: a picture that takes its place in turn."""
+        size = (picture.shape[1], picture.shape[0])
+        return cls(caption, data_uri(picture, "png"), alt, size, "" if over is None else data_uri(over, "png"))
 
 
 @attrs.frozen
@@ -112,6 +120,7 @@ class Choice:
     name: str
     # (measure, label)
     measures: Sequence[tuple[str, str]]
+    legend: str = "Error measured by"
 
 
 @attrs.frozen
@@ -209,9 +218,10 @@ def minutes(seconds: float) -> str:
     return f"{seconds / 60:.1f} min"
 
 
-def data_uri(picture: Any) -> str:
-    """Return a picture as a data URI."""
-    return "data:image/jpeg;base64," + base64.b64encode(jpeg_bytes(picture)).decode("ascii")
+def data_uri(picture: Any, kind: str = "jpeg") -> str:
+    """Return a picture as a data URI. kind: jpeg or png."""
+    content = jpeg_bytes(picture) if kind == "jpeg" else png_bytes(picture)
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 @functools.cache

@@ -100,11 +100,12 @@ def render_report(
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
+    gate: Section | None = None,
 ) -> str:
     """Return the text of report.html; the same arguments give the same text.
 
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. command: as the user typed it. notes: the run's, one sentence each.
+    values. command: as the user typed it. notes: the run's, one sentence each. gate: its verdict.
     """
     names = column_names(summary, *baselines)
     truth = "the recorded frame nearest to that instant"
@@ -119,6 +120,7 @@ def render_report(
         facts=_facts(summary),
         command=command,
         sections=(
+            gate,
             Section("", _tiles(summary, baselines, names), style="tiles", label="Main figures"),
             notes_section(notes),
             _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),

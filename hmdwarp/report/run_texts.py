@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from .. import errors
-from ..metrics import STAGES, Figure, metrics, metrics_in_order
+from ..metrics import JOD, STAGES, Figure, metrics, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -130,7 +130,7 @@ class Table:
 
     def style_of(self, column: int) -> str:
         """Return the style of a column's head: as its cells, if they are words or tails."""
-        style = self.lines[0].cells[column].style if self.lines else ""
+        style = self.lines[0].cells[column].style.partition(" ")[0] if self.lines else ""
         return style if style in ("word", "tail") else ""
 
     def markdown(self) -> str:
@@ -138,6 +138,14 @@ class Table:
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
         return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
+
+    def text(self) -> str:
+        """Return the table as plain text in columns; numbers stand at the right."""
+        heads = [" ".join(filter(None, head)) for head in self.heads]
+        lines = [heads, *([cell.text for cell in line.cells] for line in self.lines)]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        sides = [f"{'<' if self.style_of(n) == 'word' else '>'}{wide}" for n, wide in enumerate(widths)]
+        return "\n".join("  ".join(map(format, line, sides)).rstrip() for line in lines)
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:
@@ -175,7 +183,12 @@ Summary = Mapping[str, Any]
 Pairs = list[tuple[str, str]]
 
 QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
-TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2, higher_is_better=False) for stage in STAGES)
+_SHARES, _RATES = ("filled", "share", "truth_preferred"), ("mbit_s", "layers_mbit_s", "up_mbit_s")
+_BY_NAME = {figure.name: figure for figure in (*QUALITY_FIGURES, JOD)}
+_BY_NAME |= {f"{figure.name}_ms": figure for figure in TIME_FIGURES}
+_BY_NAME |= {name: Figure(name, name, "%", 2, 100) for name in _SHARES}
+_BY_NAME |= {name: Figure(name, name, "Mbit/s", 2, higher_is_better=False) for name in _RATES}
 # Of the `miss` of a live summary.
 _MISS = (
     Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
@@ -217,6 +230,15 @@ _CODING = (
     ("coded_psnr_db", "pictures after coding", "dB PSNR"),
 )
 _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
+
+
+def figure_of(key: str) -> Figure:
+    """Return how a number of summary.json is written, and which way it is better, by its key.
+
+    key: dotted, such as `regions.seen.flip`; the last part that has a declaration decides.
+    """
+    known = [part for part in key.split(".") if part in _BY_NAME]
+    return _BY_NAME[known[-1]] if known else Figure(key, key, "ms" if key.endswith("_ms") else "", 0)
 
 
 def source_facts(summary: Summary) -> Pairs:

@@ -29,7 +29,7 @@ from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
 from .replay_setup import ReplayRun, set_up_replay
-from .run_summary import OWNED, ReplayResult, result_of, write_results
+from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -39,12 +39,15 @@ Progress = Callable[[int, int], None]
 
 
 def replay(
-    options: RunOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
+    options: RunOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+    judge: Judge | None = None,
 ) -> ReplayResult:
     """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
 
     progress(done, total): called after each refresh. say: called with a sentence before each part
-    that takes long and shows no progress.
+    that takes long and shows no progress. judge: gives the verdict, which is written with the rest.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
@@ -52,10 +55,12 @@ def replay(
     if AUTO in (options.warp, options.guard):
         raise InputError("warp or guard 'auto': choose(options).options names what it stands for in a run")
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
-        return _replay(options, out, progress, say)
+        return _replay(options, out, progress, say, judge)
 
 
-def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
+def _replay(
+    options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None], judge: Judge | None
+) -> ReplayResult:
     source = source_of(options)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         with MeasuringProcesses(worker_count(options.workers)) as processes:
@@ -79,8 +84,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)
-    write_results(out, log, result, compared, pool, options.command)
-    return result
+    verdict = write_results(out, log, result, compared, pool, options.command, judge)
+    return attrs.evolve(result, verdict=verdict)
 
 
 def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:

@@ -6,14 +6,12 @@ Includes the entry of warp "auto".
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
 from ..frames import EyeSizes, Needs
 from ..geometry import Pose, View
@@ -24,9 +22,12 @@ from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import (
+    DIFF_PAGE,
     FRAME_COLUMNS,
     SCHEMA,
     OutputFolder,
+    Panel,
+    StoredRun,
     WorstFrame,
     digests,
     labelled_strip,
@@ -39,12 +40,13 @@ from ..scenes import InputLog
 from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplayRun
+from .requirements import Verdict
 from .run import Run
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = (
-    "diff.html",
+    DIFF_PAGE,
     "images/*-left.png",
     "images/*-right.png",
     "images/*-camera.png",
@@ -177,6 +179,8 @@ class ReplayResult:
     rows: list[Row]
     # The summaries of the comparisons.
     against: list[dict[str, Any]]
+    # What came of the requirements and the baseline, None where there are none.
+    verdict: Verdict | None = None
 
     @property
     def report(self) -> Path:
@@ -276,6 +280,9 @@ def answers_of(setup: ReplayRun, inputs: InputLog, log: ReplayLog) -> Answers:
     return answers
 
 
+Judge = Callable[[ReplayResult, StoredRun], Verdict]
+
+
 def write_results(
     out: OutputFolder,
     log: ReplayLog,
@@ -283,18 +290,22 @@ def write_results(
     compared: list[list[Row]],
     pool: QualityPool,
     command: str,
-) -> None:
-    """Write everything but the video, which is written during the run.
+    judge: Judge | None,
+) -> Verdict | None:
+    """Write everything but the video, which is written during the run; return the verdict.
 
     Pictures are encoded on threads while the page is made: one after the other they took longer.
     """
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
 
-        def write_strip(kept: Kept) -> tuple[str, NDArray[np.uint8]]:
+        def write_strip(kept: Kept) -> tuple[str, list[Panel]]:
             number, eye, _ = kept.key
-            name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(panels_of(kept))
-            out.write_png(name, strip)
-            return name, strip
+            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", panels_of(kept)
+            out.write_png(name, labelled_strip(panels))
+            return name, panels
+
+        def digested() -> dict[str, Any]:
+            return digests([*log.frames_csv()], dict(strip.result() for strip in strips))
 
         names = eye_names(result.summary)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
@@ -302,6 +313,13 @@ def write_results(
         if log.answers is not None:
             out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
         time_s = {row["frame"]: row["time_s"] for row in result.rows}
+        verdict = None
+        if judge is not None:
+            result.summary["digests"] = digested()
+            verdict = judge(result, StoredRun(out.path(""), result.summary, out.folder))
+            result.summary["gate"] = verdict.entry()
+        if verdict is not None and verdict.diff is not None and not verdict.diff.is_equal:
+            out.write_text(DIFF_PAGE, verdict.diff.page(command))
         page = render_report(
             result.summary,
             result.against,
@@ -310,8 +328,9 @@ def write_results(
             worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],
+            gate=verdict and verdict.section(),
         )
         out.write_text("report.html", page)
-        pictures = dict(strip.result() for strip in strips)
-    result.summary["digests"] = digests([*log.frames_csv()], pictures)
+        result.summary["digests"] = digested()
     out.write_json("summary.json", result.summary)
+    return verdict
