@@ -91,7 +91,8 @@ class _Lines:
         if done == total:
             return f"{line}; the last pictures are measured, then the results are written"
         if first < done:
-            line += f", about {_duration((now_s - began_s) / (done - first) * (total - done))} to go"
+            whole = max(1, round((now_s - began_s) / (done - first) * (total - done)))
+            line += f", about {f'{whole} s' if whole < 120 else f'{round(whole / 60)} min'} to go"
         return line
 
     @contextmanager
@@ -114,11 +115,6 @@ class _Lines:
             over.set()
             self._estimated.set()
             thread.join()
-
-
-def _duration(seconds: float) -> str:
-    whole = max(1, round(seconds))
-    return f"{whole} s" if whole < 120 else f"{round(whole / 60)} min"
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

@@ -32,6 +32,8 @@ from .output import refuse_existing as refuse_existing
 from .output import summary_faults as summary_faults
 from .output import validate_summary as validate_summary
 from .page import Section as Section
+from .page import Sentences as Sentences
+from .page import Text as Text
 from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
@@ -49,7 +51,6 @@ from .run_diff import diff_runs as diff_runs
 from .run_diff import digests as digests
 from .run_diff import figures_table as figures_table
 from .run_diff import is_same as is_same
-from .run_diff import verdict_section as verdict_section
 from .run_texts import ALPHA as ALPHA
 from .run_texts import axes_of_traces as axes_of_traces
 from .run_texts import budget_rows as budget_rows

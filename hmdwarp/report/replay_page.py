@@ -253,19 +253,22 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
 
 
 def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
-    """Return the charts over time: the primary metric, the others, then the head's motion."""
-    charts = []
-    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
-        if not metric.chart:
-            continue
-        drawn = zip(names, (rows, *baselines_rows), strict=True)
-        series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
-        svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
-        charts.append(Chart.over_time(metric.chart, svg))
-    return charts + [
+    """Return the charts over time: those of the metrics, then the head's motion."""
+    return metric_charts(dict(zip(names, (rows, *baselines_rows), strict=True))) + [
         Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
         for heading, name, unit in _MOTION_CHARTS
     ]
+
+
+def metric_charts(runs: Mapping[str, Rows]) -> list[Chart]:
+    """Return the charts over time of the metrics, the primary one first. runs: by name."""
+    charts = []
+    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+        series = [Series.of(name, rows, metric.name, metric.scale) for name, rows in runs.items()]
+        if metric.chart:
+            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
+            charts.append(Chart.over_time(metric.chart, svg))
+    return charts
 
 
 def _worst_frames(worst: Sequence[WorstFrame], eyes: Sequence[str]) -> Section | None:

@@ -13,16 +13,15 @@ from typing import Any, Self
 
 import attrs
 import numpy as np
-from markupsafe import Markup
 
 from ..errors import InputError
-from ..metrics import QUALITY, Figure, metrics_in_order
+from ..metrics import QUALITY, Figure
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
-from .charts import Series, time_series
 from .files import Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
-from .page import Article, Chart, Choice, Group, Heading, Page, Picture, Section, Sentences, Text, fact, machine_pairs
+from .page import Article, Choice, Group, Heading, Page, Picture, Section, Sentences, fact, machine_pairs
+from .replay_page import metric_charts
 from .run_texts import Cell, Line, Table, counted, figure_of
 
 DIFF_PAGE = "diff.html"
@@ -172,17 +171,13 @@ class PictureDiff:
     """A picture of both runs that differs."""
 
     name: str
-    # "" where the pictures differ beyond the tolerance in what can be shown.
-    why: str = ""
+    # In what.
+    told: str
+    # Of the pixels, and levels of 255.
     share: float = 0.0
     largest: int = 0
     # Stored, now, and the difference.
     pictures: tuple[Pixels, ...] = ()
-
-    @property
-    def told(self) -> str:
-        """In what it differs."""
-        return self.why or f"{100 * self.share:.2g} % of the pixels differ, by at most {self.largest} of 255"
 
 
 @attrs.frozen(eq=False)
@@ -243,9 +238,7 @@ class RunDiff:
             "setup": [dict(zip(("name", "first", "second"), entry, strict=True)) for entry in self.setup],
             "figures": [one.entry() for one in self.figures],
             "refreshes": self.refreshes,
-            "pictures": [
-                {"name": one.name, "why": one.why, "share": one.share, "largest": one.largest} for one in self.pictures
-            ],
+            "pictures": [attrs.asdict(one, filter=lambda field, _: field.name != "pictures") for one in self.pictures],
             "notes": self.notes,
         }
 
@@ -273,29 +266,13 @@ class RunDiff:
             sections=(
                 Section("Differences", self.blocks()),
                 Section("Pictures", [choice, *articles] if articles else []),
-                Section("Over time", [Group("charts", [*self._charts()])]),
+                Section(
+                    "Over time",
+                    [Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
+                ),
             ),
             made_with=machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"]),
         ).html()
-
-    def _charts(self) -> Iterator[Chart]:
-        runs = {"stored": self.first.rows(), "now": self.second.rows()}
-        for metric in metrics_in_order():
-            series = [Series.of(label, rows, metric.name, metric.scale) for label, rows in runs.items()]
-            if metric.chart and all(len(one.value) for one in series):
-                svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
-                yield Chart.over_time(metric.chart, svg)
-
-
-def verdict_section(headline: str, findings: Sequence[tuple[str, bool]], diff: RunDiff | None) -> Section:
-    """Return the part of a page on what a run had to hold. findings: (line, whether it holds)."""
-    said = Sentences([line for line, _ in findings], ["yes" if holds else "no" for _, holds in findings], "said")
-    blocks = [Text(headline, "name"), said]
-    if diff is not None:
-        page = Markup(': pictures and charts are in <a href="{0}">{0}</a>').format(DIFF_PAGE)
-        blocks.append(Text(Markup("Baseline {}{}").format(diff.first.named, "" if diff.is_equal else page)))
-        blocks += diff.blocks()
-    return Section("Verdict", blocks, style="answer")
 
 
 Allows = Callable[[str, Any, Any], bool]
@@ -312,19 +289,17 @@ def diff_runs(
     """
     setup: list[tuple[str, Any, Any]] = []
     figures: list[FigureChange] = []
-    notes: list[str] = []
     for key, a, b in _leaves(first.summary, second.summary):
-        is_figure = key.partition(".")[0] in SECTIONS and not isinstance(a or b, str)
-        if is_figure:
+        if key.partition(".")[0] in SECTIONS and not isinstance(a or b, str):
             figures.append(FigureChange(key, a, b))
         elif not is_same(key, a, b):
             setup.append((key, a, b))
-    for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer")):
-        a, b = (run.summary["machine"].get(key) for run in (first, second))
-        if a != b:
-            notes.append(f"another {name}: {a} -> {b}; pictures may differ in their last digits")
-    if first.summary["hmdwarp"] != second.summary["hmdwarp"]:
-        notes.append(f"another version: {first.summary['hmdwarp']} -> {second.summary['hmdwarp']}")
+    ours, theirs = ({"version": run.summary["hmdwarp"], **run.summary["machine"]} for run in (first, second))
+    notes = [
+        f"another {name}: {ours.get(key)} -> {theirs.get(key)}; pictures may differ in their last digits"
+        for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer"), ("version", "version"))
+        if ours.get(key) != theirs.get(key)
+    ]
     changed = [one for one in figures if not is_same(one.key, one.stored, one.now)]
     beyond = [one for one in changed if not allows(one.key, one.stored, one.now)]
     same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
@@ -399,9 +374,9 @@ def _panel(name: str, a: Pixels | None, b: Pixels | None, levels: float, share: 
     apart = np.abs(a.astype(np.int16) - b).max(axis=2)
     if (beyond := float((apart > levels).mean())) <= share:
         return None
-    magnified = np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)
-    shown = (a, b, np.repeat(magnified[..., None], 3, axis=2))
-    return PictureDiff(name, "", beyond, int(apart.max()), shown)
+    magnified = np.repeat(np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)[..., None], 3, axis=2)
+    told = f"{100 * beyond:.2g} % of the pixels differ, by at most {apart.max()} of 255"
+    return PictureDiff(name, told, beyond, int(apart.max()), (a, b, magnified))
 
 
 def _texts(*values: Any) -> list[str]:

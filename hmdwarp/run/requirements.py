@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import operator
 import os
@@ -13,6 +14,7 @@ from typing import Any, Self
 from xml.etree import ElementTree as Xml
 
 import attrs
+from markupsafe import Markup
 
 from .. import metrics, report
 from ..errors import InputError, RequirementError, unknown_name
@@ -28,6 +30,7 @@ _SAME = ("trace", "scene", "latency_ms", "size", "headset", "rate_hz")
 
 ALL, PIXEL, PIXELS = "figures", "pixel", "pixels"  # names of tolerances beside keys of the summary
 _HEADING = "For CI"
+_option = functools.partial(option, study="a study has no such result", heading=_HEADING)
 STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
 Row = Mapping[str, Any]
@@ -59,9 +62,8 @@ class Figure:
 
     def value(self, row: Row) -> float | None:
         """Return it from a row with the keys of summary.json, None where it was not measured."""
-        is_time = self.name not in row["quality"]
-        entry = row["time_ms"][self.name.removesuffix("_ms")] if is_time else row["quality"][self.name]
-        value: float | None = entry[self.kind]
+        table = row["quality"] if self.name in row["quality"] else row["time_ms"]
+        value: float | None = table[self.name.removesuffix("_ms")][self.kind]
         return value
 
     def is_of(self, row: Row) -> bool:
@@ -215,15 +217,13 @@ class Tolerance:
 
 def tolerance_field() -> Any:
     """Return the field of `--tolerance`."""
-    return option(
+    return _option(
         Tolerance(),
         "What two runs may differ by, such as 'figures=0.1%, psnr_db=0.05, pixel=2, pixels=0.1%': figures by number or "
         "percentage, pixels by levels of 255 and how many may differ by more.",
         kind=str,
         default="",
         parse=Tolerance.of,
-        study="a study has no such result",
-        heading=_HEADING,
     )
 
 
@@ -246,12 +246,13 @@ class Verdict:
     @property
     def headline(self) -> str:
         """The verdict in one line."""
-        count, failed = len(self.findings), sum(not one.holds for one in self.findings)
-        parts = [f"{failed} of {report.counted(count, 'requirement')}"] if failed else []
-        parts += [f"{report.counted(count, 'requirement')} met"] if count and not failed else []
-        parts += [f"baseline: {self.diff.told()}"] if self.diff is not None else []
-        parts += [f"stored in {self.stores}"] if self.stores is not None and self.holds else []
-        return f"{'PASSED' if self.holds else 'FAILED'}: {'; '.join(parts)}"
+        every, failed = report.counted(len(self.findings), "requirement"), len(self.failures())
+        parts = [
+            f"{failed} of {every}" if failed else f"{every} met" if self.findings else "",
+            f"baseline: {self.diff.told()}" if self.diff is not None else "",
+            f"stored in {self.stores}" if self.stores is not None and self.holds else "",
+        ]
+        return f"{'PASSED' if self.holds else 'FAILED'}: {'; '.join(filter(None, parts)) or 'nothing was required'}"
 
     def failures(self) -> list[str]:
         """Return the requirements that do not hold, a line each."""
@@ -264,17 +265,13 @@ class Verdict:
         page = [f"pictures and charts: {self.diff.second.named / report.DIFF_PAGE}"] if found and self.diff else []
         return "\n".join([self.headline, *self.failures(), *found, *page])
 
-    def markdown(self) -> str:
-        """Return it as Markdown, for the page of a run on GitHub."""
-        lines = [f"### hmdwarp {self.headline}", "", *(f"- {line}" for line in self.failures()), ""]
-        if self.diff is not None:
-            lines += [report.figures_table(self.diff.figures).markdown()] if self.diff.figures else []
-            lines += [f"- {line}" for line in self.diff.lines(figures=False)]
-        return "\n".join([*lines, ""])
-
     def section(self) -> report.Section:
         """Return it as the part of a page."""
-        return report.verdict_section(self.headline, [(one.line(), one.holds) for one in self.findings], self.diff)
+        styles = ["yes" if one.holds else "no" for one in self.findings]
+        found = report.Sentences([one.line() for one in self.findings], styles, "said")
+        link = report.Text(Markup('Pictures and charts: <a href="{0}">{0}</a>').format(report.DIFF_PAGE))
+        differences = [*self.diff.blocks(), link] if self.diff is not None and not self.diff.is_equal else []
+        return report.Section(self.headline, [found, *differences])
 
     def entry(self) -> dict[str, Any]:
         """Return the `gate` of summary.json."""
@@ -305,19 +302,17 @@ class Verdict:
 class Requirements(Declared):
     """What results have to hold. Errors: InputError for what no figure is, or no number."""
 
-    require: tuple[Requirement, ...] = option(
+    require: tuple[Requirement, ...] = _option(
         (),
         "Exit with status 4 unless the results meet: 'psnr_db.mean>=28, flip.p95<=0.08'; a ratio of two with /, "
         "of one warp or strategy alone as NAME:FIGURE.",
         kind=str,
         default="",
         parse=_parse,
-        study="a study has no such result",
-        heading=_HEADING,
     )
     junit: Path | None = out_field(
         None,
-        "Also write what --require and --baseline found to this file, as JUnit XML.",
+        "Also write the run's time and what --require and --baseline found to this file, as JUnit XML.",
         study="see --require",
         heading=_HEADING,
     )
@@ -326,9 +321,6 @@ class Requirements(Declared):
 
     def prepare(self, *, force: bool) -> None:
         """Check before a run what can be checked. Errors: InputError."""
-        if self.junit is not None and not self.require and getattr(self, "baseline", None) is None:
-            others = " or --baseline" if hasattr(self, "baseline") else ""
-            raise InputError(f"--junit {self.junit}: expected --require{others} too, whose results it holds")
         if self.junit is not None:
             report.refuse_existing(self.junit, force=force)
 
@@ -351,7 +343,8 @@ class Requirements(Declared):
         if page and (verdict.findings or verdict.diff):
             try:
                 with Path(page).open("a", encoding="utf-8") as file:
-                    file.write(verdict.markdown())
+                    headline, *lines = verdict.text().splitlines()
+                    file.write("\n".join([f"### hmdwarp {headline}", "", "```text", *lines, "```", "", ""]))
             except OSError as error:
                 raise report.write_error(error, Path(page)) from error
         if not verdict.holds:
@@ -362,19 +355,15 @@ class Requirements(Declared):
 class Gate(Requirements):
     """What a replay has to hold, and a stored run that it has to equal."""
 
-    baseline: Path | None = option(
+    baseline: Path | None = _option(
         None,
         "Folder of a stored replay, or its summary.json: end with status 4 where this one differs, times left out; "
         "see hmdwarp diff.",
-        study="a study has no such result",
-        heading=_HEADING,
     )
     tolerance: Tolerance = tolerance_field()
-    update_baseline: bool = option(
+    update_baseline: bool = _option(
         False,
         "Store this run as the --baseline, in place of the one that is there, where the requirements are met.",
-        study="a study has no such result",
-        heading=_HEADING,
     )
 
     def __attrs_post_init__(self) -> None:
@@ -389,7 +378,7 @@ class Gate(Requirements):
         no replay, or would be overwritten.
         """
         stored = None
-        if self.baseline is None and not self.require:
+        if self.baseline is None and self.junit is None and not self.require:
             return None
         if self.baseline is not None and self.baseline.absolute() == out.absolute():
             raise InputError(f"--baseline {self.baseline}: this run goes there too; give it another --out")
@@ -403,13 +392,14 @@ class Gate(Requirements):
 
     def store(self, verdict: Verdict, folder: Path) -> None:
         """Store the run of a folder as the baseline, if that is wanted. Errors: as OutputFolder."""
-        if verdict.stores is None or not verdict.holds:
+        place = verdict.stores
+        if place is None or not verdict.holds:
             return
-        is_file = verdict.stores.suffix == ".json"
-        place, last = (verdict.stores.parent, verdict.stores.name) if is_file else (verdict.stores, "summary.json")
-        new = report.StoredRun.of(folder)
-        names = () if is_file else new.summary["digests"]
-        with report.OutputFolder(place, owned=("images/*.png",) if names else (), last=last, force=True) as out:
-            for name in names:
+        summary = {name: value for name, value in report.StoredRun.of(folder).summary.items() if name != "gate"}
+        if place.suffix == ".json":
+            report.write_json(place, summary)
+            return
+        with report.OutputFolder(place, owned=("images/*.png",), force=True) as out:
+            for name in summary["digests"]:
                 out.write_bytes(name, (folder / name).read_bytes())
-            out.write_json(last, {name: value for name, value in new.summary.items() if name != "gate"})
+            out.write_json("summary.json", summary)

@@ -36,7 +36,6 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from ..scenes import InputLog
 from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplayRun
@@ -46,16 +45,8 @@ from .run import Run
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = (
-    DIFF_PAGE,
-    "images/*-left.png",
-    "images/*-right.png",
-    "images/*-camera.png",
-    "frames.csv",
-    "inputs.csv",
-    "delays.csv",
-    "jod.csv",
-    "report.html",
-    "replay.mp4",
+    *(f"images/*-{eye}.png" for eye in ("left", "right", "camera")),
+    *(DIFF_PAGE, "frames.csv", "inputs.csv", "delays.csv", "jod.csv", "report.html", "replay.mp4"),
 )
 EYES = ("left", "right")
 
@@ -202,8 +193,17 @@ def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[R
     facts = Facts.of(setup, name, setup.source.headset.name, rate_hz, setup.track.axes, trace.assumptions)
     frames = len({row["frame"] for row in rows})
     measured = aggregate(rows)
-    hidden = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"])
-    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *_hidden_notes(hidden)]})
+    hidden, notes = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"]), []
+    if hidden:
+        means = (
+            f"{one.label} {one.text(hidden['hidden']['quality'][one.name])} {one.unit}".strip()
+            for one in (metric.figure for metric in metrics_in_order())
+        )
+        notes = [
+            f"The lens hides {hidden['hidden']['share']:.1%} of each picture: it is neither drawn, warped nor counted. "
+            f"With it, all black, the means are: {', '.join(means)}."
+        ]
+    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *notes]})
 
 
 def hidden_entry(
@@ -221,18 +221,6 @@ def hidden_entry(
     return {"hidden": {"share": 1 - seen, "quality": means}}
 
 
-def _hidden_notes(entry: Mapping[str, Any]) -> list[str]:
-    if not entry:
-        return []
-    hidden = entry["hidden"]
-    every = (metric.figure for metric in metrics_in_order())
-    figures = ", ".join(f"{one.label} {one.text(hidden['quality'][one.name])} {one.unit}".strip() for one in every)
-    return [
-        f"The lens hides {hidden['share']:.1%} of each picture: it is neither drawn, warped nor counted. With it, all "
-        f"black, the means are: {figures}."
-    ]
-
-
 def result_of(
     setup: ReplayRun, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
 ) -> ReplayResult:
@@ -242,7 +230,12 @@ def result_of(
     """
     options, rows = setup.options, log.rows
     if setup.source.scene.inputs:
-        log.answers = answers_of(setup, setup.source.scene.inputs, log)
+        first_ns = setup.schedule.first_ns - setup.schedule.age_ns
+        log.answers = Answers(first_ns, epoch_ns=setup.trace.track.epoch_ns)
+        for event in setup.source.scene.inputs:
+            log.answers.add(event)
+        for moment in log.moments:
+            log.answers.see(moment.shown_ns, moment.shows_ns)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -268,16 +261,6 @@ def result_of(
         result.against.append(other)
         summary.setdefault("against", []).append({key: other[key] for key in _OF_COMPARISON if key in other})
     return result
-
-
-def answers_of(setup: ReplayRun, inputs: InputLog, log: ReplayLog) -> Answers:
-    """Return when the inputs of a run were answered."""
-    answers = Answers(setup.schedule.first_ns - setup.schedule.age_ns, setup.trace.track.epoch_ns)
-    for event in inputs:
-        answers.add(event)
-    for moment in log.moments:
-        answers.see(moment.shown_ns, moment.shows_ns)
-    return answers
 
 
 Judge = Callable[[ReplayResult, StoredRun], Verdict]
