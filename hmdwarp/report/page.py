@@ -7,17 +7,14 @@ but for those made as Markup. The same content gives the same page.
 from __future__ import annotations
 
 import base64
-import functools
-import tomllib
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from typing import Any
 
 import attrs
 from markupsafe import Markup
 
 from .files import jpeg_bytes, png_bytes
-from .run_texts import name_pieces
+from .run_texts import name_pieces, texts
 from .style import css_variables
 
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
@@ -102,15 +99,10 @@ class Picture:
     over: str = ""
 
     @classmethod
-    def of(cls, caption: str, picture: Any, alt: str) -> Picture:
-        """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size."""
-        return cls(caption, data_uri(picture), alt, (picture.shape[1], picture.shape[0]))
-
-    @classmethod
-    def exact(cls, caption: str, picture: Any, alt: str, over: Any = None) -> Picture:
-        """Make one without loss. over: a picture that takes its place in turn."""
+    def of(cls, caption: str, picture: Any, alt: str, over: Any = None, kind: str = "jpeg") -> Picture:
+        """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size. kind: as of data_uri."""
         size = (picture.shape[1], picture.shape[0])
-        return cls(caption, data_uri(picture, "png"), alt, size, "" if over is None else data_uri(over, "png"))
+        return cls(caption, data_uri(picture, kind), alt, size, "" if over is None else data_uri(over, kind))
 
 
 @attrs.frozen
@@ -222,14 +214,6 @@ def data_uri(picture: Any, kind: str = "jpeg") -> str:
     """Return a picture as a data URI. kind: jpeg or png."""
     content = jpeg_bytes(picture) if kind == "jpeg" else png_bytes(picture)
     return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-@functools.cache
-def texts(page: str) -> Mapping[str, Any]:
-    """Return the longer texts of a page: `notes` of its sections, and terms `to_read` it."""
-    content = resources.files(__package__).joinpath("templates/texts.toml").read_text(encoding="utf-8")
-    found: Mapping[str, Any] = tomllib.loads(content)[page]
-    return found
 
 
 def reading_section(page: str, *more: tuple[str, str], **values: str) -> Section:

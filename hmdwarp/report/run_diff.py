@@ -251,7 +251,7 @@ class RunDiff:
         choice = Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
         articles = [
             Article([Heading(one.name, one.told), Group("panels", [
-                Picture.exact(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None)
+                Picture.of(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png")
                 for label, picture in zip(labels, one.pictures, strict=True)
             ])])
             for one in shown
