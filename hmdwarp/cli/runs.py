@@ -38,7 +38,7 @@ def replay(said: Said) -> None:
     if result.verdict is not None:
         gate.store(result.verdict, result.folder)
         gate.end(result.verdict)
-        typer.echo(result.verdict.headline)
+        sayer(quiet)(result.verdict.headline)
 
 
 @takes(RunOptions, JSON, QUIET)

@@ -347,7 +347,7 @@ def _refreshes(first: StoredRun, second: StoredRun, allows: Allows, notes: list[
         ]
         if apart:
             found.append(f"frame {a['frame']:g} ({a['time_s']:.3f} s), eye {a['eye']:g}: {', '.join(apart)}")
-    return found and [f"{len(found)} of {counted(len(ours), 'row')} differ, the first: {found[0]}"]
+    return found and [f"{len(found)} of {counted(len(ours), 'row')} of frames.csv differ, the first: {found[0]}"]
 
 
 def _pictures(first: StoredRun, second: StoredRun, pixels: tuple[float, float]) -> Iterator[PictureDiff]:
