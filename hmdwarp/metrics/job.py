@@ -51,7 +51,8 @@ class Compared:
         return error_image(self.shown, self.truth)
 
 
-_COVERED = attrs.converters.optional(lambda coverage: np.asarray(coverage) != 0)
+def _covered(coverage: NDArray[Any] | None) -> NDArray[np.bool_] | None:
+    return None if coverage is None else np.asarray(coverage) != 0
 
 
 @attrs.frozen(eq=False)
@@ -66,7 +67,7 @@ class QualityJob:
     # The neighbouring frame of the same eye.
     previous: Compared | None = None
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
-    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_COVERED)
+    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     # (h, w), 1/m in the shown view, top row first.
     truth_inverse_depth: NDArray[Any] | None = None
     # View and (w, h) of the late frame.

@@ -13,12 +13,13 @@ from typing import Any
 import attrs
 from markupsafe import Markup
 
+from . import run_texts
 from .files import jpeg_bytes, png_bytes
-from .run_texts import name_pieces, texts
 from .style import css_variables
 
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 Pairs = list[tuple[str, str]]
+texts = run_texts.texts
 
 
 @attrs.frozen
@@ -179,7 +180,7 @@ class Page:
             loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
             lstrip_blocks=True,
         )  # fmt: skip
-        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else name_pieces(text)
+        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else run_texts.name_pieces(text)
         return environment.get_template("page.html").render(
             page=self,
             sections=[section for section in self.sections if section is not None and any(section.blocks)],

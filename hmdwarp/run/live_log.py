@@ -154,17 +154,17 @@ class LiveLog:
         """Log a submitted refresh."""
         if self._finished or self._running is None:  # the watchdog has closed the log, and the hung call has returned
             return
-        counts, running, before = self._figures.counts, self._running, self._last.refresh
+        counts, running, shown = self._figures.counts, self._running, self._last.refresh
         self._settle(refresh)
         if self.count:
             # A runtime turns the last picture to the newest head. In a window it stands; the head
             # is taken to move as fast as from that picture to this one.
             counts.missed += tick.missed
             off_deg = [0.0] * tick.missed
-            if tick.missed and refresh and before:
-                periods = max(1, round((refresh.shown_ns - before.shown_ns) * 1e-6 / running.facts.budget_ms))
-                depths = running.depths.before(len(before.inputs))
-                off_deg = running.offset.between_deg(before, depths, refresh, tick.missed, periods)
+            if tick.missed and refresh and shown:
+                periods = max(1, round((refresh.shown_ns - shown.shown_ns) * 1e-6 / running.facts.budget_ms))
+                depths = running.depths.before(len(shown.inputs))
+                off_deg = running.offset.between_deg(shown, depths, refresh, tick.missed, periods)
             for off in off_deg:
                 self._figures.misses.add(True, off)
         self.status.missed, self.status.notice = counts.missed, notice
@@ -198,8 +198,8 @@ class LiveLog:
         if auto is not running.auto:  # the pipeline was built anew
             running.auto, running.auto_changes = auto, 0
         for change in auto.changes[running.auto_changes :] if auto is not None else ():
-            pair = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
-            self._figures.events.changed(self.count - 1, last.time_s, *pair, change.reason)
+            before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
+            self._figures.events.changed(self.count - 1, last.time_s, before, after, change.reason)
             running.auto_changes += 1
         self.count += 1
 

@@ -311,7 +311,7 @@ def write_results(
             worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],
-            gate=verdict and verdict.section(),
+            gate=verdict.section() if verdict is not None else None,
         )
         out.write_text("report.html", page)
         result.summary["digests"] = digested()
