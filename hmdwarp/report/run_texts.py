@@ -85,7 +85,7 @@ def pair_text(baseline: str, condition: str) -> str:
 
 
 def name_pieces(text: str, also: str = "") -> list[str]:
-    """Split a long name after colon, comma or blank, where it may break; also: a pattern of more."""
+    """Split a long name after colon, comma or blank, where it may break; also: more patterns."""
     return re.split(rf"(?<=[:, ])(?=\S){also}", text)
 
 
