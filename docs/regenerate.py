@@ -250,11 +250,12 @@ def strategies_suite(folder: Path, *ready: str) -> None:
 
 def strategies(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, which for whom, and figures, at 400 ms."""
-    from hmdwarp.client.classes import client_names
-    from hmdwarp.client.strategies import strategies as every
-    from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, ran_text
+    from strategy_tables import chosen_markdown, compare_markdown
 
-    command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
+    from hmdwarp.client.strategies import strategies as every
+    from hmdwarp.report.compare_page import ran_text
+
+    command = "compare --client class-1,class-2,class-3,picture --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     told = "{0.crosses}. The client {0.client}. Late: {0.late}."
     replace(

@@ -38,7 +38,7 @@ from ...pipeline.source import Source
 from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.page import bench_page
-from ...report.bench.rows import COLUMNS, first_cases
+from ...report.bench.rows import COLUMNS, cases, first_cases
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination
 from ...run.options import refuse_one_name
 from ...run.replay_setup import set_up_replay
@@ -335,6 +335,7 @@ def write_bench(out: OutputFolder, data: dict[str, Any], options: BenchOptions |
     if options.parquet:
         write_parquet(out.path("bench.parquet"), data["rows"])
     rows, count = first_cases(data["rows"], MOST_SHOWN)
+    data["winners"] = [case.verdict() for case in cases(rows.values())]
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
     notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
     out.write_text("bench.html", bench_page({**data, "rows": [*rows.values()], "notes": notes}).html())

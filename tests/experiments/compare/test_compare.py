@@ -15,6 +15,7 @@ import pytest
 from commands import hmdwarp
 from recorded_folders import taken, write_npz
 from replays import scene_for
+from strategy_tables import chosen_markdown, compare_markdown
 
 from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
@@ -25,7 +26,7 @@ from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
 from hmdwarp.experiments.bench.suites import cost_text, suites
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.bench.rows import first_cases
-from hmdwarp.report.compare_page import OF_COMPARE, chosen_markdown, compare_markdown, compare_page
+from hmdwarp.report.compare_page import OF_COMPARE, compare_page
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "48x40", "--samples", "1", "--headset", "flat-90", "--start", "1.1", "--seconds", "0.1")
