@@ -250,7 +250,7 @@ def strategies_suite(folder: Path, *ready: str) -> None:
 
 def strategies(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, which for whom, and figures, at 400 ms."""
-    from strategy_tables import chosen_markdown, compare_markdown
+    from report_tables import chosen_markdown, compare_markdown
 
     from hmdwarp.client.strategies import strategies as every
     from hmdwarp.report.compare_page import ran_text
@@ -283,7 +283,7 @@ def rgbd(_: Path, *ready: str) -> None:
 
 def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
     """Run the experiments of the thesis; what several runs have is taken from the last."""
-    from hmdwarp.report import summary_markdown
+    from report_tables import summary_markdown
 
     replace(marker, summary_markdown(read(ready) or [hmdwarp("thesis", folder / "thesis", "results.json")]))
 

@@ -66,7 +66,6 @@ from .run_texts import transit_lines as transit_lines
 from .style import Look as Look
 from .style import css_variables as css_variables
 from .thesis_page import render_thesis_page as render_thesis_page
-from .thesis_page import summary_markdown as summary_markdown
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png
 from .video import VideoWriter as VideoWriter

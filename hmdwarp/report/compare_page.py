@@ -73,10 +73,6 @@ def _named(row: Row) -> str:
     return f"{row['strategy']}: {row['nothing']}" if "nothing" in row else str(row["strategy"])
 
 
-def _unfit(row: Row) -> str:
-    return "; ".join(f"{client}: {why}" for client, why in row["unfit"].items() if why)
-
-
 def _columns() -> Iterator[Column]:
     text, number, mb = Column.of_text, Column.of_number, 1e-6
     yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
@@ -88,7 +84,7 @@ def _columns() -> Iterator[Column]:
     yield number("decoded_mpx_s")
     yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
     yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
-    yield text("unfit", value=_unfit)
+    yield text("unfit", value=lambda row: "; ".join(f"{who}: {why}" for who, why in row["unfit"].items() if why))
 
 
 COLUMNS = by_name(_columns())

@@ -48,6 +48,8 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
     can), and the system that the warp stands for as a baseline ("" if none).
     """
     combination = measured.combination
+    # Nothing without an oracle.
+    pixels, seen, error = (math.fsum(column) for column in zip((0, 0, 0.0), *measured.where_seen, strict=True))
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
@@ -65,7 +67,7 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
         },
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
-        **_where_seen(measured.where_seen),
+        **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
     }
 
@@ -74,14 +76,6 @@ def _lacks(combination: Combination, client: Client) -> str:
     if combination.is_outside:
         return ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
     return lacking(combination.plan, client)
-
-
-def _where_seen(pictures: Sequence[tuple[int, int, float]]) -> dict[str, Any]:
-    """Return `where_seen`: share and PSNR of what the late frame saw; nothing without an oracle."""
-    pixels, seen, error = (math.fsum(column) for column in zip(*pictures, strict=True)) if pictures else (0, 0, 0)
-    if not seen:
-        return {}
-    return {"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}}
 
 
 def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:

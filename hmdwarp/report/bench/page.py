@@ -47,6 +47,7 @@ from ..page import (
 from ..run_texts import Table, axes_of_traces, counted, listed
 from ..style import GRID, HATCHES, INK, Look
 from ..style import REGIONS as REGION_COLOURS
+from .crops import Crops, crops_chart
 from .rows import (
     COLUMNS,
     RULE,
@@ -260,11 +261,11 @@ def _dot(colour: str) -> Style:
 MEASURES = ("flip", "psnr_db")
 
 
-def bench_page(data: Mapping[str, Any]) -> Page:
+def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -> Page:
     """Return the page from the content of bench.json.
 
     The same content gives the same page. Sections without data (no regions, no budget)
-    are left out.
+    are left out. crops: of the first cases.
     """
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
@@ -292,6 +293,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
+            _crops(groups, crops),
             _fronts(groups, rows),
             _regions(groups),
             reading_section("bench", *explained, *rated),
@@ -411,6 +413,16 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
     return Section(heading, [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds], id="table", link=heading)
 
 
+def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> Section:
+    told, heading = texts("bench")["notes"]["crops"], "Crops and error maps"
+    charts = [
+        Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
+        for group, both in zip(groups, crops, strict=False)
+        if both
+    ]
+    return Section(heading, [Text(told), *charts] if charts else [], id="crops", link=heading)
+
+
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
     looks = looks_of(row for group in groups for row in group.ordered())
     known = [name for name in MEASURES if any(row["quality"][name]["mean"] is not None for row in rows)] or MEASURES
@@ -421,27 +433,21 @@ def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
         )
         for group in groups
     ]
-    choice = [_measures("time", known)] if len(known) > 1 else []
+    measures = [(name, measure_label(name).partition(",")[0]) for name in known]
+    choice = [Choice("measure-time", measures)] if len(known) > 1 else []
     return Section("Error against time", [*choice, *charts], id="time", link="Error against time")
-
-
-def _measures(section: str, names: Sequence[str] = MEASURES) -> Choice:
-    return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in names])
 
 
 def _regions(groups: Sequence[Case]) -> Section:
     folds: list[Fold] = []
+    names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
+    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
     for group in groups:
-        if any(region_parts(row) for row in group.rows):
+        if measured := [*filter(region_parts, group.ordered())]:
+            table = table_of(f"Error by region, {group.label}", columns, measured)
             words = f"Error by region, {group.label}: what each adds to FLIP, and FLIP within it"
-            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [_regions_table(group)])]
+            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [table])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
     notes = texts("bench")["notes"]
     heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
     return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
-
-
-def _regions_table(case: Case) -> Table:
-    names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
-    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
-    return table_of(f"Error by region, {case.label}", columns, filter(region_parts, case.ordered()))

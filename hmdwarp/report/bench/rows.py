@@ -108,6 +108,10 @@ class Case:
         least = min((value for value, _ in taken if value is not None), default=math.inf)
         return [row for value, row in taken if value == least]
 
+    def within(self, budget_ms: float) -> Case:
+        """Return the case of the rows that are as quick as a budget."""
+        return Case(self.label, tuple(row for row in self.rows if (error_and_time(row)[1] or math.inf) <= budget_ms))
+
     def verdict(self) -> dict[str, Any]:
         """Return who wins by RULE, as `winners` of bench.json has it, and which metrics disagree.
 
@@ -148,11 +152,11 @@ def _interval(row: Row, measure: str) -> Any:
 def verdict_text(verdict: Mapping[str, Any]) -> str:
     """Return an entry of `winners` in words."""
     names, label = verdict["best"], metrics.get(verdict["metric"]).label
-    front = f"{verdict['case']}: " if verdict["case"] else ""
     if not names:
-        return f"{front}no winner: intervals need {LEAST_INSTANTS} instants."
+        return f"{verdict['case']}: no winner: intervals need {LEAST_INSTANTS} instants."
     shown = [*names[:_MOST_NAMED], *([f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else [])]
-    words = [f"{front}{names[0]} wins by {label}." if len(names) == 1 else f"{front}a tie by {label}: {listed(shown)}."]
+    won = f"{names[0]} wins by {label}." if len(names) == 1 else f"a tie by {label}: {listed(shown)}."
+    words = [f"{verdict['case']}: {won}"]
     for one in verdict["disagree"]:
         metric = metrics.get(one["metric"])
         sign = 1 if metric.higher_is_better else -1
@@ -495,8 +499,8 @@ def choice_text(choice: Mapping[str, Any] | None) -> list[str]:
     step, sizes = choice["next"], " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
     terms = f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
     best = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {_described(choice)} ({terms})."
-    told = [verdict_text(choice["verdict"])] if "verdict" in choice else []
-    told = [best, *told, f"Use it by --warp {choice['warp']} --fill {choice['fill']}."]
+    use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
+    told = [best, *map(verdict_text, choice.get("winners", ())), use]
     if step is None:
         return [*told, "Nothing that was measured is more accurate, however long it takes."]
     gains = [f"{1 - step['flip'] / choice['flip']:.0%} less FLIP error"] if choice["flip"] else []

@@ -250,7 +250,9 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
             if row["shift_low"] is not None:
                 axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
             axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
-        name_rows(axes, [_comparison_label(row) for row in shown], above=0.7)
+        names = [f"{row['part']}: " * bool(row["part"]) + str(row["condition"]) for row in shown]
+        names = [f"{name}\nover {row['baseline']}" for name, row in zip(names, shown, strict=True)]
+        name_rows(axes, names, above=0.7)
         axes.set_xlim(-reach, reach)
         key = [
             mark("mean, BCa 95 %", color=_BETTER, marker="o", markersize=7, linewidth=2.6),
@@ -357,11 +359,6 @@ def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
     low, high = min([*values, *ends]), max([*values, *ends])
     margin = 0.05 * max(high - low, 1e-9)
     return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
-
-
-def _comparison_label(row: Row) -> str:
-    first = f"{row['part']}: {row['condition']}" if row["part"] else row["condition"]
-    return f"{first}\nover {row['baseline']}"
 
 
 def _spread(count: int, width: float = 0.15) -> np.ndarray:

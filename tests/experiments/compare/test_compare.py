@@ -15,7 +15,7 @@ import pytest
 from commands import hmdwarp
 from recorded_folders import taken, write_npz
 from replays import scene_for
-from strategy_tables import chosen_markdown, compare_markdown
+from report_tables import chosen_markdown, compare_markdown
 
 from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client

@@ -1,4 +1,4 @@
-"""Tables of docs/strategies.md, from compare.json."""
+"""Tables of docs/strategies.md and docs/thesis.md, from compare.json and results.json."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pages import markdown
 from hmdwarp.metrics import PRIMARY
 from hmdwarp.report.bench.rows import Column, cases, table_of
 from hmdwarp.report.compare_page import COLUMNS, OF_COMPARE, columns_of
+from hmdwarp.report.thesis_page import is_conditional, weak_text
 
 Row = Mapping[str, Any]
 
@@ -80,3 +81,22 @@ def _rate(row: Row) -> float:
 def _error(row: Row) -> float:
     error = row["quality"][PRIMARY]["mean"]
     return float("inf") if error is None else float(error)
+
+
+def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
+    """Return names of claims that hold or cannot be told, and a table of the others."""
+    experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
+    used = [data for _, data in experiments.values()]
+    runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
+    heads, lines = ["claim", "ours", "rule", "verdict"], list[list[str]]()
+    named: dict[str, list[str]] = {"holds": [], "cannot be told": []}
+    for name, (one, _) in experiments.items():
+        if one["verdict"] in named:
+            named[one["verdict"]].append(f"`{name}`" + weak_text(one))
+            continue
+        where = f" ({one['holds_at'].partition(':')[0]})" if is_conditional(one) else ""
+        claim, verdict = f"{one['claim']} ({one['source']})", one["verdict"] + weak_text(one) + where
+        lines.append([text.replace("|", "/") for text in (claim, one["ours"] or "–", one["rule"], verdict)])
+    made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
+    told = "".join(f"\n{verdict.capitalize()}: {'; '.join(names) or '–'}." for verdict, names in named.items())
+    return f"{made}{told}\n\n{markdown(heads, lines, texts=4)}"
