@@ -161,10 +161,7 @@ def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]
 
 
 def _of_refresh(times: Thinned) -> dict[str, dict[str, float | None]]:
-    """Return the times of a whole refresh on this machine, all eyes together.
-
-    Drawing, each stage, and the sum.
-    """
+    """Return the times of a whole refresh, all eyes: drawing, each stage, the sum."""
     render = times.column("render_ms")
     stages = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
     columns = {"render": render, **{name.removesuffix("_ms"): values for name, values in stages.items()}}

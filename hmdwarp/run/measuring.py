@@ -108,7 +108,12 @@ class Probe:
         self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
         self.near_gaze = NearGaze(setup.options.fovea is not None)
         if setup.options.scanout_ms:
-            setup.notes.append(_about_scanout(setup))
+            how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
+            setup.notes.append(
+                f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}. The "
+                f"truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as "
+                "in its middle."
+            )
 
     def _without_lens(self) -> Compensator | None:
         setup = self._setup
@@ -134,7 +139,12 @@ class Probe:
         An eye that no frames were sent for has holes alone, and a PSNR.
         """
         if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
-            self._read_second(number, refresh, self._setup.source.kind.eyes)
+            eye, server = self._setup.source.kind.eyes, self._setup.server
+            result = self._before_lens(refresh, eye)
+            self.second_eye["hole_share"][number] = _hole_share(coverage(result))
+            if isinstance(server, RecordedRenderer) and server.right is not None:
+                truth = true_picture(server.right, refresh.inputs[eye], self._setup.sizes.shown, depth=False)
+                self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
@@ -165,13 +175,6 @@ class Probe:
                 job = attrs.evolve(job, beside=beside)
                 self._setup.hand_in(self._pool, (number, eye, MAIN), job, keep=keep)
 
-    def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
-        result, server = self._before_lens(refresh, eye), self._setup.server
-        self.second_eye["hole_share"][number] = _hole_share(coverage(result))
-        if isinstance(server, RecordedRenderer) and server.right is not None:
-            truth = true_picture(server.right, refresh.inputs[eye], self._setup.sizes.shown, depth=False)
-            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
-
     def _read_comparison(
         self,
         which: int,
@@ -181,10 +184,7 @@ class Probe:
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
     ) -> QualityJob | None:
-        """Measure the comparison warp, which does not compensate effects; return its job.
-
-        Its rendered picture has all effects drawn in.
-        """
+        """Measure the comparison warp, on pictures with all effects drawn in; return its job."""
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
@@ -250,11 +250,3 @@ def method_name(warp: str, fill: str) -> str:
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:
     return float((alpha == 0).mean())
-
-
-def _about_scanout(setup: ReplayRun) -> str:
-    how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
-    return (
-        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}. The truth is "
-        f"drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in its middle."
-    )

@@ -59,7 +59,10 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     source = source_of(options)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         with MeasuringProcesses(worker_count(options.workers)) as processes:
-            pool = QualityPool(processes, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key))
+            rate_hz = setup.schedule.rate_hz
+            pool = QualityPool(  # a second's worst picture of the run's own warp is kept
+                processes, worst=WORST_FRAMES, bucket=lambda key: int(key[0] / rate_hz) if key[2] == MAIN else None
+            )
             probe = Probe(setup, pool, _keep_every(setup))
             log = _run(setup, probe, out, progress)
             pool.wait()
@@ -84,11 +87,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
 
 
 def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
-    """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
-
-    That replay begins to draw as long before the first shown refresh as the longest delay; what was
-    drawn here before is left out.
-    """
+    """Write delays.csv, with which --delay-trace shows the same frames at the same ages again."""
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
     delays = setup.source.delays_ns
@@ -204,12 +203,6 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
     return log
 
 
-def _contest(setup: ReplayRun, key: tuple[int, int, int]) -> int | None:
-    """Return the second in which a picture of the run's own warp competes for the worst one."""
-    number, _, which = key
-    return int(number / setup.schedule.rate_hz) if which == MAIN else None
-
-
 def _keep_every(setup: ReplayRun) -> int | None:
     """Return n to keep every n-th measured picture, for about options.images of them."""
     if not setup.options.images:
@@ -219,10 +212,7 @@ def _keep_every(setup: ReplayRun) -> int | None:
 
 
 def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
-    """Return the `jod` of summary.json, or `jod_failure`, which is noted too.
-
-    others: the warps that the run is compared with.
-    """
+    """Return `jod` of summary.json, or `jod_failure`; others: what the run is compared with."""
     if clips is None:
         return {}
     clips.finish()

@@ -86,10 +86,7 @@ def schedule_for(options: RunOptions, source: Source, trace: LoadedTrace, rate_h
 
 
 def _at_instants(times: Sequence[int], rate_hz: float, place: str, options: RunOptions) -> Schedule:
-    """Return refreshes at the instants of the frames, where the truth is what was recorded.
-
-    The first is at the requested start, or when the first frame can have arrived.
-    """
+    """Return refreshes at the frames' own instants, from the start or the first that can arrive."""
     if len(times) < 2:
         raise InputError(f"{place}: one frame; expected two or more: one that is late, and what is seen then")
     age, _ = _refreshes_before(options, rate_hz)
