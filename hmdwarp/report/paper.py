@@ -155,7 +155,7 @@ def paper_bytes(drawn: Drawn, kind: str) -> bytes:
             if getattr(artist, "arrow_patch", None) is not None:
                 _recolour(artist.arrow_patch)
         figure.patch.set(visible=True, facecolor="white")
-        figure.savefig(data, format=kind, dpi="figure", metadata=no_date.get(kind, {"Software": None}))
+        figure.savefig(data, format=kind, dpi=figure.dpi, metadata=no_date.get(kind, {"Software": None}))
     return data.getvalue()
 
 
