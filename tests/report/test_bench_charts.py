@@ -17,9 +17,9 @@ from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.metrics import REGIONS, aggregate
 from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, paper_bytes, time_series
 from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text, region_parts, regions_chart
-from hmdwarp.report.bench.rows import bench_table, cases, row_name
+from hmdwarp.report.bench.rows import cases, row_name
 
-from .bench_samples import WARPS, a_bench, a_row, some_rows
+from .bench_samples import WARPS, a_row, some_rows
 from .samples import some_rows as some_frames
 
 NASTY = "<b>&'\"$x_1$</b>--> ]]> 漢字"
@@ -239,7 +239,3 @@ def test_a_chart_for_a_column_of_a_paper_is_a_picture_on_white(width_in):
     assert picture.shape[1] == pytest.approx(200 * width_in, abs=1) and (picture[0] == 255).all()
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
     assert pareto_chart(case).at_width(width_in) == chart
-
-
-def test_a_whole_bench_fits_the_terminal():
-    assert bench_table(a_bench()["rows"]).row_count == 180 + 6
