@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 
@@ -13,6 +13,9 @@ from ..link import LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..options import AUTO, DEFAULT_GUARD, Declared, Number, names_in, option, options_of
 from ..poses.options import DEFAULT_PREDICTOR
+
+if TYPE_CHECKING:
+    from .options import PipelineOptions
 
 # frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
 _PICTURE = ("rendered.colour", "rendered.inverse_depth")
@@ -35,6 +38,13 @@ class SourceKind:
     sets: tuple[str, ...] = ()
     # Appended to the reason why a plan cannot run on its frames.
     limits: str = ""
+    # Whether its latency is only known once it is measured.
+    is_timed: bool = False
+
+    def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
+        """Check that a run can go on with these options. Errors: InputError."""
+        if self.is_timed and (after.latency_ms, after.scene) != (before.latency_ms, before.scene):
+            raise InputError("latency and scene are the server's, where frames come from one: they stay")
 
     def refuse_change(self, name: str) -> None:
         """Raise InputError for a control that cannot change while it runs."""
@@ -55,7 +65,7 @@ RECORDING = SourceKind(
 # The scene's name where a server elsewhere shows its own, whatever it is.
 SERVER_SCENE = "server"
 # A server elsewhere.
-REMOTE = SourceKind("remote")
+REMOTE = SourceKind("remote", is_timed=True)
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind("proxy", _PICTURE[:1])
 

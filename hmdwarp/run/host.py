@@ -151,7 +151,7 @@ class PipelineHost:
         before, run = self.options, self.run
         if options == before:
             return
-        run.source.check_change(before, options)
+        run.source.kind.check_change(before, options)
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
             rate_hz = options.rate_hz or self._display.rate_hz
             check_held(run.target.gpu, options, run.requested.needs, run.sizes, rate_hz)
