@@ -181,8 +181,12 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
         if source.kind.is_timed:
-            of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
-            say(f"calling {options.feed.connect}; its scene is {of}")
+            of = (
+                "the server's scene"
+                if source.scene.name == SERVER_SCENE
+                else f"scene '{source.scene.name}' on both ends"
+            )
+            say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
         for note in (*source.notes, *source.scene.notes):

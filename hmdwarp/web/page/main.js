@@ -209,7 +209,7 @@ class Session {
     this.chain.dropped(scratch);
     if (this.measured !== key) return; // another size, or somebody's choice, meanwhile
     Object.assign(this.costs, costs);
-    if (this.isForced) this.why = "chosen by hand";
+    if (this.isForced) this.why = "selected manually";
     else this.govern(costs);
   }
 
@@ -219,7 +219,7 @@ class Session {
     const levels = front.map((name) => ({ name, ms: Math.max(costs[name], 1e-3) })).reverse();
     this.governor = new Governor(levels, this.budget(levels));
     const { name, ms } = this.governor.level, least = levels[0].ms <= (SHARE * this.interval) / this.shown.eyes.length;
-    this.take(name, `${least ? "the best" : "none fits: the best"} within ${this.governor.budget.toFixed(2)} ms an eye: ${ms.toFixed(2)}`);
+    this.take(name, `${least ? "the best" : "no warp meets the budget; the best"} within ${this.governor.budget.toFixed(2)} ms an eye: ${ms.toFixed(2)}`);
   }
 
   take(name, why) {
@@ -439,7 +439,7 @@ async function begin() {
   if ("VideoDecoder" in window && !asked.has("raw")) session.videos = await decodable(Object.keys(about.videos), asked.get("codec") ?? about.codec);
   $("chain").append(...NAMES.map((name) => new Option(name)));
   $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true, governor: null });
-  $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
+  $("head").append(new Option("manual", "hand"), ...about.traces.map((name) => new Option(name)));
   $("latency").value = number("latency", 200, 0, 800);
   const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
   $("latency").oninput = () => {
