@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import attrs
 
@@ -13,9 +13,6 @@ from ..link import LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..options import AUTO, DEFAULT_GUARD, Declared, Number, names_in, option, options_of
 from ..poses.options import DEFAULT_PREDICTOR
-
-if TYPE_CHECKING:
-    from .options import PipelineOptions
 
 # frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
 _PICTURE = ("rendered.colour", "rendered.inverse_depth")
@@ -40,11 +37,6 @@ class SourceKind:
     limits: str = ""
     # Whether its latency is only known once it is measured.
     is_timed: bool = False
-
-    def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
-        """Check that a run can go on with these options. Errors: InputError."""
-        if self.is_timed and (after.latency_ms, after.scene) != (before.latency_ms, before.scene):
-            raise InputError("latency and scene are the server's, where frames come from one: they stay")
 
     def refuse_change(self, name: str) -> None:
         """Raise InputError for a control that cannot change while it runs."""
