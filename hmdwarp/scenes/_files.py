@@ -60,7 +60,7 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
             drafts = read(path, units, notes, textures)
             taken = ["a unit is a metre (--scene-scale)"] * (options.scale == 1)
             if taken := taken + ["y is up (--scene-up)"] * (options.up == "y"):
-                notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
+                notes.add(f"assumed (not stated in the file): {', '.join(taken)}")
             return _scene(path, options, notes, drafts, textures)
     except (HmdwarpError, MemoryError):
         raise
