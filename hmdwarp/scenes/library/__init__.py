@@ -1,4 +1,4 @@
-"""The scenes of the library: a table of a model, or a module where something moves or reacts."""
+"""The scenes of the library: a table each, and most a model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import attrs
 from ...registry import Registry
 from .._scene import Scene
 from ..input_events import InputLog
-from ._models import stored_scene
+from ._models import moving, stored_scene
 
 
 @attrs.frozen(eq=False)
@@ -27,7 +27,9 @@ class SceneSource:
 
 
 def _of_table(name: str, table: dict[str, Any]) -> SceneSource:
-    return SceneSource(name, table["summary"], partial(stored_scene, name, table), tuple(table.get("effects", ())))
+    reacts = partial(moving, table, arrays={}) if table.get("reacts") else None
+    effects = tuple(table.get("effects", ()))
+    return SceneSource(name, table["summary"], partial(stored_scene, name, table), effects, reacts)
 
 
 scenes: Registry[SceneSource] = Registry("scene", __name__, group="scenes", of_table=_of_table, columns="effects")
