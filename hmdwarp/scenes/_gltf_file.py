@@ -144,8 +144,7 @@ class GltfFile:
     def count(self, table: dict[str, Any], name: str) -> int:
         """Return how many elements an accessor says that it has, 0 where that is no number."""
         index, found = table.get(name), self.items("accessors")
-        is_one = isinstance(index, int) and 0 <= index < len(found)
-        count = found[index].get("count") if is_one and isinstance(index, int) else 0
+        count = found[index].get("count") if isinstance(index, int) and 0 <= index < len(found) else 0
         return count if isinstance(count, int) else 0
 
     def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray[Any]:
@@ -182,8 +181,12 @@ class GltfFile:
             return np.zeros(shape)
         view = self.item("bufferViews", place["bufferView"], user)
         binary = self._buffer_of(view, user)
-        start, stride = self._place(view, place, number.itemsize * width, user)
-        if count and start + stride * (count - 1) + number.itemsize * width > len(binary):
+        size, offset = number.itemsize * width, place.get("byteOffset", 0)
+        start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
+        if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
+            raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
+        start += offset
+        if count and start + stride * (count - 1) + size > len(binary):
             raise self.error(f"{user} reaches beyond the file's {len(binary)} bytes; it is cut off or damaged")
         rows: NDArray[Any] = np.ndarray(shape, number, binary, start, (stride, number.itemsize))
         return rows.copy()
@@ -207,14 +210,6 @@ class GltfFile:
         if not isinstance(index, int) or not 0 <= index < len(self.buffers):
             raise self.error(f"{user} lies in buffer {index!r} of {len(self.buffers)}; export it again")
         return self.buffers[index]
-
-    def _place(self, view: dict[str, Any], place: dict[str, Any], size: int, user: str) -> tuple[int, int]:
-        """Return offset and stride of elements of `size` bytes."""
-        start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
-        offset = place.get("byteOffset", 0)
-        if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
-            raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
-        return start + offset, stride
 
     def view(self, view: dict[str, Any]) -> bytes:
         """Return the bytes of a buffer view."""
@@ -258,15 +253,6 @@ def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     return header
 
 
-def is_mirror(material: dict[str, Any]) -> bool:
-    """Return whether a material is polished metal (0.95 or more, rough 0.05 or less) all over."""
-    surface = material.get("pbrMetallicRoughness") or {}
-    if "metallicRoughnessTexture" in surface:
-        return False
-    metallic, rough = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
-    return isinstance(metallic, int | float) and isinstance(rough, int | float) and metallic >= 0.95 and rough <= 0.05
-
-
 POINTER, DRACO, INSTANCING = "KHR_animation_pointer", "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
 LIGHTS, KTX2, VISIBILITY = "KHR_lights_punctual", "KHR_texture_basisu", "KHR_node_visibility"
 READ = {POINTER, DRACO, INSTANCING, LIGHTS, SPECULAR, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization"}
@@ -278,36 +264,28 @@ _TOOLS = {
     "KHR_meshopt_compression": _COPY,
     KTX2: "gltf-transform ktxdecompress",
 }
-# They describe the file, not the picture.
-_SILENT = {"KHR_xmp", "KHR_xmp_json_ld"}
+# They describe the file, not the picture; images that are in no other format are noted one by one.
+_SILENT = {"KHR_xmp", "KHR_xmp_json_ld", KTX2}
 
 
 def check_extensions(file: GltfFile, notes: Notes) -> None:
     """Note the extensions that are left out. Errors: SceneError for what the file needs in vain."""
-    required, used = (_names(file, kind) for kind in ("extensionsRequired", "extensionsUsed"))
+    lists = [file.header.get(kind, []) for kind in ("extensionsRequired", "extensionsUsed")]
+    for kind, found in zip(("extensionsRequired", "extensionsUsed"), lists, strict=True):
+        if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
+            raise file.error(f"its '{kind}' are not a list of names; export it again")
+    required, used = map(dict.fromkeys, lists)
     missing = [name for name in required if name not in READ]
     if DRACO in required and not _has_draco():
         missing.insert(0, DRACO)
     if missing:
-        raise file.error("; ".join(_refusal(file, name) for name in missing))
-    left = [name for name in used if name not in READ | _SILENT and name not in _SPOKEN_OF_ELSEWHERE]
+        raise file.error("; ".join(_refusal(file.path, name) for name in missing))
+    left = [name for name in used if name not in READ | _SILENT]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
 
 
-# Images that are in no other format are noted one by one.
-_SPOKEN_OF_ELSEWHERE = {KTX2}
-
-
-def _names(file: GltfFile, kind: str) -> list[str]:
-    found = file.header.get(kind, [])
-    if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
-        raise file.error(f"its '{kind}' are not a list of names; export it again")
-    return list(dict.fromkeys(found))
-
-
-def _refusal(file: GltfFile, name: str) -> str:
-    own = file.path
+def _refusal(own: Path, name: str) -> str:
     if name == DRACO:
         install = f"install its decoder ({install_line('draco')}), or remove it with "
         return f"needs {name}: {install}'{_COPY} {own.name} {own.stem}-plain.glb'"

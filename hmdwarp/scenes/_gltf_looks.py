@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ._draft import Look
-from ._gltf_file import KTX2, SPECULAR, GltfFile, is_mirror
+from ._gltf_file import KTX2, SPECULAR, GltfFile
 from ._mesh import Emission, Material, Texture
 from ._notes import Notes
 
@@ -85,21 +84,6 @@ _WHITE = np.full((1, 1, 3), 255, np.uint8)
 _REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
 
 
-@attrs.frozen(eq=False)
-class _Blend:
-    alpha: float
-    see_through: bool
-    head_locked: bool
-    colour: Array
-
-
-@attrs.frozen(eq=False)
-class _Shining:
-    factor: Array  # (3,) linear
-    info: dict[str, Any]  # of its picture, as the file has it
-    image: NDArray[np.uint8] | None
-
-
 class Looks:
     """Looks of all materials of a file, each made once, and the textures they use."""
 
@@ -145,23 +129,22 @@ class Looks:
         see_through = mode in ("MASK", "BLEND") and (
             alpha < 1 or (image is not None and image.shape[2] == 4 and int(image[..., 3].min()) < 255)
         )
-        material = self._material(gltf, name, _Blend(alpha, see_through, head_locked, factor[:3]))
-        colour = np.clip(factor[:3], 0, None)
-        shining = self._shining(gltf, name, material, is_pictured=image is not None)
-        if image is None and shining is not None and shining.image is not None:
-            base = shining.info
-        emission = None if shining is None else self._emission(shining, base, name, is_pictured=image is not None)
+        if head_locked:
+            material = Material(head_locked=True, opacity=alpha)
+        else:
+            material = self._material(gltf, name, alpha, factor[:3], see_through=see_through)
+        glow, base, emission = self._emission(gltf, name, material, base, is_pictured=image is not None)
         texture = self._add(name, image, srgb=True, repeat=self._repeats(base, name), emission=emission)
         coordinates, transform = _place_of(base)
         return Look(
-            colour,
+            np.clip(factor[:3], 0, None),
             texture,
             material,
             bool(gltf.get("doubleSided")),
             coordinates,
             self._uv_transform(transform, name),
             "KHR_materials_unlit" in (gltf.get("extensions") or {}),
-            np.zeros(3) if shining is None or emission is not None else shining.factor,
+            glow if emission is None else np.zeros(3),
         )
 
     def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
@@ -178,8 +161,10 @@ class Looks:
         info = next((info for info, one in zip(infos, images, strict=True) if one is not None), {})
         return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
 
-    def _shining(self, gltf: dict[str, Any], name: str, material: Material, *, is_pictured: bool) -> _Shining | None:
-        """Return how a material emits, None if not.
+    def _emission(
+        self, gltf: dict[str, Any], name: str, material: Material, base: dict[str, Any], *, is_pictured: bool
+    ) -> tuple[Array, dict[str, Any], Emission | None]:
+        """Return the light of its own (3,), whose place its pictures have, and it as a picture.
 
         Source: Khronos 2022, KHR_materials_emissive_strength.
         """
@@ -188,24 +173,20 @@ class Looks:
         if factor.shape != (3,) or not np.isfinite(factor).all():
             raise self._file.error(f"{name}: its emission is not three finite numbers; export it again")
         if not (factor > 0).any():
-            return None
-        info = gltf.get("emissiveTexture") or {}
-        found = _Shining(np.maximum(factor, 0), info, self._image(info, name, channels=3))
-        is_plain = found.image is None and not is_pictured and not material.transmission
+            return np.zeros(3), base, None
+        factor, info = np.maximum(factor, 0), gltf.get("emissiveTexture") or {}
+        image = self._image(info, name, channels=3)
+        is_plain = image is None and not is_pictured and not material.transmission
         if (material.see_through or material.head_locked) and not is_plain:
             self._notes.add("the emission of what is see-through or fixed to the head is left out", name)
-            return None
-        return found
-
-    def _emission(self, shining: _Shining, base: dict[str, Any], name: str, *, is_pictured: bool) -> Emission | None:
-        """Return the emission as a picture, None if a colour without one says it."""
-        if shining.image is None:
-            return Emission(_WHITE, shining.factor) if is_pictured else None
-        image = shining.image
-        if _place_of(base) != _place_of(shining.info):
+            return np.zeros(3), base, None
+        if image is None:
+            return factor, base, Emission(_WHITE, factor) if is_pictured else None
+        base = base if is_pictured else info
+        if _place_of(base) != _place_of(info):
             self._notes.add("emission with texture coordinates of its own is drawn at its mean", name)
             image = _mean_of(image)
-        return Emission(image, shining.factor, self._repeats(shining.info, name))
+        return factor, base, Emission(image, factor, self._repeats(info, name))
 
     def _uv_transform(self, found: dict[str, Any], name: str) -> Array:
         """Return (3, 3) of KHR_texture_transform."""
@@ -216,16 +197,12 @@ class Looks:
             raise self._file.error(f"{name}: its KHR_texture_transform is not made of finite numbers; export it again")
         return matrix
 
-    def _material(self, gltf: dict[str, Any], name: str, blend: _Blend) -> Material:
-        if blend.head_locked:
-            return Material(head_locked=True, opacity=blend.alpha)
-        extensions, extras = (gltf.get(key) or {} for key in ("extensions", "extras"))
-        passes = self._transmission(gltf, name, extensions.get("KHR_materials_transmission") or {})
-        reflectivity = self._reflectivity(gltf, name, blend.colour)
-        if passes > 0 or blend.see_through:
+    def _material(self, gltf: dict[str, Any], name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
+        passes, reflectivity = self._transmission(gltf, name), self._reflectivity(gltf, name, colour)
+        if passes > 0 or see_through:
             if reflectivity:
                 self._notes.add("what mirrors and is see-through does not mirror", name)
-            return Material(see_through=True, opacity=blend.alpha, transmission=passes)
+            return Material(see_through=True, opacity=alpha, transmission=passes)
         if not reflectivity:
             return Material()
         bumps = gltf.get("normalTexture") or {}
@@ -235,15 +212,16 @@ class Looks:
             reflectivity=reflectivity,
             normal_map=normal_map,
             normal_scale=float(bumps.get("scale", 1.0)),
-            curved=bool(extras.get("curved", False)),
+            curved=bool((gltf.get("extras") or {}).get("curved", False)),
         )
 
-    def _transmission(self, gltf: dict[str, Any], name: str, glass: dict[str, Any]) -> float:
+    def _transmission(self, gltf: dict[str, Any], name: str) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
 
         The blend of alpha is apart from it: what alpha does not cover passes untouched.
         Source: Khronos 2021, KHR_materials_transmission; glTF 2.0 Specification, B.2 (materials).
         """
+        glass = (gltf.get("extensions") or {}).get("KHR_materials_transmission") or {}
         passes = float(np.clip(glass.get("transmissionFactor", 0.0), 0, 1))
         if not passes:
             return 0.0
@@ -259,9 +237,12 @@ class Looks:
 
     def _reflectivity(self, gltf: dict[str, Any], name: str, colour: Array) -> float:
         """Return `reflectivity` of the extras, else the base colour of a polished metal."""
-        share = (gltf.get("extras") or {}).get("reflectivity")
+        share, surface = (gltf.get("extras") or {}).get("reflectivity"), gltf.get("pbrMetallicRoughness") or {}
         if share is None:
-            return float(np.clip(colour, 0, 1).mean()) if is_mirror(gltf) else 0.0
+            metallic, rough = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
+            polished = isinstance(metallic, int | float) and isinstance(rough, int | float)
+            polished = polished and metallic >= 0.95 and rough <= 0.05 and "metallicRoughnessTexture" not in surface
+            return float(np.clip(colour, 0, 1).mean()) if polished else 0.0
         if not isinstance(share, int | float) or not 0 <= share <= 1:
             raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
         return float(share)
