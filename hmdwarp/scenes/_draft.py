@@ -123,7 +123,7 @@ class Draft:
             look.double_sided,
             look.material,
             self.body,
-            self.driven.seen_from(origin) if self.driven is not None else None,
+            self.driven and attrs.evolve(self.driven, origin=origin),
             self.colour + look.emission if self.is_surface else self.colour,
         )
 

@@ -61,7 +61,7 @@ def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp
     if abs(np.linalg.det(nodes.at(node, 0)[0][:3, :3])) < 1e-12:
         raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
     motion = NodeMotion(nodes, node)
-    placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
+    placed = motion if nodes.moving[node] else Still(motion.state(0).pose)
     return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
 
 

@@ -15,7 +15,7 @@ from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
 from ._gltf_file import VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_lamps import lamps_in
 from ._gltf_looks import Looks
-from ._gltf_nodes import NodeMotion, Nodes, driven_by_node, is_rigid, skinned
+from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body
 from ._notes import Notes
 from ._scene import Lamp
@@ -74,7 +74,7 @@ class GltfContent:
 
     def lamps(self) -> list[Lamp]:
         """Return the lamps that shine, where the scene is put. Errors: as lamps_in."""
-        return lamps_in(self._file, self._nodes, filter(self._nodes.is_visible, self._shown_nodes()))
+        return lamps_in(self._file, self._nodes, (node for node in self._shown_nodes() if not self._nodes.hidden[node]))
 
     def move(self, world_from_file: Pose) -> None:
         """Let everything that moves do so where the scene is put."""
@@ -87,7 +87,7 @@ class GltfContent:
             node = file.items("nodes")[index]
             if "mesh" not in node:
                 continue
-            if not self._nodes.is_visible(index):
+            if self._nodes.hidden[index]:
                 hidden += 1
                 continue
             mesh = file.item("meshes", node["mesh"], f"node {index}")
@@ -189,17 +189,18 @@ class GltfContent:
         if skin is not None:
             driven = skinned(self._file, nodes, skin, primitive, rest, self.notes)
             draft = attrs.evolve(draft, positions=driven.positions(0))
-            return attrs.evolve(draft, driven=driven) if any(map(nodes.moves, driven.joints)) else draft
+            return attrs.evolve(draft, driven=driven) if any(nodes.moving[joint] for joint in driven.joints) else draft
         matrix = nodes.at(node, 0)[0]
         draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
-        if not nodes.moves(node):
+        if not nodes.moving[node]:
             return draft
         if draft.panel or draft.look.material.head_locked:
             what = "a panel" if draft.panel else "what is fixed to the head"
             self.notes.add(f"{what} is not animated", f"node {node}")
             return draft
         if not is_rigid(nodes, node):
-            return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest))
+            which, weights = np.zeros((len(rest), 1), np.int64), np.ones((len(rest), 1))
+            return attrs.evolve(draft, driven=Driven(nodes, rest, [node], np.eye(4)[None], which, weights))
         if node not in self._body_numbers:
             name = self._file.items("nodes")[node].get("name") or f"node {node}"
             self.bodies.append(Body(name, NodeMotion(nodes, node)))
