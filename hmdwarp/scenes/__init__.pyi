@@ -66,9 +66,7 @@ from .library import SceneSource as SceneSource
 from .library import scenes as scenes
 from .motions import REACH_M as REACH_M
 from .motions import REACH_S as REACH_S
-from .motions import Joint as Joint
 from .motions import Pendulum as Pendulum
-from .motions import Skinned as Skinned
 from .motions import Spinning as Spinning
 from .motions import Still as Still
 from .motions import Thrown as Thrown

@@ -1,7 +1,8 @@
 """Nodes of a glTF file over time: hierarchy, animations, rigid bodies and skins, in float64.
 
 All are pure functions of the scene's clock.
-Source: Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
+Source: Magnenat-Thalmann et al. 1988, Joint-Dependent Local Deformations (linear blend skinning);
+Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
 and their interpolation).
 """
 

@@ -18,11 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry import Pose
 from .._gltf_file import GltfFile
-from .._mesh import Body, Material, Mesh, Texture
+from .._mesh import Body, Deformation, Material, Mesh, Texture
+from .._notes import Notes
 from .._panels import Panel
 from .._scene import Background, Lamp, Scene
 from ..input_events import InputLog
-from ..motions import Joint, Pendulum, Skinned, Spinning, Still, Thrown, Track, Waving
+from ..motions import Pendulum, Spinning, Still, Thrown, Track, Waving
 from ..reactions import Bouncing, Hinged, Switched
 from ..shapes import Ball, Quad, checker
 
@@ -69,6 +70,8 @@ def _mesh(file: GltfFile, node: dict[str, Any], textures: Sequence[Texture]) -> 
     arrays: dict[str, Any] = {
         field: file.numbers(attributes[key], name) for field, key in _FIELDS.items() if key in attributes
     }
+    if "skin" in node:
+        arrays["deformation"] = _skin(file, node["skin"], primitive, arrays["positions"])
     return Mesh(
         name,
         triangles=file.numbers(primitive["indices"], name, 1).reshape(-1, 3),
@@ -78,6 +81,13 @@ def _mesh(file: GltfFile, node: dict[str, Any], textures: Sequence[Texture]) -> 
         body=node.get("extras", {}).get("body", 0),
         **arrays,
     )
+
+
+def _skin(file: GltfFile, skin: int, primitive: dict[str, Any], rest: NDArray[Any]) -> Deformation:
+    from .._gltf_nodes import Nodes, skinned  # it brings SciPy, and most scenes do without
+
+    notes = Notes(file.path)
+    return skinned(file, Nodes(file, notes), skin, primitive, rest.astype(np.float64), notes)
 
 
 def _arrays(file: GltfFile) -> Arrays:
@@ -98,10 +108,6 @@ def _track(keys: ArrayLike) -> Track:
     return Track(rows[:, 0], rows[:, 1:4], Rotation.from_rotvec(rows[:, 4:]))
 
 
-def _skin(joints: list[dict[str, Any]], **arrays: NDArray[Any]) -> Skinned:
-    return Skinned(joints=[Joint(**joint) for joint in joints], **arrays)
-
-
 # What moves or reacts by its `kind` in a table, where the other keys are the parameters.
 _MOVES: dict[str, Callable[..., Any]] = {
     "still": Still,
@@ -110,7 +116,6 @@ _MOVES: dict[str, Callable[..., Any]] = {
     "thrown": Thrown,
     "track": _track,
     "waving": Waving,
-    "skinned": _skin,
 }
 _REACTS: dict[str, Callable[..., Any]] = {"bouncing": Bouncing, "hinged": Hinged, "switched": Switched}
 _POSES = ("at", "start", "pose", "viewpoint")  # keys of a place, or of a place and a quaternion
@@ -122,10 +127,10 @@ def stored_scene(name: str, table: dict[str, Any]) -> Scene:
     arrays: Arrays = {}
     if (path := _FOLDER / f"{name}.glb.xz").is_file():
         file = GltfFile.parse(path, lzma.decompress(path.read_bytes()))
-        meshes, arrays = [_mesh(file, node, textures) for node in file.items("nodes")], _arrays(file)
+        meshes, arrays = [_mesh(file, node, textures) for node in file.items("nodes") if "mesh" in node], _arrays(file)
     meshes += [Ball(**ball).mesh(called) for called, ball in table.get("balls", {}).items()]
     meshes += [Quad(**quad).mesh(called) for called, quad in table.get("quads", {}).items()]
-    soft = {mesh: said for said in table.get("deformations", ()) for mesh in said["meshes"]}
+    soft = table.get("deformations", {})
     colours = table.get("background", [(0.0, 0.0, 0.0)])
     return Scene(
         name,
@@ -162,7 +167,6 @@ def _made(name: str, said: dict[str, Any], arrays: Arrays, *inputs: InputLog) ->
     """Return what moves or reacts by that name: a motion, a deformation or a brightness."""
     values = _values(said) | arrays.get(name, {})
     kind = values.pop("kind")
-    values.pop("meshes", None)
     return _MOVES[kind](**values) if kind in _MOVES else _REACTS[kind](name, *inputs, **values)
 
 
