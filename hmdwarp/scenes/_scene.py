@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -68,18 +68,6 @@ class Lamp:
         return np.append(ahead, -outer * scale)
 
 
-def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:
-    """Return why the lamps cannot light the meshes, "" if they can."""
-    if len(lamps) > MOST_LAMPS:
-        return f"{len(lamps)} lamps: expected at most {MOST_LAMPS}"
-    for mesh in meshes:
-        if mesh.light_uv is not None and mesh.deformation is not None:
-            return f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
-        if lamps and mesh.material.reflectivity:
-            return f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces"
-    return ""
-
-
 SAME_DIRECTION = 1e-3  # rad, between the normals of one plane
 SAME_PLANE_M = 1e-3
 
@@ -92,34 +80,6 @@ class SceneMirror:
     meshes: tuple[Mesh, ...]
     normal_map: int  # index of the texture that disturbs the reflection, -1 for none; and by how much
     normal_scale: float
-
-
-def mirrors_of(scene: str, meshes: Sequence[Mesh], origin_m: NDArray[np.float64]) -> tuple[SceneMirror, ...]:
-    """Return all mirrors of the scene called `scene`, plane ones first.
-
-    Each curved mesh is a mirror of its own, the ball around its vertices.
-    Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror that
-    moves, and for more than MOST_MIRRORS.
-    """
-    groups: dict[tuple[Any, ...], list[Mesh]] = {}
-    for index, mesh in enumerate(meshes):
-        if not mesh.material.reflectivity:
-            continue
-        if mesh.body or mesh.deformation is not None:
-            raise SceneError(f"mesh '{mesh.name}': a mirror that moves; keep it still or set its reflectivity to 0")
-        what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
-        key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
-        groups.setdefault((*key, *what), []).append(mesh)
-    if len(groups) > MOST_MIRRORS:
-        raise SceneError(
-            f"scene '{scene}' has {len(groups)} mirrors: expected at most {MOST_MIRRORS}; one plane counts once"
-        )
-    ordered = sorted(groups.values(), key=lambda group: group[0].material.curved)
-    materials = [group[0].material for group in ordered]
-    return tuple(
-        SceneMirror(_shape(group, origin_m), tuple(group), material.normal_map, material.normal_scale)
-        for group, material in zip(ordered, materials, strict=True)
-    )
 
 
 def _plane_of(mesh: Mesh) -> NDArray[np.float64]:
@@ -252,14 +212,42 @@ class Scene:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
         if len(self.panels) > MOST_PANELS:
             raise SceneError(f"{len(self.panels)} panels: expected at most {MOST_PANELS}")
-        if problem := problem_with(self.meshes, self.lamps):
-            raise SceneError(problem)
+        if len(self.lamps) > MOST_LAMPS:
+            raise SceneError(f"{len(self.lamps)} lamps: expected at most {MOST_LAMPS}")
+        for mesh in self.meshes:
+            if mesh.light_uv is not None and mesh.deformation is not None:
+                raise SceneError(
+                    f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
+                )
+            if self.lamps and mesh.material.reflectivity:
+                raise SceneError(f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces")
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property
     def mirrors(self) -> tuple[SceneMirror, ...]:
-        """Mirrors, plane ones first; see mirrors_of for its errors."""
-        return mirrors_of(self.name, self.meshes, self.origin_m)
+        """Mirrors, plane ones first; each curved mesh is its own, the ball around its vertices.
+
+        Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror
+        that moves, and for more than MOST_MIRRORS.
+        """
+        groups: dict[tuple[Any, ...], list[Mesh]] = {}
+        for index, mesh in enumerate(self.meshes):
+            if not mesh.material.reflectivity:
+                continue
+            if mesh.body or mesh.deformation is not None:
+                raise SceneError(f"mesh '{mesh.name}': a mirror that moves; keep it still or set its reflectivity to 0")
+            what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
+            key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
+            groups.setdefault((*key, *what), []).append(mesh)
+        if len(groups) > MOST_MIRRORS:
+            raise SceneError(
+                f"scene '{self.name}' has {len(groups)} mirrors: expected at most {MOST_MIRRORS}; one plane counts once"
+            )
+        ordered = sorted(groups.values(), key=lambda group: group[0].material.curved)
+        return tuple(
+            SceneMirror(_shape(group, self.origin_m), tuple(group), like.normal_map, like.normal_scale)
+            for group, like in ((group, group[0].material) for group in ordered)
+        )
 
     def lit_ns(self, time_ns: int) -> int:
         """Return of which instant the light is in which the scene is seen at an instant."""
