@@ -45,9 +45,9 @@ class Draft:
     positions: Array  # (n, 3) at time 0 in the file's world; in head axes if head-locked
     look: Look
     triangles: NDArray[np.uint32]
-    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3), in the same axes
-    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))  # (n, 2), origin bottom left
-    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3) linear
+    normals: Array  # (n, 3), in the same axes
+    uv: Array  # (n, 2), origin bottom left
+    colour: Array  # (n, 3) linear
     body: int = 0  # number of the body, 0 for none
     driven: Driven | None = None
     panel: bool = False  # it is sent as a panel, hidden by what is nearer if that is asked for

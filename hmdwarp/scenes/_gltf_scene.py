@@ -1,4 +1,7 @@
-"""A glTF file as parts of a scene: meshes where they stand and as they move."""
+"""A glTF file as parts of a scene: meshes and lamps where they stand and as they move.
+
+Source: Khronos 2021, glTF 2.0 Specification; Khronos 2018, KHR_lights_punctual.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,13 @@ from numpy.typing import NDArray
 
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
-from ._gltf_file import VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
-from ._gltf_lamps import lamps_in
+from ._gltf_file import LIGHTS, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_looks import Looks
 from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body
 from ._notes import Notes
 from ._scene import Lamp
+from .motions import Still
 from .options import numbered
 
 Array = NDArray[np.float64]
@@ -47,10 +50,7 @@ class GltfContent:
         self.textures = self._looks.textures
         own = [bool((node.get("extras") or {}).get("head_locked")) for node in self._file.items("nodes")]
         self._locked = self._nodes.inherited(own)  # to the head, of each node
-        self.drafts = [
-            attrs.evolve(draft, normals=normals_of(draft.positions, draft.triangles))
-            for draft in filter(None, (self._draft(*place) for place in self._places()))
-        ]
+        self.drafts = [draft for place in self._places() if (draft := self._draft(*place)) is not None]
 
     @cached_property
     def cameras(self) -> list[tuple[str, int]]:
@@ -73,8 +73,38 @@ class GltfContent:
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
 
     def lamps(self) -> list[Lamp]:
-        """Return the lamps that shine, where the scene is put. Errors: as lamps_in."""
-        return lamps_in(self._file, self._nodes, (node for node in self._shown_nodes() if not self._nodes.hidden[node]))
+        """Return the lamps that shine, by candela and lux, where the scene is put.
+
+        Errors: SceneError for a damaged one.
+        """
+        known = ((self._file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
+        found = []
+        for node in self._shown_nodes:
+            said = (self._file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
+            if said is None or self._nodes.hidden[node]:
+                continue
+            index = said.get("light")
+            if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
+                raise self._file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
+            found.append(self._lamp(node, known[index]))
+        return [lamp for lamp in found if max(lamp.colour) > 0]
+
+    def _lamp(self, node: int, said: dict[str, Any]) -> Lamp:
+        kind, spot = said.get("type"), said.get("spot") or {}
+        cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
+        light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
+        sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
+        if kind not in ("directional", "point", "spot") or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
+            raise self._file.error(
+                f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity "
+                f"{light.tolist()}, cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite "
+                "light of 0 or more, inner < outer <= 1.5708"
+            )
+        if abs(np.linalg.det(self._nodes.at(node, 0)[0][:3, :3])) < 1e-12:
+            raise self._file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
+        motion = NodeMotion(self._nodes, node)
+        placed = motion if self._nodes.moving[node] else Still(motion.state(0).pose)
+        return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
 
     def move(self, world_from_file: Pose) -> None:
         """Let everything that moves do so where the scene is put."""
@@ -83,7 +113,7 @@ class GltfContent:
     def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
         """Return name, node and primitive of all triangles that the file shows."""
         file, found, hidden, left = self._file, [], 0, MOST_TRIANGLES
-        for index in self._shown_nodes():
+        for index in self._shown_nodes:
             node = file.items("nodes")[index]
             if "mesh" not in node:
                 continue
@@ -104,8 +134,9 @@ class GltfContent:
             raise file.error(f"{VISIBILITY} hides all {hidden} nodes with a mesh; show some, and export it again")
         return found
 
+    @cached_property
     def _shown_nodes(self) -> list[int]:
-        """Return the nodes of the scene that the file shows first; all if it names no scene."""
+        """The nodes of the scene that the file shows first; all if it names no scene."""
         file, nodes = self._file, self._nodes
         if not file.items("scenes"):
             return list(range(len(nodes.parents)))
@@ -155,18 +186,19 @@ class GltfContent:
             if not len(triangles):
                 return None
         extras = nodes[node].get("extras") or {}
-        draft = Draft(name, rest, look, triangles, uv=uv, colour=colour)
-        draft = attrs.evolve(draft, panel=bool(extras.get("panel")), occluded=bool(extras.get("occluded")))
-        if draft.panel and not np.allclose(colour, 1):
+        panel, occluded = bool(extras.get("panel")), bool(extras.get("occluded"))
+        if panel and not np.allclose(colour, 1):
             self.notes.add("a panel has the colours of its picture alone", user)
-        draft = self._placed(draft, node, skin, primitive)
+        fixed = "a panel" if panel else "what is fixed to the head" if look.material.head_locked else ""
+        positions, body, driven = self._placed(rest, node, skin, primitive, fixed)
         if skin is None and np.linalg.det(self._nodes.at(node, 0)[0][:3, :3]) < 0:
-            draft = attrs.evolve(draft, triangles=draft.triangles[:, ::-1])  # a mirrored node turns them inside out
+            triangles = triangles[:, ::-1]  # a mirrored node turns them inside out
         if look.material.reflectivity and not look.material.curved:
-            sizes = np.linalg.svd(draft.positions - draft.positions.mean(axis=0), compute_uv=False)
+            sizes = np.linalg.svd(positions - positions.mean(axis=0), compute_uv=False)
             curved = len(sizes) == 3 and bool(sizes[-1] > FLAT * sizes[0])
-            draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=curved)))
-        return draft
+            look = attrs.evolve(look, material=attrs.evolve(look.material, curved=curved))
+        normals = normals_of(positions, triangles)
+        return Draft(name, positions, look, triangles, normals, uv, colour, body, driven, panel, occluded)
 
     def _shaped(self, rest: Array, node: dict[str, Any], primitive: dict[str, Any], user: str) -> Array:
         """Return the positions with the morph targets at the weights that the file gives them."""
@@ -183,29 +215,31 @@ class GltfContent:
                 rest = rest + weight * change
         return rest
 
-    def _placed(self, draft: Draft, node: int, skin: int | None, primitive: dict[str, Any]) -> Draft:
-        """Return the draft with its vertices where they are at time 0, and how they move."""
-        rest, nodes = draft.positions, self._nodes
+    def _placed(
+        self, rest: Array, node: int, skin: int | None, primitive: dict[str, Any], fixed: str
+    ) -> tuple[Array, int, Driven | None]:
+        """Return vertices where they are at time 0, and what moves them: a body's number, or more.
+
+        fixed: what it is that never moves, "" for a plain surface.
+        """
+        nodes = self._nodes
         if skin is not None:
             driven = skinned(self._file, nodes, skin, primitive, rest, self.notes)
-            draft = attrs.evolve(draft, positions=driven.positions(0))
-            return attrs.evolve(draft, driven=driven) if any(nodes.moving[joint] for joint in driven.joints) else draft
+            return driven.positions(0), 0, driven if any(nodes.moving[joint] for joint in driven.joints) else None
         matrix = nodes.at(node, 0)[0]
-        draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
-        if not nodes.moving[node]:
-            return draft
-        if draft.panel or draft.look.material.head_locked:
-            what = "a panel" if draft.panel else "what is fixed to the head"
-            self.notes.add(f"{what} is not animated", f"node {node}")
-            return draft
+        positions = rest @ matrix[:3, :3].T + matrix[:3, 3]
+        if fixed and nodes.moving[node]:
+            self.notes.add(f"{fixed} is not animated", f"node {node}")
+        if fixed or not nodes.moving[node]:
+            return positions, 0, None
         if not is_rigid(nodes, node):
             which, weights = np.zeros((len(rest), 1), np.int64), np.ones((len(rest), 1))
-            return attrs.evolve(draft, driven=Driven(nodes, rest, [node], np.eye(4)[None], which, weights))
+            return positions, 0, Driven(nodes, rest, [node], np.eye(4)[None], which, weights)
         if node not in self._body_numbers:
             name = self._file.items("nodes")[node].get("name") or f"node {node}"
             self.bodies.append(Body(name, NodeMotion(nodes, node)))
             self._body_numbers[node] = len(self.bodies)
-        return attrs.evolve(draft, body=self._body_numbers[node])
+        return positions, self._body_numbers[node], None
 
 
 def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int) -> NDArray[np.uint32]:
