@@ -13,7 +13,7 @@ import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Ball, Material, Quad, Scene, Texture
-from hmdwarp.scenes.library._models import textures_named
+from hmdwarp.scenes.library import textures_named
 
 # Plain by themselves, so that what is wrong in them is wrong in what they show.
 FLOOR = Quad((0.0, 0.0, -3.0), (3.0, 0, 0), (0, 0, -3.0), -1, (0.3, 0.3, 0.32), (4, 4))

@@ -13,7 +13,7 @@ from ..errors import SceneError
 from ..geometry import Pose
 from ._gltf_nodes import Driven
 from ._mesh import Body, Material, Mesh, Texture
-from ._panels import Panel
+from ._scene import Panel
 
 _LOOSE = 1e-3  # share of its size by which a panel may be no rectangle
 MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here

@@ -105,15 +105,15 @@ class GltfFile:
         Errors: SceneError, and InputError for one that is refused, see read_beside.
         """
         if not isinstance(uri, str):
-            raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
+            raise self.damaged(f"{user}: {uri!r} in place of a file's name")
         if uri.startswith("data:"):
             head, _, data = uri.partition(",")
             try:
                 return base64.b64decode(unquote(data), validate=True) if ";base64" in head else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
-                raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
+                raise self.damaged(f"{user}: its data cannot be decoded ({error})") from error
         if len(uri) > _LONGEST_NAME:
-            raise self.error(f"{user}: a name of {len(uri)} characters in place of a file's; export it again")
+            raise self.damaged(f"{user}: a name of {len(uri)} characters in place of a file's")
         try:
             return read_beside(self.path.parent, uri)
         except InputError as error:
@@ -125,20 +125,24 @@ class GltfFile:
         """Return an error that names the file."""
         return SceneError(f"{self.path}: {what}")
 
+    def damaged(self, what: str) -> SceneError:
+        """Return an error about what no sound file holds."""
+        return self.error(f"{what}; export it again")
+
     def items(self, kind: str) -> list[dict[str, Any]]:
         """Return all items of a kind, such as "nodes"; none if the file lacks the list."""
         if kind in self.lists:
             return self.lists[kind]
         found = self.header.get(kind, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
-            raise self.error(f"its '{kind}' are not a list of objects; export it again")
+            raise self.damaged(f"its '{kind}' are not a list of objects")
         return self.lists.setdefault(kind, found)
 
     def item(self, kind: str, index: object, user: str) -> dict[str, Any]:
         """Return item `index` of a kind. Errors: SceneError, naming the `user` of the index."""
         found = self.items(kind)
         if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(found):
-            raise self.error(f"{user} uses number {index!r} of {len(found)} {kind}; export it again")
+            raise self.damaged(f"{user} uses number {index!r} of {len(found)} {kind}")
         return found[index]
 
     def count(self, table: dict[str, Any], name: str) -> int:
@@ -200,15 +204,13 @@ class GltfFile:
             out = rows.astype(values.dtype)
             out[which] = values
         except (KeyError, TypeError, ValueError, IndexError) as error:
-            raise self.error(
-                f"{user}: its sparse values do not fit ({type(error).__name__}: {error}); export it again"
-            ) from error
+            raise self.damaged(f"{user}: its sparse values do not fit ({type(error).__name__}: {error})") from error
         return out
 
     def _buffer_of(self, view: dict[str, Any], user: str) -> bytes:
         index = view.get("buffer", 0)
         if not isinstance(index, int) or not 0 <= index < len(self.buffers):
-            raise self.error(f"{user} lies in buffer {index!r} of {len(self.buffers)}; export it again")
+            raise self.damaged(f"{user} lies in buffer {index!r} of {len(self.buffers)}")
         return self.buffers[index]
 
     def view(self, view: dict[str, Any]) -> bytes:
@@ -228,9 +230,9 @@ class GltfFile:
         try:
             return rgba_of(Image.open(io.BytesIO(data)))
         except (OSError, ValueError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
-            raise self.error(
+            raise self.damaged(
                 f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
-                "PNG, JPEG or WebP; export it again"
+                "PNG, JPEG or WebP"
             ) from error
 
 
@@ -273,7 +275,7 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
     lists = [file.header.get(kind, []) for kind in ("extensionsRequired", "extensionsUsed")]
     for kind, found in zip(("extensionsRequired", "extensionsUsed"), lists, strict=True):
         if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
-            raise file.error(f"its '{kind}' are not a list of names; export it again")
+            raise file.damaged(f"its '{kind}' are not a list of names")
     required, used = map(dict.fromkeys, lists)
     missing = [name for name in required if name not in READ]
     if DRACO in required and not _has_draco():
@@ -329,9 +331,7 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
     except SceneError:
         raise
     except Exception as error:  # a damaged stream: DracoPy raises what it likes
-        raise file.error(
-            f"{user}: its Draco data cannot be decoded ({type(error).__name__}); export it again"
-        ) from error
+        raise file.damaged(f"{user}: its Draco data cannot be decoded ({type(error).__name__})") from error
 
 
 def _draco_bytes(data: bytes) -> int:
@@ -369,12 +369,12 @@ def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray 
     }
     counts = {len(rows) for rows in parts.values()}
     if len(counts) != 1 or not all(np.isfinite(rows).all() for rows in parts.values()):
-        raise file.error(f"{user}: instances without one finite place, turn and size each; export it again")
+        raise file.damaged(f"{user}: instances without one finite place, turn and size each")
     (count,) = counts
     matrices = np.tile(np.eye(4), (count, 1, 1))
     if "ROTATION" in parts and count:
         if (np.linalg.norm(parts["ROTATION"], axis=1) < 1e-6).any():
-            raise file.error(f"{user}: an instance's rotation has length 0; export it again")
+            raise file.damaged(f"{user}: an instance's rotation has length 0")
         matrices[:, :3, :3] = Rotation.from_quat(parts["ROTATION"]).as_matrix()
     if "SCALE" in parts:
         matrices[:, :3, :3] *= parts["SCALE"][:, None, :]

@@ -110,9 +110,7 @@ class Looks:
         plain = gltf.get("pbrMetallicRoughness") or {}
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
         if factor.shape != (4,) or not np.isfinite(factor).all():
-            raise self._file.error(
-                f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again"
-            )
+            raise self._file.damaged(f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers")
         mode, base = gltf.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
         alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
         if mode == "MASK":
@@ -171,7 +169,7 @@ class Looks:
         strength = ((gltf.get("extensions") or {}).get("KHR_materials_emissive_strength") or {}).get("emissiveStrength")
         factor = np.array(gltf.get("emissiveFactor", (0, 0, 0)), np.float64) * (1.0 if strength is None else strength)
         if factor.shape != (3,) or not np.isfinite(factor).all():
-            raise self._file.error(f"{name}: its emission is not three finite numbers; export it again")
+            raise self._file.damaged(f"{name}: its emission is not three finite numbers")
         if not (factor > 0).any():
             return np.zeros(3), base, None
         factor, info = np.maximum(factor, 0), gltf.get("emissiveTexture") or {}
@@ -194,7 +192,7 @@ class Looks:
         sine, cosine = np.sin(found.get("rotation", 0.0)), np.cos(found.get("rotation", 0.0))
         matrix = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
         if not np.isfinite(matrix).all():
-            raise self._file.error(f"{name}: its KHR_texture_transform is not made of finite numbers; export it again")
+            raise self._file.damaged(f"{name}: its KHR_texture_transform is not made of finite numbers")
         return matrix
 
     def _material(self, gltf: dict[str, Any], name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:

@@ -188,15 +188,13 @@ class Nodes:
         if "matrix" in node:
             matrix = np.array(node["matrix"], np.float64)
             if matrix.shape != (16,) or not np.isfinite(matrix).all():
-                raise self._file.error(f"node {index}: its matrix is not 16 finite numbers; export it again")
+                raise self._file.damaged(f"node {index}: its matrix is not 16 finite numbers")
             return matrix.reshape(4, 4).T
         found = {}
         for path, width in _WIDTH.items():
             value = np.array(node.get(path, _REST[path]), np.float64)
             if value.shape != (width,) or not np.isfinite(value).all() or (path == "rotation" and not value.any()):
-                raise self._file.error(
-                    f"node {index}: {path} {node.get(path)!r} is not {width} finite numbers; export it again"
-                )
+                raise self._file.damaged(f"node {index}: {path} {node.get(path)!r} is not {width} finite numbers")
             found[path] = value
         return found
 
@@ -240,7 +238,7 @@ class Nodes:
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
             if not isinstance(index, int) or not 0 <= index < len(samplers):
-                raise file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
+                raise file.damaged(f"{name} uses sampler {index!r} of {len(samplers)}")
             if path in self.curves.get(node, {}):
                 notes.add("an animation moves something twice; the first is played", f"{name}, {target_name}")
                 continue
@@ -375,7 +373,7 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
         file.item("nodes", joint, name)
     attributes = primitive.get("attributes", {})
     if "JOINTS_0" not in attributes or "WEIGHTS_0" not in attributes:
-        raise file.error(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
+        raise file.damaged(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0)")
     sets = [k for k in range(4) if f"JOINTS_{k}" in attributes]
 
     def columns(kind: str) -> NDArray[Any]:
@@ -395,9 +393,7 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
         return Driven(nodes, rest, joints, np.tile(np.eye(4), (len(joints), 1, 1)), which, weights)
     inverse = file.numbers(found["inverseBindMatrices"], name, 16).astype(np.float64)
     if len(inverse) < len(joints) or not np.isfinite(inverse).all():
-        raise file.error(
-            f"{name}: {len(inverse)} inverse bind matrices for {len(joints)} joints, or not finite; export it again"
-        )
+        raise file.damaged(f"{name}: {len(inverse)} inverse bind matrices for {len(joints)} joints, or not finite")
     joint_from_rest = inverse[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
     return Driven(nodes, rest, joints, joint_from_rest, which, weights)
 
@@ -408,7 +404,7 @@ def _with_sum_1(file: GltfFile, name: str, weights: Array, notes: Notes) -> Arra
     if bad.any():
         vertex = int(np.argmax(bad))
         found = ", ".join(f"{value:.4g}" for value in weights[vertex])
-        raise file.error(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each; export it again")
+        raise file.damaged(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each")
     total = weights.sum(axis=1)
     off = np.abs(total - 1)
     if (off > MOST_OFF).any():

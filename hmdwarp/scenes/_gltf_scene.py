@@ -85,7 +85,7 @@ class GltfContent:
                 continue
             index = said.get("light")
             if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
-                raise self._file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
+                raise self._file.damaged(f"node {node} uses light {index!r} of {len(known)}")
             found.append(self._lamp(node, known[index]))
         return [lamp for lamp in found if max(lamp.colour) > 0]
 
@@ -101,7 +101,7 @@ class GltfContent:
                 "light of 0 or more, inner < outer <= 1.5708"
             )
         if abs(np.linalg.det(self._nodes.at(node, 0)[0][:3, :3])) < 1e-12:
-            raise self._file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
+            raise self._file.damaged(f"node {node}: a light in a node of size 0, which has no direction")
         motion = NodeMotion(self._nodes, node)
         placed = motion if self._nodes.moving[node] else Still(motion.state(0).pose)
         return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
@@ -268,7 +268,7 @@ def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count
     # Quantised ones are meant as they are, and a transform makes them shares.
     uv = uv.astype(np.float64) if "KHR_mesh_quantization" in file.header.get("extensionsUsed", []) else _as_shares(uv)
     if len(uv) != count:
-        raise file.error(f"{user}: {count} positions and {len(uv)} texture coordinates; export it again")
+        raise file.damaged(f"{user}: {count} positions and {len(uv)} texture coordinates")
     if not np.array_equal(look.uv_transform, np.eye(3)):
         uv = uv @ look.uv_transform[:2, :2].T + look.uv_transform[:2, 2]
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
@@ -280,7 +280,7 @@ def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))
     if len(colours) != count or colours.shape[1] < 3:
-        raise file.error(f"{user}: {count} positions and {colours.shape} colours; export it again")
+        raise file.damaged(f"{user}: {count} positions and {colours.shape} colours")
     return colours
 
 
