@@ -13,11 +13,10 @@ from ...registry import Registry
 from ..assumptions import Assumption, By, Defect, Layout
 from ..options import FRAMES, TraceOptions
 from ..reading import layouts
-from ..reading.axes import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
+from ..reading.axes import AXES, CLOCK, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.columns import column_of_frames
-from ..reading.file_head import Head, is_number
-from ..reading.rows import RowReader
+from ..reading.columns import column_of_frames, is_number
+from ..reading.table import Head, RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
 from ..writing import WRITERS
@@ -53,7 +52,7 @@ class TraceFormat:
         if self.recognised:
             return layouts.SNIFFS[self.recognised](head)
         if self.kind:
-            return 100 if head.source.kind == self.kind else 0
+            return 100 if head.kind == self.kind else 0
         names = head.names
         if self.bare and names is None:
             same = (head.separator or "") == self.bare["separator"] and head.width in self.bare["widths"]
@@ -63,7 +62,7 @@ class TraceFormat:
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
-        facts = {**self.facts, **head.source.made.facts}
+        facts = {**self.facts, **({} if head.made is None else head.made.facts)}
         if self.read_as:
             return layouts.LAYOUTS[self.read_as](head, options, facts)
         if head.names is None and self.bare_order:
@@ -89,7 +88,7 @@ class TraceFormat:
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
-        if self.kind and head.source.kind != self.kind:
+        if self.kind and head.kind != self.kind:
             what = self.file or f"file of format {self.name}"
             raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
         layout = self.layout(head, options)
@@ -104,14 +103,7 @@ class TraceFormat:
             raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
         elif options.rate is not None:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
-        reader = RowReader(head, layout, options.lost_rows)
-        rows = reader.read()
-        layout = attrs.evolve(layout, caveats=(*head.source.made.defects, *layout.caveats, *reader.defects))
-        origins = (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:"))
-        loaded = Cleaner(head, rows, layout, options, reader.ends_with_newline).clean(next(origins, ""))
-        columns = layouts.columns_read(head, layout, loaded.device)
-        read = Assumption(COLUMNS, columns, layout.columns_by, "--columns")
-        loaded = attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
+        loaded = Cleaner(RowReader(head, layout, options).read()).clean(self.name)
         if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
             layouts.refuse_hanging(head, loaded.track)
         return loaded

@@ -17,6 +17,10 @@ import attrs
 
 from ..assumptions import Defect
 
+COMMENT_SIGNS = ("#", "%", "//")
+_NUMBER = re.compile(
+    r"[-+]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][-+]?[0-9]+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE
+)
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
@@ -64,6 +68,11 @@ class Columns:
     vector: Vector | None = None
     angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
+
+
+def is_number(field: str) -> bool:
+    """Return whether the field is a number, with decimal point or comma."""
+    return _NUMBER.match(field) is not None
 
 
 def head_rank(name: str) -> int:

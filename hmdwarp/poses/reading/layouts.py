@@ -15,9 +15,20 @@ from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
 from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
-from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices, owner_rank
-from .file_head import Head, is_number
+from .columns import (
+    SHAPES,
+    UNRANKED,
+    Cells,
+    Columns,
+    direction_of,
+    find_columns,
+    head_rank,
+    is_number,
+    named_matrices,
+    owner_rank,
+)
 from .pose_messages import COLUMNS as MESSAGES
+from .table import Head
 from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(
@@ -94,7 +105,7 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
     euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
     order = options.quat_order
     if found.orientation is not None and found.numbered:
-        if order is None and head.source.kind == "vectors":
+        if order is None and head.kind == "vectors":
             return {"orientation": found.orientation, "order_by": By.NOBODY, "caveats": (_ORDER_ASSUMED,)}
         return {"orientation": ordered(head, found.orientation, order), "order_by": By.USER}
     if found.orientation is not None:
@@ -381,7 +392,7 @@ def refuse_hanging(head: Head, track: PoseTrack) -> None:
 
 SNIFFS: dict[str, Callable[[Head], int]] = {
     "named": lambda head: 10 * (head.names is not None),
-    "json": lambda head: 20 * (head.source.kind == "json" and head.names is not None),
+    "json": lambda head: 20 * (head.kind == "json" and head.names is not None),
     "ros2": lambda head: 50 * (
         any("header" in name.lower() for name in head.names or ())
         and any(unit == "ns" for *_, unit in find_columns(head.names or []).pairs)
