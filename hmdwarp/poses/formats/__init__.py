@@ -16,7 +16,7 @@ from ..reading import layouts
 from ..reading.axes import AXES, CLOCK, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
 from ..reading.columns import column_of_frames, is_number
-from ..reading.table import Head, RowReader
+from ..reading.text_table import Head, RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
 from ..writing import WRITERS

@@ -18,7 +18,7 @@ from .axes import AXES, COLUMNS, UP
 from .columns import head_rank
 from .layouts import columns_read
 from .plausibility import JudgedAxes, find_jumps, inverted
-from .table import Found, Recording, Segment
+from .text_table import Found, Recording, Segment
 
 _COARSE_NORM = 1e-2
 _WORST_NORM = 0.5

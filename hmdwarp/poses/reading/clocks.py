@@ -12,7 +12,7 @@ from ...errors import TraceError, counted
 from .. import quaternions
 from ..assumptions import By
 from ..options import FRAMES
-from .table import Found, Recording, Segment
+from .text_table import Found, Recording, Segment
 from .times import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Stamps
 
 _NO_TIMES = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))

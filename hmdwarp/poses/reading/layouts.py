@@ -28,7 +28,7 @@ from .columns import (
     owner_rank,
 )
 from .pose_messages import COLUMNS as MESSAGES
-from .table import Head
+from .text_table import Head
 from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(

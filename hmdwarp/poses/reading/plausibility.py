@@ -37,7 +37,7 @@ from .axes import (
     preset_names,
     upright,
 )
-from .table import Recording
+from .text_table import Recording
 
 Array = NDArray[np.float64]
 

@@ -29,9 +29,9 @@ from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, TraceOptions
 from .colmap import MARK, table_of_colmap
 from .columns import COMMENT_SIGNS, Made, is_number
+from .made_rows import cells_reader, export_reader, table_of_json
 from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS
-from .records import cells_reader, export_reader, table_of_json
 from .times import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
 
 Array = NDArray[np.float64]
