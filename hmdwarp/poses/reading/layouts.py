@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
@@ -116,11 +115,10 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
     matrix = next(filter(None, (_arranged(head, cells, options.matrix) for cells in candidates)), None)
     if matrix is not None:
         return matrix | {"position": matrix["position"] or found.position}
-    if found.vector is not None and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
-        kind = VECTOR if len(found.vector.columns) == 3 else AXIS_ANGLE
-        by = By.USER if options.euler else By.FILE if found.vector.stated else By.NOBODY
-        stated = euler or Euler(kind, found.vector.degrees)
-        return {"orientation": found.vector.columns, "euler": stated, "order_by": by}
+    if found.vector and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
+        by = By.USER if options.euler else By.FILE if found.vector_unit else By.NOBODY
+        stated = euler or Euler(VECTOR if len(found.vector) == 3 else AXIS_ANGLE, found.vector_unit == "deg")
+        return {"orientation": found.vector, "euler": stated, "order_by": by}
     if euler is not None and found.angles is not None:
         axes = "xyz" if euler.order == VECTOR else euler.order
         columns = tuple(found.angles["xyz".index(axis)] for axis in axes)
@@ -182,16 +180,16 @@ def column_of(head: Head, word: str) -> int:
 
 def column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
-
-    def names_bodies(fields: list[str]) -> bool:
-        changes = sum(a != b for a, b in itertools.pairwise(fields))
-        named = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
-        return named and _MIXED * changes > len(fields)
-
     names = head.names or []
     if (named := find_columns(names).device) is not None:
         return named
-    return next((c for c in range(len(names)) if names_bodies([r[c] for r in head.rows if c < len(r)])), None)
+    for column in range(len(names)):
+        fields = [row[column] for row in head.rows if column < len(row)]
+        changes = sum(a != b for a, b in itertools.pairwise(fields))
+        bodies = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+        if bodies and _MIXED * changes > len(fields):
+            return column
+    return None
 
 
 def columns_read(head: Head, layout: Layout, device: str) -> str:
@@ -217,10 +215,16 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     """Return the layout of --columns; w is last unless --quat-order says otherwise."""
     text = options.columns or ""
     parts = [part.partition("=") for part in text.split(",")]
-    stated = {key.strip(): _columns_of(head, value) for key, _, value in parts if value}
+    stated: dict[str, tuple[int, ...]] = {}
+    for key, _, value in parts:
+        found = re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)  # from one number to another (2-17)
+        span = found is not None and head.column(value) is None
+        words = map(str, range(int(found[1]), int(found[2]) + 1)) if found and span else value.split("+")
+        if value:
+            stated[key.strip()] = tuple(column_of(head, word) for word in words)
     turns = [key for key in stated if key in "qmrae"]
-    counted = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
-    if len(stated) != len(parts) or len(turns) != 1 or not counted:
+    counts = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
+    if len(stated) != len(parts) or len(turns) != 1 or not counts:
         raise InputError(f"--columns '{text}': expected {_SYNTAX}")
     key, columns = turns[0], stated[turns[0]]
     facts: dict[str, Any] = {"orientation": columns, "order_by": By.USER}
@@ -238,13 +242,6 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
 
 
-def _columns_of(head: Head, text: str) -> tuple[int, ...]:
-    """Return columns by name or number, apart by +, or from one number to another (2-17)."""
-    if (found := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", text)) and head.column(text) is None:
-        return tuple(column_of(head, str(number)) for number in range(int(found[1]), int(found[2]) + 1))
-    return tuple(column_of(head, word) for word in text.split("+"))
-
-
 def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
     """Return how a stated matrix is read. Errors: TraceError for numbers that are no rotation."""
     found = _arranged(head, cells, order)
@@ -257,38 +254,28 @@ def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
 
 def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | None:
     """Return fields of Layout for a matrix; None where the numbers are no rotation."""
-    numbers = head.numbers(cells)
+    numbers, (high, wide) = head.numbers(cells), SHAPES[len(cells)]
     numbers = numbers[np.abs(numbers).max(axis=1, initial=0.0) > 0]  # lost tracking writes zeros
-    fits = [layout for layout in (ROWS, COLUMNS) if order in (None, layout) and _holds(numbers, layout)]
+    places, fits = np.arange(len(cells)), {}
+    for layout, grid in ((ROWS, places.reshape(high, wide)), (COLUMNS, places.reshape(wide, high).T)):
+        if len(numbers) and order in (None, layout):
+            matrices = numbers[:, grid[:3, :3]]
+            off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+            last = np.abs(numbers[:, grid[3]] - (0, 0, 0, 1)).max(axis=1) if grid.size == 16 else np.zeros(1)
+            if np.median(off) < _OFF >= np.median(last) and np.median(np.linalg.det(matrices)) > 0:
+                fits[layout] = grid
     if not fits:
         return None
     # A transposed rotation is a rotation: only the place of a translation or of 0,0,0,1 decides.
     decided = len(fits) == 1 and len(cells) > 9
-    last = ("0,0,0,1 is its last row", "3x4") if fits[0] == ROWS else ("0,0,0,1 is its last column", "4x3")
-    grid = _grid(len(cells), fits[0])
+    way, grid = next(iter(fits.items()))
+    last = ("0,0,0,1 is its last row", "3x4") if way == ROWS else ("0,0,0,1 is its last column", "4x3")
     return {
         "orientation": tuple(cells[i] for i in grid[:3, :3].ravel()),
         "position": tuple(cells[i] for i in grid[:3, 3]) if len(cells) > 9 else None,
-        "matrix": f"by {fits[0]}" + (f" ({last[len(cells) == 12]})" if decided else ""),
+        "matrix": f"by {way}" + (f" ({last[len(cells) == 12]})" if decided else ""),
         "order_by": By.USER if order else By.FILE if decided else By.NOBODY,
     }
-
-
-def _grid(count: int, order: str) -> NDArray[np.intp]:
-    """Return the places of a matrix's numbers, row by row."""
-    rows, columns = SHAPES[count]
-    return np.arange(count).reshape(rows, columns) if order == ROWS else np.arange(count).reshape(columns, rows).T
-
-
-def _holds(numbers: NDArray[np.float64], order: str) -> bool:
-    if not len(numbers):
-        return False
-    grid = _grid(numbers.shape[1], order)
-    if grid.size == 16 and np.median(np.abs(numbers[:, grid[3]] - (0, 0, 0, 1)).max(axis=1)) > _OFF:
-        return False
-    matrices = numbers[:, grid[:3, :3].ravel()].reshape(-1, 3, 3)
-    off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    return bool(np.median(off) < _OFF and np.median(np.linalg.det(matrices)) > 0)
 
 
 # What a table of a format names where a header does not tell: how it is recognised (the score of
@@ -310,12 +297,10 @@ def _sniff_frames(head: Head) -> int:
     """Recognise six bare columns: the second a frame number, the last four of length 1."""
     if head.names is not None or head.separator is not None or head.width != 6:
         return 0
-    rows = [r for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
-    if not rows or not all(are_digits(r[1]) for r in rows):
-        return 0
-    frames = [int(r[1]) for r in rows]
+    rows = [r for r in head.rows if len(r) == 6 and all(map(is_number, r))]
+    counted = bool(rows) and all(are_digits(r[1]) for r in rows)
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
-    return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
+    return 60 if counted and 2 * unit > len(rows) and rows == sorted(rows, key=lambda r: int(r[1])) else 0
 
 
 def _bare_matrix(head: Head) -> Cells | None:

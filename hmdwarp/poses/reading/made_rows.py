@@ -167,7 +167,7 @@ def _are_names(value: Any) -> bool:
 
 def _has_pose(row: dict[str, Any]) -> bool:
     found = find_columns(list(row))
-    return found.orientation is not None or found.vector is not None or bool(named_matrices(list(row)))
+    return found.orientation is not None or bool(found.vector or named_matrices(list(row)))
 
 
 def _flat(value: Any, name: str = "") -> dict[str, Any]:
