@@ -23,6 +23,22 @@ class By(StrEnum):
     NOBODY = "nobody"
 
 
+class Fact(StrEnum):
+    """What is assumed of a trace."""
+
+    COLUMNS = "columns"
+    ORIENTATION = "orientation"
+    POSE = "pose"
+    LENGTH = "length"
+    AXES = "axes"
+    UP = "up"
+    CLOCK = "clock"
+    WRAP = "clock wrap"
+
+
+DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones
+
+
 @attrs.frozen
 class Assumption:
     """One fact: a unit, intrinsics, an order of numbers, axes, a clock."""

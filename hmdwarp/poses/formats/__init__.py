@@ -6,16 +6,15 @@ from collections.abc import Mapping
 from typing import IO, Any
 
 import attrs
-import numpy as np
 
-from ...errors import InputError, TraceError
+from ...errors import TraceError
 from ...registry import Registry
-from ..assumptions import Assumption, By, Defect, Layout
-from ..options import FRAMES, TraceOptions
+from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
+from ..options import TraceOptions
 from ..reading import layouts
-from ..reading.axes import AXES, CLOCK, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
+from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.columns import column_of_frames, is_number
+from ..reading.header import is_number
 from ..reading.text_table import Head, RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
@@ -77,13 +76,16 @@ class TraceFormat:
         unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
         scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
         clock = UNIT_NAMES[unit] if unit else "what makes a tracker's rate"
+        way = DIRECTION[bool(facts.get("inverse"))]
         order = self.order or f"as the names say{f', {self.bare_order} without a header' if self.bare_order else ''}"
         return (
-            Assumption(CLOCK, clock, By.FORMAT if unit else By.NOBODY),
-            Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
-            Assumption(AXES, axes.label(), axes_by, "--axes"),
-            Assumption(ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
-            Assumption(POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"),
+            Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.NOBODY),
+            Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
+            Assumption(Fact.AXES, axes.label(), axes_by, "--axes"),
+            Assumption(Fact.ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
+            Assumption(
+                Fact.POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"
+            ),
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
@@ -91,18 +93,9 @@ class TraceFormat:
         if self.kind and head.kind != self.kind:
             what = self.file or f"file of format {self.name}"
             raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
-        layout = self.layout(head, options)
-        if options.time_column is not None:
-            layout = attrs.evolve(layout, time=layouts.column_of(head, options.time_column), unit=None, rest=None)
-        if (axes := axes_stated(head)) is not None:
+        layout = layouts.with_clock(head, self.layout(head, options), options)
+        if (axes := layouts.axes_stated(head)) is not None:
             layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
-        counted = _frames(head, layout, options)
-        if counted is not None:
-            layout = attrs.evolve(layout, time=counted, unit=FRAMES, rest=None)
-        elif layout.time is None and options.rate is None:
-            raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
-        elif options.rate is not None:
-            layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         loaded = Cleaner(RowReader(head, layout, options).read()).clean(self.name)
         if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
             layouts.refuse_hanging(head, loaded.track)
@@ -141,40 +134,3 @@ class StatedColumns(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return what --columns says."""
         return layouts.stated_layout(head, options)
-
-
-def _frames(head: Head, layout: Layout, options: TraceOptions) -> int | None:
-    """Return the column of frame numbers that --trace-rate turns into times, None without one."""
-    column = column_of_frames(head.names or [])
-    if options.time_unit == FRAMES:
-        if options.rate is None:
-            raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
-        time = layout.time if options.time_column or options.columns or column is None else column
-        if time is None:
-            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
-        return time
-    if column is None or options.rate is None:
-        return None
-    numbers = head.numbers((column,))[:, 0]
-    steps = np.diff(numbers)
-    rises = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all()) and float(np.median(steps)) == 1
-    return column if rises else None
-
-
-def axes_stated(head: Head) -> str | None:
-    """Return the axes that a comment of the file states, as `parse_axes` takes them.
-
-    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
-    """
-    for _, text in head.comments:
-        key, _, value = text.partition(":")
-        if key.strip().lower() != "axes":
-            continue
-        if OPENXR in value.lower():
-            return OPENXR
-        try:
-            parse_axes(value)
-        except InputError:
-            continue
-        return value
-    return None

@@ -188,9 +188,3 @@ def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
     return np.asarray(half / np.linalg.norm(half))
-
-
-# What is assumed of a file.
-COLUMNS, ORIENTATION, POSE, LENGTH = "columns", "orientation", "pose", "length"
-AXES, UP, CLOCK, WRAP = "axes", "up", "clock", "clock wrap"
-DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError, are_digits, counted
 from .. import quaternions
-from ..assumptions import Assumption, By, Defect, unstated
+from ..assumptions import Assumption, By, Defect, Fact, unstated
 from ..track import PoseTrack, gap_limit_ns
 from . import clocks
-from .axes import AXES, COLUMNS, UP
-from .columns import head_rank
+from .header import head_rank
 from .layouts import columns_read
 from .plausibility import JudgedAxes, find_jumps, inverted
 from .text_table import Found, Recording, Segment
@@ -52,7 +51,7 @@ class LoadedTrace:
         is_told = any(defect.kind == "axes-contradicted" for defect in self.defects)
         remedy = "" if "--axes" in self.axes else "; --axes states them"
         assumed = [f"the trace's axes: {self.axes}{remedy}"] if self.axes_assumed and not is_told else []
-        others = (assumption for assumption in self.assumptions if assumption.what not in (AXES, UP))
+        others = (assumption for assumption in self.assumptions if assumption.what not in (Fact.AXES, Fact.UP))
         return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
     @property
@@ -104,7 +103,7 @@ class Cleaner:
             epoch_ns=r.epoch_ns + int(r.time_ns[0]), jumps=r.jumps.tolist(), gaze=r.gaze,
         )  # fmt: skip
         columns = columns_read(r.head, r.layout, r.taken)
-        facts = (Assumption(COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
+        facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
         assumed, unit = judged.axes_by is By.NOBODY, r.time_unit
         return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
 

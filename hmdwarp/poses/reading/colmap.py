@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ...options.named_files import LIST, content_of
-from .columns import Made, rows_text
+from .header import Made, rows_text
 
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
 COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")

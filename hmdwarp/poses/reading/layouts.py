@@ -6,26 +6,18 @@ import itertools
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
-from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
+from ..options import AXIS_ANGLE, COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
-from .columns import (
-    SHAPES,
-    UNRANKED,
-    Cells,
-    Columns,
-    direction_of,
-    find_columns,
-    head_rank,
-    is_number,
-    named_matrices,
-    owner_rank,
-)
+from . import header
+from .axes import OPENXR, parse_axes
 from .pose_messages import COLUMNS as MESSAGES
 from .text_table import Head
 from .times import BILLION, DATE, UNITS_NS
@@ -55,7 +47,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
-    found = find_columns(head.names)
+    found = header.find_columns(head.names)
 
     clock, told = _clock(head, found)
     facts = clock | {
@@ -67,20 +59,20 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
     gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
     turn = _turn(head, found, options, known)
-    if (said := direction_of([head.names[c] for c in turn["orientation"]])) is not None:
+    if (said := header.direction_of([head.names[c] for c in turn["orientation"]])) is not None:
         facts |= {"inverse": said == INVERSE, "direction_by": By.FILE}
     caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()), *told)
     return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
 
 
-def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
+def _clock(head: Head, found: header.Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
     """Return which columns are the time, as fields of Layout, and a note on other clocks."""
     names = head.names or []
 
     def cells(column: int) -> list[str]:
         return [row[column] for row in head.rows if len(row) > column and row[column]]
 
-    for whole, rest, unit in sorted(found.pairs, key=lambda pair: owner_rank(names[pair[0]])):
+    for whole, rest, unit in sorted(found.pairs, key=lambda pair: header.owner_rank(names[pair[0]])):
         counts = [cell for cell in cells(rest) if are_digits(cell) and int(cell) < BILLION // UNITS_NS[unit]]
         if len(counts) == len(cells(rest)) and all(map(are_digits, cells(whole))):
             return {"time": whole, "unit": "s", "rest": rest, "rest_unit": unit}, ()
@@ -89,7 +81,7 @@ def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ..
     values = {column: len(set(cells(column))) for column, _ in found.clocks}
     # Of several clocks those that take the most values over the first rows, then the pose's own.
     fine = [clock for clock in found.clocks if 10 * values[clock[0]] > 9 * max(values.values())]
-    time, said = min(fine, key=lambda clock: owner_rank(names[clock[0]]))
+    time, said = min(fine, key=lambda clock: header.owner_rank(names[clock[0]]))
     others = ", ".join(names[column] for column, _ in found.clocks if column != time)
     done = f"{names[time]} taken; --time-column takes another"
     note = Defect("clocks-several", f"its rows have other clocks as well ({others})", done)
@@ -99,7 +91,7 @@ def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ..
     return {"time": time, "unit": said, **dates}, (note,) if others else ()
 
 
-def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
+def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
     """Return how the orientation is read: fields of Layout. Errors: TraceError."""
     euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
     order = options.quat_order
@@ -111,7 +103,7 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
         what = f"--quat-order {order} was given, but the header names x, y, z and w"
         ignored = Defect("quat-order-named", what, "the names are followed")
         return {"orientation": found.orientation, "caveats": (ignored,) if order else ()}
-    candidates = named_matrices(head.names or [])
+    candidates = header.named_matrices(head.names or [])
     matrix = next(filter(None, (_arranged(head, cells, options.matrix) for cells in candidates)), None)
     if matrix is not None:
         return matrix | {"position": matrix["position"] or found.position}
@@ -181,14 +173,53 @@ def column_of(head: Head, word: str) -> int:
 def column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
     names = head.names or []
-    if (named := find_columns(names).device) is not None:
+    if (named := header.find_columns(names).device) is not None:
         return named
     for column in range(len(names)):
         fields = [row[column] for row in head.rows if column < len(row)]
         changes = sum(a != b for a, b in itertools.pairwise(fields))
-        bodies = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+        bodies = any(header.head_rank(name) != header.UNRANKED for name in set(fields) if not header.is_number(name))
         if bodies and _MIXED * changes > len(fields):
             return column
+    return None
+
+
+def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
+    """Return the layout with the clock that the options name, or their rate. Errors: TraceError."""
+    if options.time_column is not None:
+        layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, rest=None)
+    frames, rate = header.find_columns(head.names or []).frames, options.rate
+    if options.time_unit == FRAMES:
+        if rate is None:
+            raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
+        if options.time_column or options.columns or frames is None:
+            frames = layout.time
+        if frames is None:
+            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
+    elif frames is not None and rate is not None:
+        numbers = head.numbers((frames,))[:, 0]
+        steps = np.diff(numbers)
+        rises = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all()) and float(np.median(steps)) == 1
+        frames = frames if rises else None
+    if frames is not None and rate is not None:
+        return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
+    if layout.time is None and rate is None:
+        raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
+    return layout if rate is None else attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
+
+
+def axes_stated(head: Head) -> str | None:
+    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+
+    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    """
+    for _, text in head.comments:
+        key, _, value = text.partition(":")
+        if key.strip().lower() == "axes":
+            with suppress(InputError):
+                said = OPENXR if OPENXR in value.lower() else value
+                parse_axes(said)
+                return said
     return None
 
 
@@ -242,7 +273,7 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
 
 
-def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
+def of_matrix(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any]:
     """Return how a stated matrix is read. Errors: TraceError for numbers that are no rotation."""
     found = _arranged(head, cells, order)
     if found is None:
@@ -252,9 +283,9 @@ def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
     return found
 
 
-def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | None:
+def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any] | None:
     """Return fields of Layout for a matrix; None where the numbers are no rotation."""
-    numbers, (high, wide) = head.numbers(cells), SHAPES[len(cells)]
+    numbers, (high, wide) = head.numbers(cells), header.SHAPES[len(cells)]
     numbers = numbers[np.abs(numbers).max(axis=1, initial=0.0) > 0]  # lost tracking writes zeros
     places, fits = np.arange(len(cells)), {}
     for layout, grid in ((ROWS, places.reshape(high, wide)), (COLUMNS, places.reshape(wide, high).T)):
@@ -297,13 +328,13 @@ def _sniff_frames(head: Head) -> int:
     """Recognise six bare columns: the second a frame number, the last four of length 1."""
     if head.names is not None or head.separator is not None or head.width != 6:
         return 0
-    rows = [r for r in head.rows if len(r) == 6 and all(map(is_number, r))]
+    rows = [r for r in head.rows if len(r) == 6 and all(map(header.is_number, r))]
     counted = bool(rows) and all(are_digits(r[1]) for r in rows)
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
     return 60 if counted and 2 * unit > len(rows) and rows == sorted(rows, key=lambda r: int(r[1])) else 0
 
 
-def _bare_matrix(head: Head) -> Cells | None:
+def _bare_matrix(head: Head) -> header.Cells | None:
     """Return neighbouring columns that are a matrix with a position, 4x4 before 3x4."""
     runs = (tuple(range(a, a + n)) for n in (16, 12) for a in range(head.width - n + 1))
     return next((cells for cells in runs if _arranged(head, cells, None) is not None), None)
@@ -380,10 +411,10 @@ SNIFFS: dict[str, Callable[[Head], int]] = {
     "json": lambda head: 20 * (head.kind == "json" and head.names is not None),
     "ros2": lambda head: 50 * (
         any("header" in name.lower() for name in head.names or ())
-        and any(unit == "ns" for *_, unit in find_columns(head.names or []).pairs)
+        and any(unit == "ns" for *_, unit in header.find_columns(head.names or []).pairs)
     ),
     "matrices": lambda head: 50 * (
-        head.names is None and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
+        head.names is None and sum(map(header.is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
     ),
     **{"ticks": _sniff_ticks, "frames": _sniff_frames},
 }  # fmt: skip

@@ -23,7 +23,7 @@ from ...options.named_files import FACTS, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
 from .axes import parse_axes
-from .columns import COMMENT_SIGNS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
+from .header import COMMENT_SIGNS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")

@@ -16,27 +16,10 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError
 from .. import quaternions
-from ..assumptions import AXES_BY, Assumption, By
+from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE
 from ..track import PoseSample
-from .axes import (
-    AUTO,
-    AXES,
-    CLOCK,
-    DIRECTION,
-    LENGTH,
-    ORIENTATION,
-    POSE,
-    UP,
-    WRAP,
-    Axes,
-    axis_word,
-    load_preset,
-    parse_axes,
-    parse_up,
-    preset_names,
-    upright,
-)
+from .axes import AUTO, Axes, axis_word, load_preset, parse_axes, parse_up, preset_names, upright
 from .text_table import Recording
 
 Array = NDArray[np.float64]
@@ -225,14 +208,21 @@ _FASTEST_WALK_M_S = 12.0
 _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
 
 
-def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str]:
-    """Return what is odd about a head's places, and a scale that helps; "" where nothing is."""
+def place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
+    """Return what is odd about a head's places, and a scale that helps; "" where nothing is.
+
+    height_m: over the origin where it is steady, else 0.
+    """
     at = every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
     far = float(np.median(np.linalg.norm(p, axis=1)))
     speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
     fast = float(np.quantile(speed, 0.9))
     if far <= _FARTHEST_M and fast <= _FASTEST_WALK_M_S:
+        for name, metres in _LENGTHS.items():
+            if height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
+                what = f"the head is {height_m:.3g} m above the origin"
+                return what, f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
         return "", ""
     what = f"the head is {far:.4g} m from the origin" if far > _FARTHEST_M else f"the head moves at {fast:.4g} m/s"
     for name, metres in _LENGTHS.items():
@@ -240,15 +230,6 @@ def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str
             found = f"{far * metres:.3g} m, {fast * metres:.2g} m/s"
             return what, f"--scale {metres:g} takes the positions as {name}: {found}"
     return what, "--scale gives metres per unit"
-
-
-def height_fault(height_m: float) -> tuple[str, str]:
-    """Return as `place_fault` for a steady height over the origin."""
-    for name, metres in _LENGTHS.items():
-        if height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
-            what = f"the head is {height_m:.3g} m above the origin"
-            return what, f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
-    return "", ""
 
 
 def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
@@ -425,16 +406,16 @@ class JudgedAxes:
         tilt = self.axes.tilt is not None and not self._upright
         up = self._upright or f"{self.axes.up()}{f', tilted to {options.up}' if tilt else ''}"
         up_by = self._upright_by if self._upright else By.USER if tilt else self.axes_by
-        length = Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
+        length = Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
         clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
         return (
-            Assumption(ORIENTATION, turn, layout.order_by, option),
-            Assumption(POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
+            Assumption(Fact.ORIENTATION, turn, layout.order_by, option),
+            Assumption(Fact.POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
             *([length] if self.r.position is not None else []),
-            Assumption(AXES, self.axes.label(), self.axes_by, "--axes"),
-            Assumption(UP, up, up_by, "--up"),
-            Assumption(CLOCK, self.r.time_unit, clock_by, "--time-unit"),
-            *([Assumption(WRAP, self.r.wrap, By.NOBODY)] if self.r.wrap else []),
+            Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
+            Assumption(Fact.UP, up, up_by, "--up"),
+            Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
+            *([Assumption(Fact.WRAP, self.r.wrap, By.NOBODY)] if self.r.wrap else []),
         )
 
     @property
@@ -453,11 +434,11 @@ class JudgedAxes:
         if r.layout.order_by is By.NOBODY and r.layout.euler is None:
             self._refuse_other_order(evidence)
         verdict = judge(evidence, self.axes)
-        what, remedy = place_fault(r.time_ns, metres) if metres is not None else ("", "")
-        if not what and not verdict.faults:
-            what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
-        if what:
-            r.note("place-implausible", what, f"kept; {remedy}")
+        if metres is not None:
+            height_m = 0.0 if verdict.faults else float(self.axes.world[1] @ evidence.height_m)
+            what, remedy = place_fault(r.time_ns, metres, height_m)
+            if what:
+                r.note("place-implausible", what, f"kept; {remedy}")
         self._leaves_open = verdict.leaves_open
         if self.options.pose is None and self._contradict_pose(evidence, metres, bool(verdict.faults)):
             return

@@ -20,7 +20,7 @@ from ...options.documents import parse_json
 from ...options.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
 from ...resources import import_extra
 from ..assumptions import Defect
-from .columns import Made
+from .header import Made
 
 COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 # Where messages have their time, the frame they are in, the frame they move, and their pose.

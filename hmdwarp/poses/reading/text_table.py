@@ -28,7 +28,7 @@ from ...options.named_files import LIST, TRACE, most_unpacked, opened
 from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, TraceOptions
 from .colmap import MARK, table_of_colmap
-from .columns import COMMENT_SIGNS, Made, is_number
+from .header import COMMENT_SIGNS, Made, is_number
 from .made_rows import cells_reader, export_reader, table_of_json
 from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS

@@ -50,6 +50,7 @@ class Columns:
     # What may be a clock in two columns: whole seconds, the rest, its unit; a date beside a time.
     pairs: tuple[tuple[int, int, str], ...] = ()
     date: int | None = None
+    frames: int | None = None  # that numbers frames
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
@@ -141,6 +142,7 @@ def find_columns(names: list[str]) -> Columns:
         clocks=_find_clocks(told),
         pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
         date=next((i for i, parts in told if set(parts) & _DATES), None),
+        frames=next((i for i, n in enumerate(names) if "".join(re.findall("[a-z]+", n.lower())) in _FRAMES), None),
         orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
         position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
@@ -153,11 +155,6 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     """Return the head's group: never a hand's or a gaze's; "head" first, else the plainest."""
     heads = [k for k in keys if not set(k) & _ELSEWHERE]
     return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
-
-
-def column_of_frames(names: list[str]) -> int | None:
-    """Return the column that names number frames, None without one."""
-    return next((i for i, name in enumerate(names) if "".join(re.findall("[a-z]+", name.lower())) in _FRAMES), None)
 
 
 def _find_clocks(told: list[tuple[int, list[str]]]) -> tuple[tuple[int, str | None], ...]:
