@@ -23,19 +23,7 @@ class By(StrEnum):
     NOBODY = "nobody"
 
 
-class Fact(StrEnum):
-    """What is assumed of a trace."""
-
-    COLUMNS = "columns"
-    ORIENTATION = "orientation"
-    POSE = "pose"
-    LENGTH = "length"
-    AXES = "axes"
-    UP = "up"
-    CLOCK = "clock"
-    WRAP = "clock wrap"
-
-
+Fact = StrEnum("Fact", "COLUMNS ORIENTATION POSE LENGTH AXES UP CLOCK")  # what is assumed of a trace
 DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones
 
 

@@ -42,6 +42,7 @@ class TraceFormat:
     recognised = ""  # by one of `reading.layouts.SNIFFS`
     read_as = ""  # one of `reading.layouts.LAYOUTS`
     written_as = ""  # one of `writing.WRITERS`
+    written: Mapping[str, Any] = {}  # what that has to know
     writes = False  # whether `write` works
     binary = False  # whether `write` takes a stream of bytes
     axes_written = OPENXR  # of the files that `write` makes
@@ -76,16 +77,14 @@ class TraceFormat:
         unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
         scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
         clock = UNIT_NAMES[unit] if unit else "what makes a tracker's rate"
-        way = DIRECTION[bool(facts.get("inverse"))]
+        way, way_by = DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY)
         order = self.order or f"as the names say{f', {self.bare_order} without a header' if self.bare_order else ''}"
         return (
             Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.NOBODY),
             Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
             Assumption(Fact.AXES, axes.label(), axes_by, "--axes"),
             Assumption(Fact.ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
-            Assumption(
-                Fact.POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"
-            ),
+            Assumption(Fact.POSE, way, way_by, "--pose"),
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
@@ -105,7 +104,7 @@ class TraceFormat:
         """Write a track so that reading it gives the same poses bit for bit."""
         if not self.written_as:
             raise TraceError(f"format {self.name} is read, not written")
-        WRITERS[self.written_as](track, stream)
+        WRITERS[self.written_as](track, stream, **self.written)
 
 
 def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:

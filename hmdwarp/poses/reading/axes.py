@@ -48,7 +48,9 @@ class Axes:
 
     def words(self) -> str:
         """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
-        return f"world={_words_of(self.world)} head={_words_of(self.head)}"
+        bases = ((basis[0], basis[1], -basis[2]) for basis in (self.world, self.head))
+        world, head = (",".join(map(axis_word, rows)) for rows in bases)
+        return f"world={world} head={head}"
 
     def label(self) -> str:
         """Return the preset's name, or the axes themselves."""
@@ -167,10 +169,6 @@ def _basis(words: str) -> NDArray[np.float64]:
         raise InputError(f"--axes '{words}': expected three different ones, right,up,forward, for instance x,z,y")
     basis[2] *= -1  # OpenXR's z points back
     return basis
-
-
-def _words_of(basis: NDArray[np.float64]) -> str:
-    return ",".join(axis_word(row) for row in (basis[0], basis[1], -basis[2]))
 
 
 def axis_word(direction: NDArray[np.float64]) -> str:

@@ -59,11 +59,6 @@ class LoadedTrace:
         """Axes of the file, who says so, and what the motion shows, in words."""
         return self.track.axes
 
-    @property
-    def rate_hz(self) -> float:
-        """Samples per second."""
-        return self.track.rate_hz
-
 
 # The steps, in the order of six questions: which rows are poses of the head; when; which poses are
 # new; are they rotations; in which axes and unit; what is missing between them. `find` is a

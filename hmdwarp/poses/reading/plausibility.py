@@ -415,7 +415,7 @@ class JudgedAxes:
             Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
             Assumption(Fact.UP, up, up_by, "--up"),
             Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
-            *([Assumption(Fact.WRAP, self.r.wrap, By.NOBODY)] if self.r.wrap else []),
+            *([Assumption("clock wrap", self.r.wrap, By.NOBODY)] if self.r.wrap else []),
         )
 
     @property

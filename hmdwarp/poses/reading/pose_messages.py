@@ -8,6 +8,7 @@ import os
 import re
 import struct
 import threading
+import tomllib
 import weakref
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
@@ -23,24 +24,11 @@ from ..assumptions import Defect
 from .header import Made
 
 COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
-# Where messages have their time, the frame they are in, the frame they move, and their pose.
-_STAMPED = ("header.stamp", "header.frame_id")
-_FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
-    "foxglove.PoseInFrame": ("timestamp", "frame_id", None, "pose.position", "pose.orientation"),
-    "foxglove.FrameTransform": ("timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"),
-    "geometry_msgs/PoseStamped": (*_STAMPED, None, "pose.position", "pose.orientation"),
-    "geometry_msgs/PoseWithCovarianceStamped": (*_STAMPED, None, "pose.pose.position", "pose.pose.orientation"),
-    "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
-    "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
-}
-_LISTS = {
-    "foxglove.FrameTransforms": "foxglove.FrameTransform",
-    **dict.fromkeys(("tf2_msgs/TFMessage", "tf/tfMessage"), "geometry_msgs/TransformStamped"),  # the first tf's, too
-}
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
-_PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
 
 
 # Of a message: nanoseconds (0 without a stamp), its frame and the one in it, position and xyzw.
@@ -59,10 +47,10 @@ def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
             yield from poses_in(_LISTS[name], transform)
         return
     stamp, parent, child, position, orientation = (
-        "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
+        "" if path == "-" else operator.attrgetter(path)(message) for path in _FIELDS[name]
     )
     numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
-    whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
+    whole, rest = next(pair for pair in _TABLE["stamps"].values() if all(hasattr(stamp, part) for part in pair))
     stamp_ns = int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
     yield stamp_ns, parent, child, numbers
 
