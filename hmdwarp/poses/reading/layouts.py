@@ -347,20 +347,17 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
         if head.width < count:
             raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
         cells = tuple(range(head.width - count, head.width))
-    first, matrix = cells[0], of_matrix(head, cells, options.matrix)
-
-    def rises(column: int) -> bool:
-        steps = np.diff(head.numbers((column,))[:, 0])
-        return len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED
-
-    def likely(column: int) -> tuple[bool, int, bool, float]:
-        """Return how likely a rising column is the clock, and no number of the frame."""
+    matrix = of_matrix(head, cells, options.matrix)
+    clocks = []  # columns that rise, with how likely each is the clock, and no number of the frame
+    for column in set(range(head.width)) - set(cells):
         numbers = head.numbers((column,))[:, 0]
-        step = float(np.median(np.diff(numbers))) if len(numbers) > 1 else 0.0
-        return column < first, len(set(numbers.tolist())), bool((numbers % 1).any()), step
-
-    others = [column for column in range(head.width) if column not in cells and rises(column)]
-    return Layout(time=max(others, key=likely, default=None), columns_by=By.NOBODY, **matrix)
+        steps = np.diff(numbers)
+        if len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED:
+            step = float(np.median(steps)) if len(steps) else 0.0
+            likely = column < cells[0], len(set(numbers.tolist())), bool((numbers % 1).any()), step
+            clocks.append((likely, -column))
+    time = -max(clocks)[1] if clocks else None
+    return Layout(time=time, columns_by=By.NOBODY, **matrix)
 
 
 def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import itertools
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -43,16 +43,21 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
     """
     try:
         text = raw.decode("utf-8-sig")
+        document = parse_json(text)
     except UnicodeDecodeError:
         return None
-    document = _parsed(text)
+    except DocumentError as error:
+        if error.line is None:  # it is JSON, of a kind that is refused
+            raise
+        try:
+            document = [parse_json(line) for line in text.splitlines() if line.strip()]
+        except DocumentError:
+            return None
     if frames := _iwer_frames(document):
         return Made("iwer", rows_text(map(str, frame) for frame in frames), _IWER)
     if heads := list(_browser_heads(document)):
         return Made("browser", rows_text(heads), _BROWSER)
     records = _records(document)
-    if document is None:
-        return None
     if len(records) < _LEAST_RECORDS:
         keys = ", ".join(list(_flat(document))[:8])
         raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
@@ -92,19 +97,6 @@ def _browser_heads(document: Any) -> Iterator[list[str]]:
             for head in line["heads"]:
                 if isinstance(head, list) and len(head) == len(_IWER):
                     yield [str(cell).replace(",", " ").replace("\n", " ") for cell in (line["session"], *head)]
-
-
-def _parsed(text: str) -> Any:
-    """Return a document, or the list of the records of JSON lines; None for neither."""
-    try:
-        return parse_json(text)
-    except DocumentError as error:
-        if error.line is None:  # it is JSON, of a kind that is refused
-            raise
-    try:
-        return [parse_json(line) for line in text.splitlines() if line.strip()]
-    except DocumentError:
-        return None
 
 
 def _records(document: Any) -> list[Any]:
@@ -203,6 +195,7 @@ _SAMPLE, _PREAMBLE, _LONGEST = 5, 200, 500  # rows, lines, characters that are l
 _LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
 # FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
 _ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
+_ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
 _UNREAL_EULER = Euler("xyz", True, (-1, -1, 1))
 _NAMELESS = Defect(
     "cells-nameless", "no header names its vectors", "three numbers taken as the position, four as the rotation"
@@ -238,7 +231,7 @@ def _cells_made(_: Path, text: str) -> Made | None:
     rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
     unreal = _UNREAL.search(lines[begin]) is not None
     facts: dict[str, Any] = {} if named else {"columns_by": By.NOBODY}
-    if unreal and any(_is_rotator([label for label, _ in parts]) for parts in first):
+    if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
         facts |= {"euler": _UNREAL_EULER, "order_by": By.FORMAT}
     defects = () if named else (_NAMELESS,)
     return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), defects, facts=facts)
@@ -293,15 +286,11 @@ def _header_name(cell: str) -> tuple[str, str]:
     return bare[: letters.start()].strip(), "".join(re.findall("[A-Za-z]", letters[1])).lower()
 
 
-def _is_rotator(labels: list[str]) -> bool:
-    return set(labels) in ({"p", "y", "r"}, {"pitch", "yaw", "roll"})
-
-
 def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
     count, labels = len(parts), [label for label, _ in parts]
     if count == 1:
         return [name]
-    if _is_rotator(labels):
+    if set(labels) in _ROTATORS:
         turned = name if names_rotation(name) else f"{name}.rotation"
         return [f"{turned}.{_ROTATOR[label]}" for label in labels]
     if not all(labels):
@@ -390,13 +379,20 @@ _DIRECTIONS = {
 
 def _bids_made(path: Path, text: str) -> Made:
     """Return a row for each tracked point in each sample. Errors: TraceError."""
-    stem = str(path).removesuffix(_ENDING)
-    channels = _channels(Path(f"{stem}_channels.tsv"), path)
-    points = _points(channels)
+    stem, beside = str(path).removesuffix(_ENDING), path.with_name(path.name.removesuffix(_ENDING) + "_channels.tsv")
+    if not beside.exists():
+        raise TraceError(f"{path}: BIDS describes its columns in {beside.name}, which is not beside it")
+    said = csv.DictReader(text_in(beside, _BESIDE, beside.parent).splitlines(), delimiter="\t")
+    channels = [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in said]
+    kinds, found = [channel["type"].upper() for channel in channels], defaultdict[str, dict[str, int]](dict)
+    for i, (kind, channel) in enumerate(zip(kinds, channels, strict=True)):
+        if kind in ("POS", "ORNT"):
+            found[channel["tracked_point"]][f"{kind}.{channel['component']}"] = i
+    points = {name: at for name, at in found.items() if any(part.startswith("ORNT") for part in at)}
     if not points:
         raise TraceError(f"{path}: its channels hold no orientation (type ORNT): expected quat_x .. quat_w or angles")
     at = points[min(points, key=head_rank)]
-    clock = next((i for i, channel in enumerate(channels) if channel["type"].upper() == "LATENCY"), None)
+    clock = kinds.index("LATENCY") if "LATENCY" in kinds else None
     rate = _json(Path(f"{stem}_motion.json")).get("SamplingFrequency") if clock is None else None
     rate = rate if isinstance(rate, int | float) and rate > 0 else None
     lines = [line.split("\t") for line in text.splitlines() if line.strip()]
@@ -426,23 +422,6 @@ def _bids_made(path: Path, text: str) -> Made:
     return Made("bids", rows_text(rows), names, facts=facts)
 
 
-def _points(channels: list[dict[str, str]]) -> dict[str, dict[str, int]]:
-    """Return the columns of each tracked point that has an orientation, by type and component."""
-    points: dict[str, dict[str, int]] = {}
-    for i, channel in enumerate(channels):
-        kind = channel["type"].upper()
-        if kind in ("POS", "ORNT"):
-            points.setdefault(channel["tracked_point"], {})[f"{kind}.{channel['component']}"] = i
-    return {name: at for name, at in points.items() if any(part.startswith("ORNT") for part in at)}
-
-
-def _channels(path: Path, table: Path) -> list[dict[str, str]]:
-    if not path.exists():
-        raise TraceError(f"{table}: BIDS describes its columns in {path.name}, which is not beside it")
-    rows = csv.DictReader(text_in(path, _BESIDE, path.parent).splitlines(), delimiter="\t")
-    return [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in rows]
-
-
 def _json(path: Path) -> dict[str, Any]:
     found = json_in(path, _BESIDE, path.parent) if path.exists() else {}
     return found if isinstance(found, dict) else {}
@@ -458,7 +437,10 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     levels = described.get("Levels") if isinstance(described, dict) else None
     frame = levels.get(turn["reference_frame"]) if isinstance(levels, dict) else None
     frame = frame if isinstance(frame, dict) else {}
-    if axes := _axes(str(frame.get("SpatialAxes", ""))):
+    letters = zip(str(frame.get("SpatialAxes", "")), "xyz", strict=False)  # "ARS": x ahead, y right, z up
+    ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
+    if len(ways) == 3:
+        axes = ",".join(ways[way] for way in ("right", "up", "ahead"))
         hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
         against = str(frame.get("RotationRule", hand)) != hand
         facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
@@ -466,13 +448,6 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     if sorted(order) == ["x", "y", "z"] and turn.get("units") in ("deg", "rad"):
         facts |= {"euler": Euler(order, turn["units"] == "deg"), "order_by": By.FILE}
     return facts
-
-
-def _axes(letters: str) -> str:
-    """Return axes for world and head of, for instance, "ARS" (x ahead, y right, z up)."""
-    known = ((_DIRECTIONS[s], axis) for s, axis in zip(letters, "xyz", strict=False) if s in _DIRECTIONS)
-    found = {way: f"{sign}{axis}" for (way, sign), axis in known}
-    return ",".join(found[way] for way in ("right", "up", "ahead")) if len(found) == 3 else ""
 
 
 def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
