@@ -266,7 +266,6 @@ SAME_NAME = {
     "options": "those of each package; the package that declares them",
     "page": "each kind of page",
     "parts": "of a server; of a message of the feed",
-    "rows": "of a trace file; of an export",
     "run": "the package and its class",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",

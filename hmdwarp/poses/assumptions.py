@@ -23,6 +23,10 @@ class By(StrEnum):
     NOBODY = "default"
 
 
+Fact = StrEnum("Fact", "COLUMNS ORIENTATION POSE LENGTH AXES UP CLOCK")  # what is assumed of a trace
+DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones
+
+
 @attrs.frozen
 class Assumption:
     """One fact: a unit, intrinsics, an order of numbers, axes, a clock."""
