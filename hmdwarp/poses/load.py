@@ -9,7 +9,7 @@ from ..resources import folder, recording_names
 from .formats import StatedColumns, TraceFormat, formats
 from .options import TraceOptions
 from .reading.cleaning import LoadedTrace
-from .reading.file_head import Head, read_head
+from .reading.text_table import Head, read_head
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:

@@ -212,8 +212,7 @@ def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> 
 _cautious = predictors.register(Predictor(
     "cautious", "the speed of the last 30 ms fades, the sooner the more it has just overshot",
     "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
-    cautious, lambda track, now_ns, ahead_ns: _cautious_many(track, now_ns, min(ahead_ns, HORIZON_NS)), HORIZON_NS,
+    cautious, _cautious_many, HORIZON_NS,
 ))  # fmt: skip
-predictors.register(
-    attrs.evolve(_cautious, name="on", alias_of=_cautious.name)
-)  # the predictor for those who do not choose one
+# For those who do not choose one.
+predictors.register(attrs.evolve(_cautious, name="on", alias_of=_cautious.name))
