@@ -190,7 +190,7 @@ def test_an_interruption_leaves_earlier_files(at, tmp_path):
     left = contents(tmp_path)
     assert {name: left[name] for name in before} == before
     # What was begun left nothing.
-    done = [name for name in left if name not in before]
+    done = [name for name in left if name not in before and not name.endswith("-crops.npz")]
     assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1}[at]
 
 
