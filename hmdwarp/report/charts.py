@@ -145,7 +145,7 @@ def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
 
 
-def legend(where: Axes | Figure, handles: Sequence[Any], **style: Any) -> None:
+def legend(where: Any, handles: Sequence[Any], **style: Any) -> None:
     """Draw a legend without a frame. handles: as mark makes them."""
     where.legend(handles=handles, frameon=False, labelcolor=INK, **style)
 
