@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..errors import InputError
-from ..run.requirements import Requirements, hold
+from ..run.requirements import Requirements
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -94,7 +94,8 @@ class _Lines:
         if done == total:
             return f"{line}; the last pictures are measured, then the results are written"
         if first < done:
-            line += f", about {_duration((now_s - began_s) / (done - first) * (total - done))} to go"
+            whole = max(1, round((now_s - began_s) / (done - first) * (total - done)))
+            line += f", about {f'{whole} s' if whole < 120 else f'{round(whole / 60)} min'} to go"
         return line
 
     @contextmanager
@@ -117,11 +118,6 @@ class _Lines:
             over.set()
             self._estimated.set()
             thread.join()
-
-
-def _duration(seconds: float) -> str:
-    whole = max(1, round(seconds))
-    return f"{whole} s" if whole < 120 else f"{round(whole / 60)} min"
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:
@@ -152,7 +148,7 @@ def run_experiment(
     if result.refused:  # after the results are written: they are good, the budget was not
         raise InputError(result.refused)
     if required is not None:
-        hold(required.missed(result.data["rows"]))
+        required.end(required.judge(result.data["rows"]))
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

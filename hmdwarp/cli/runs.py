@@ -12,31 +12,33 @@ from .. import run
 from ..errors import InputError
 from ..options import AUTO
 from ..run.options import OFFSCREEN, LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
-from ..run.requirements import Baseline, Requirements, hold
+from ..run.requirements import Gate
 from ._options import JSON, QUIET, Said, as_json, command_line, takes
 from ._show import sayer
 
 
-@takes(RunOptions, Requirements, Baseline, QUIET)
+@takes(RunOptions, Gate, QUIET)
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     from ..report import axes_of_traces, summary_table, transit_lines
     from ._show import console, steps
 
-    options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
-    required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
-    stored, quiet = baseline.stored(options.out), said["quiet"]
+    options, gate, quiet = RunOptions.of(said, command=command_line()), Gate.of(said), said["quiet"]
+    gate.prepare(force=options.force)
+    judge = gate.judge_of(options.out)
     if AUTO in (options.warp, options.guard):
         options = _told(run.choose(options, sayer(quiet)), quiet=quiet)
     with steps("refreshes", quiet=quiet) as (progress, screen):
-        result = run.replay(options, progress, *([] if quiet else [partial(screen.print, soft_wrap=True)]))
+        result = run.replay(options, progress, sayer(True) if quiet else partial(screen.print, soft_wrap=True), judge)
     if not quiet:
         console().print(summary_table(result.summary, *result.against))
         lines = [f"axes of {trace}: {axes}" for trace, axes in axes_of_traces([result.summary]).items()]
         lines += [*transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
         typer.echo("\n".join([*lines, f"report: {result.report}"]))
-    differences = baseline.differences(stored, result.folder, options.command)
-    hold(required.missed([result.summary], result.against, differences))
+    if result.verdict is not None:
+        gate.store(result.verdict, result.folder)
+        gate.end(result.verdict)
+        sayer(quiet)(result.verdict.headline)
 
 
 @takes(RunOptions, JSON, QUIET)

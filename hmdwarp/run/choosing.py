@@ -160,7 +160,17 @@ def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
         usable = [_without_lens(row) for row in usable]
     elif {row["lens"] for row in usable} == {"none"}:
         notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
-    notes += _other_terms(usable, options, size, name)
+    differing = []
+    for key, mine, unit in (
+        ("guard", options.guard_band.factors(size).entry, ""),
+        ("latency_ms", options.latency_ms, " ms"),
+        ("scene", options.scene, ""),
+    ):
+        theirs = list(dict.fromkeys(row[key] for row in usable if key in row))
+        if theirs and mine not in theirs:
+            values = ", ".join(map(str, theirs))
+            differing.append(f"{key.removesuffix('_ms')} {values}{unit} (this run: {mine}{unit})")
+    notes += [f"{name} was measured with {'; '.join(differing)}."] if differing else []
     same = [row for row in usable if tuple(row["size"]) == size]
     try:
         levels = levels_from(same or usable)
@@ -180,22 +190,6 @@ def _without_lens(row: Row) -> Row:
     median = times["total"]["median"]
     total = {"median": None if median is None else median - (times["lens"]["median"] or 0.0), "p95": None}
     return {**row, "lens": "none", "time_ms": {**times, "total": total}}
-
-
-def _other_terms(rows: list[Row], options: PipelineOptions, size: tuple[int, int], name: str) -> list[str]:
-    """Return a note on the differences between the benchmark and this run that nothing corrects."""
-    differing = []
-    for key, mine, unit in (
-        ("guard", options.guard_band.factors(size).entry, ""),
-        ("latency_ms", options.latency_ms, " ms"),
-        ("scene", options.scene, ""),
-    ):
-        theirs = list(dict.fromkeys(row[key] for row in rows if key in row))
-        if theirs and mine not in theirs:
-            differing.append(
-                f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
-            )
-    return [f"{name} was measured with {'; '.join(differing)}."] if differing else []
 
 
 INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
@@ -302,7 +296,11 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> Leve
         f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench "
         "FILE saves that"
     )
-    times = dict(_first_times(options, source, [c for c in combinations if not c.plan.fills]))
+    times = {}  # of one timed run in the middle of the replay, after a warm-up
+    for batch in _batches(options, source.headset, [c for c in combinations if not c.plan.fills]):
+        with _frames_for(batch, options, source) as setup:
+            for combination, stages in zip(batch, _stages(setup, batch, 1), strict=True):
+                times[combination.warp] = sum(milliseconds for _, milliseconds in stages) / 2
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
     levels = levels_from(_rows(options, source, kept))
@@ -323,16 +321,6 @@ def _frames_for(combinations: Sequence[Combination], options: RunOptions, source
     network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
     alone = attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
     return set_up_replay(alone, needs_of(c.plan for c in combinations), source=source)
-
-
-def _first_times(
-    options: RunOptions, source: Source, combinations: Sequence[Combination]
-) -> Iterator[tuple[str, float]]:
-    """Yield (warp, ms per eye) from one timed run in the middle of the replay, after a warm-up."""
-    for batch in _batches(options, source.headset, combinations):
-        with _frames_for(batch, options, source) as setup:
-            for combination, stages in zip(batch, _stages(setup, batch, 1), strict=True):
-                yield combination.warp, sum(milliseconds for _, milliseconds in stages) / 2
 
 
 def _stages(setup: ReplayRun, combinations: Sequence[Combination], rounds: int) -> Iterator[list[tuple[str, float]]]:

@@ -14,7 +14,7 @@ import pytest
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import INPUTS_HEADER, InputEvent, inputs_beside
 from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.export.write import CHANNELS, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.export.write import CHANNELS, ExportOptions, Rates, TrackingSystem, export, motion_text
 from hmdwarp.study.store import PERSON, Store
 
 from .conftest import Day, write_trace
@@ -195,6 +195,16 @@ def test_what_was_done_in_a_trial_is_events_of_its_recording(store, design, tmp_
     assert all("Description" in side[name] for name in rows[0]) and side["x"]["Units"] == "m"
     assert set(side["action"]["Levels"]) == {"push", "switch", "grab", "release"}
     test_every_column_of_every_table_is_in_its_sidecar(made.folder / "bids")
+
+
+def test_without_motion_the_rest_is_the_same(store, design, tmp_path):
+    whole = export(store.contents(), design, tmp_path / "whole").folder
+    made = export(store.contents(), design, tmp_path / "out", ExportOptions(motion=False))
+    assert not [*made.folder.rglob("*motion*")] and "without head motion" in made.notes[-1]
+    for path in sorted(made.folder.rglob("*_beh.*")) + [made.folder / "ratings.csv"]:
+        assert path.read_bytes() == (whole / path.relative_to(made.folder)).read_bytes()
+    scans = [row for path in made.folder.rglob("*_scans.tsv") for row in table(path)]
+    assert scans and all(row["filename"].startswith("beh/") for row in scans)
 
 
 def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):
