@@ -43,9 +43,8 @@ def merge(said: Said) -> None:
 
 
 def _tell_bench(result: sweep.ExperimentResult) -> None:
-    from ..experiments.bench.bench_rows import answer
     from ..report import axes_of_traces
-    from ..report.bench.rows import OF_BENCH, bench_table
+    from ..report.bench.rows import OF_BENCH, bench_table, choice_text, verdict_text
     from ._show import console, paragraph
 
     screen, rows = console(), result.data["rows"]
@@ -56,7 +55,7 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
     of_rows = (note for row in rows for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")
-    for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
+    for sentence in (*map(verdict_text, result.data["winners"]), *choice_text(result.data["choice"])):
         paragraph(sentence)
 
 

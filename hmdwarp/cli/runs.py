@@ -61,18 +61,16 @@ def choose(said: Said) -> None:
             for one in (choice.level, *choice.levels)
             if one is not None
         ]
-        typer.echo(
-            as_json(
-                {
-                    "command": choice.command(sys.argv[2:]),
-                    "budget_ms": options.budget_ms,
-                    "guard": choice.options.guard,
-                    **level,
-                    "levels": levels[1:],
-                    "notes": choice.notes,
-                }
-            )
-        )
+        data = {
+            "command": choice.command(sys.argv[2:]),
+            "budget_ms": options.budget_ms,
+            "guard": choice.options.guard,
+            **level,
+            "range_ms": choice.range_ms,
+            "levels": levels[1:],
+            "notes": choice.notes,
+        }
+        typer.echo(as_json(data))
     else:
         _told(choice)
 

@@ -183,7 +183,6 @@ def test_every_warp_fill_and_lens_runs(warp, fill, lens, gpu, tmp_path):
 
 
 # --- options
-# --------------------------------------------------------------------------------------------------
 
 
 def test_start_and_seconds_choose_the_part(tmp_path):
@@ -392,7 +391,6 @@ def test_trace_options_reach_the_reader(tmp_path):
 
 
 # --- frames and memory
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("warp", ["forward", "backward"])
