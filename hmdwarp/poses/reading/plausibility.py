@@ -375,10 +375,7 @@ class JudgedAxes:
         self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
 
     def _stated_axes(self) -> tuple[Axes, By]:
-        """Return the axes and who says so: --axes and --up before the file and its format.
-
-        `--up z` for a format whose z is up changes nothing.
-        """
+        """Return the axes and who says so: the options before the file and its format."""
         own, by = parse_axes(self.r.layout.axes), self.r.layout.axes_by
         up, stated = self.options.up, self.options.axes if self.options.axes != AUTO else None
         is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers

@@ -222,10 +222,7 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
 def _preamble(
     path: Path, lines: list[tuple[int, int, str]], named: bool
 ) -> tuple[list[tuple[int, str]], str, tuple[int, int, str]]:
-    """Return comments, the header line or "", and the first row.
-
-    named: the columns have names, so that no line is a header.
-    """
+    """Return comments, the header line or "" (columns that are named have none), the first row."""
     comments: list[tuple[int, str]] = []
     header = ""
     for offset, number, text in lines:
