@@ -65,7 +65,7 @@ def _trusted(ways: Array, known: NDArray[np.bool_]) -> Array:
     doubt = WEIGHT_MISSED * (missed * missed).sum(axis=-1) + WEIGHT_TOO_FAR * too_far
     total = squared + doubt.mean(axis=0)
     trust = np.where(known[1], squared / np.where(total > 0, total, 1.0), 0.0)
-    return trust[..., None] * ways[0]
+    return np.asarray(trust[..., None] * ways[0])
 
 
 def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
