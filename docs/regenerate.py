@@ -130,6 +130,26 @@ def bench(folder: Path, *ready: str) -> None:
     replace("results", front_page())
 
 
+def averaging(folder: Path, *ready: str) -> None:
+    """Time the default warp by steps: cubic samples, then each older frame."""
+    steps = ("iterative:frames=1,resample=bilinear", *(f"iterative:frames={count}" for count in (1, 2, 3)))
+    asked = " ".join(f"--warp {warp}" for warp in steps)
+    plain = f"bench walk --scene room --latency 200 --size 1280x800 --instants 4 --rounds 2 {asked}"
+    fills = ("none", "memory+pyramid")
+    made = read(ready) or [hmdwarp(f"{plain} --fill {fill}", folder / fill, "bench.json") for fill in fills]
+    alone, filled = ([row["time_ms"]["total"]["median"] for row in _in_order(data["rows"])] for data in made)
+    rows = [
+        [f"`{warp}`", *(f"{times[at]:.1f} ({times[at] / times[0]:.2f})" for times in (alone, filled))]
+        for at, warp in enumerate(steps)
+    ]
+    replace("averaging", markdown(["", "ms alone", "ms with `memory+pyramid`"], rows))
+
+
+def _in_order(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return rows of one warp from one bilinear frame to the default."""
+    return sorted(rows, key=lambda row: ("resample" not in row["warp"], "frames" not in row["warp"], row["warp"]))
+
+
 def _flip(row: Mapping[str, Any]) -> float:
     return row["quality"]["flip"]["mean"]
 
@@ -414,6 +434,7 @@ def pictures(folder: Path) -> None:
 
 OWN: Mapping[str, Callable[..., None]] = {
     "bench": bench,
+    "averaging": averaging,
     "strategies": strategies,
     "strategies-suite": strategies_suite,
     "rgbd": rgbd,

@@ -462,8 +462,8 @@ def files_imported(path: Path) -> set[Path]:
 
 
 # What stands before a library that loads late: commands, for help; glfw, whose windowing system
-# start() chooses first; Dear ImGui and OpenXR, which a machine may lack; SciPy, for files alone.
-LATE = ("cli/", "display/desktop/", "display/openxr/", "scenes/_load.py", "report/image_result.py")
+# start() chooses first; Dear ImGui and OpenXR, which a machine may lack; SciPy, for files, skins.
+LATE = ("cli/", "display/desktop/", "display/openxr/", "scenes/_load.py", "scenes/library/", "report/image_result.py")
 
 
 def late_imports(source: str, *, functions: bool = True) -> list[int]:

@@ -61,7 +61,7 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
 
         def progress(done: int, total: int) -> None:
             end_if_asked()
-            bar.update(task, completed=done, total=total)
+            bar.update(task, completed=done, total=total or None)
             lines.update(done, total, time.monotonic())
 
         yield progress, screen
@@ -87,7 +87,10 @@ class _Lines:
         if self._began is None or self._now is None:
             return f"{self._what}: still preparing"
         (began_s, first), (now_s, done, total) = self._began, self._now
-        line = f"{self._what}: {done} of {total}"
+        line = f"{self._what}: {done}"
+        if not total:  # not known beforehand
+            return line
+        line += f" of {total}"
         if done == total:
             return f"{line}; the last pictures are measured, then the results are written"
         if first < done:

@@ -281,7 +281,7 @@ KINDS = {
     "layouts": Kind("Layouts of recorded frames.", "sources.sequences:readers", _layout),
     "layers": Kind("What a frame holds beside its picture.", "frames.layers:layers", _layer),
     "predictors": Kind(
-        "Foretell the head's pose.", "poses.predictors:predictors",
+        "Predict the head pose.", "poses.predictors:predictors",
         lambda e: {"horizon": f"{e.horizon_ns / 1e6:g} ms", "same_as": e.alias_of or "none", "source": e.source},
     ),
     "codecs": Kind(

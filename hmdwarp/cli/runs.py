@@ -11,7 +11,7 @@ import typer
 from .. import run
 from ..errors import InputError
 from ..options import AUTO
-from ..run.options import LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
+from ..run.options import OFFSCREEN, LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
 from ..run.requirements import Baseline, Requirements, hold
 from ._options import JSON, QUIET, Said, as_json, command_line, takes
 from ._show import sayer
@@ -95,8 +95,10 @@ def live(said: Said) -> None:
 def run_live(options: LiveOptions, quiet: bool) -> None:
     """Run it and print what came out."""
     from ..run import live as go
+    from ._show import steps
 
-    result = go(options, sayer(quiet))
+    with steps("pictures", quiet=quiet or options.source != OFFSCREEN) as (progress, _):
+        result = go(options, sayer(quiet), lambda number: progress(number, options.pictures or 0))
     if not quiet:
         for line in result.describe():
             typer.echo(line)

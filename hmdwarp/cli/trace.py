@@ -156,12 +156,12 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
     rows = {
         "trace": str(loaded.path),
         "format": loaded.format,
-        "origin": loaded.track.origin or "not told by the file",
+        "origin": loaded.track.origin or "not stated in the file",
         "axes": loaded.axes,
         "columns": loaded.columns,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
-        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
+        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz on average",
         "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
         "gaps": gaps,
         "jumps": str(figures.jumps or "none"),
@@ -183,7 +183,7 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     yield terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
     costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
         ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
-        ("Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees", _lead),
+        ("Signed error along the motion: % of the time leading, p95 of the lead / of the lag, degrees", _lead),
     )
     heads = ("latency", *figures.errors[0].errors)
     for title, cell in costs:

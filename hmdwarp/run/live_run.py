@@ -180,9 +180,13 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
-        if source.is_timed:
-            of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
-            say(f"calling {options.feed.connect}; its scene is {of}")
+        if source.kind.is_timed:
+            of = (
+                "the server's scene"
+                if source.scene.name == SERVER_SCENE
+                else f"scene '{source.scene.name}' on both ends"
+            )
+            say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
         for note in (*source.notes, *source.scene.notes):
@@ -297,7 +301,8 @@ class _UserRun(FrameHandler):
         return self._ending.due(self._log.count)
 
     def label(self) -> str:
-        return self._commands.refusal or self._host.run.source.notice
+        remote = self._host.run.source.remote
+        return self._commands.refusal or (remote.notice if remote is not None else "")
 
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)
@@ -334,7 +339,7 @@ def open_display(
     """
     wanted = display_options(options, source, watching, controls)
     if options.source == OFFSCREEN:
-        return OffscreenDisplay(wanted, real_time=source.is_timed)
+        return OffscreenDisplay(wanted, real_time=source.kind.is_timed)
     # What was recorded is seen from where the camera was, not from a headset's head.
     if options.source == DESKTOP or source.kind.has_head:
         return desktop.DesktopDisplay(wanted)
@@ -364,7 +369,7 @@ def display_options(
     options = source.fitted(options)
     return DisplayOptions(
         headset=options.headset,
-        emulated=source.display,
+        emulated=source.headset if source.kind.has_head else None,
         view=options.view,
         size=options.size,
         full_screen=options.full_screen,

@@ -212,7 +212,7 @@ def test_events_are_listed(monkeypatch, tmp_path):
     assert live["waiting"] == live["notices"]["waiting for the first frame"] > 0
     assert live["refreshes"] + live["waiting"] + live["unseen"] == 30 - 2
     changes = [(change["what"], change["reason"]) for change in live["changes"]]
-    assert changes == [({"latency": [30.0, 50.0]}, "by hand"), ({"warp": ["forward", "rotation"]}, "by hand")]
+    assert changes == [({"latency": [30.0, 50.0]}, "manual"), ({"warp": ["forward", "rotation"]}, "manual")]
     warps = [row["warp"] for row in rows_of(tmp_path / "out")[::2]]
     assert warps.index("rotation") == live["changes"][1]["frame"] + 1 and warps[-1] == "rotation"
     ages = {float(row["age_ms"]) for row in rows_of(tmp_path / "out")}
@@ -319,7 +319,7 @@ def test_warp_auto_tells_its_changes(monkeypatch, tmp_path):
     steps = [(change["frame"], change["what"]["warp"]) for change in live["changes"]]
     assert steps and [now for _, (_, now) in steps] == [b for a, b in zip(warps, warps[1:], strict=False) if a != b]
     assert all(warps[frame] == before and warps[frame + 1] == now for frame, (before, now) in steps)
-    assert all(change["reason"] not in ("", "by hand") for change in live["changes"])
+    assert all(change["reason"] not in ("", "manual") for change in live["changes"])
 
 
 def test_without_a_folder_nothing_is_written_and_all_is_told(monkeypatch, tmp_path):
@@ -420,7 +420,7 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
         and "<b>lost" not in page
         and "&lt;out&gt;" in page
     )
-    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
+    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at frame submission" in page
     # And nothing hidden.
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 

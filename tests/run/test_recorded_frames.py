@@ -318,7 +318,13 @@ def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folde
 
 
 STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": 0.001, "frames_rate": 25.0, "crop": 4}
-STATED |= {"no_depth": "far", "frames_axes": "openxr", "frames_topics": "depth=/depth", "hidden": "mask.png"}
+STATED |= {
+    "no_depth": "far",
+    "frames_axes": "openxr",
+    "frames_camera": "left",
+    "frames_topics": "depth=/depth",
+    "hidden": "mask.png",
+}
 STATED["projection"] = "1,0,0,0,0,1,0,0,0,0,-1,-0.2,0,0,-1,0"
 
 

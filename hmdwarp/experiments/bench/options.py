@@ -198,7 +198,7 @@ class CompareOptions(RecordedOptions):
 
     # Sets what is run, in scenes and over links of which there may be several; "" for none.
     suite: str = _suite(
-        "comparison: {}. It says what is run, over links that are lived, and takes means over all heads and scenes."
+        "comparison: {}. It says what is run, over emulated links, and takes means over all heads and scenes."
     )
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(

@@ -212,7 +212,7 @@ def test_where_all_of_an_address_ask_the_newcomer_is_cut(monkeypatch, behind_s):
                 for caller in callers:
                     exchanged(caller, listener)
         # Both kept their connection.
-        assert sum("here" in line for line in told) == 2 and not any("gone" in line for line in told)
+        assert sum("connected:" in line for line in told) == 2 and not any("superseded" in line for line in told)
 
 
 def test_more_connections_than_there_may_be_make_room_in_the_address_that_has_most():
@@ -227,7 +227,7 @@ def test_more_connections_than_there_may_be_make_room_in_the_address_that_has_mo
             listener.next(10)
         exchanged(caller, listener)
         assert all("127.0.0.9" in line for line in told if "cut" in line)
-        assert not any("gone" in line for line in told)
+        assert not any("superseded" in line for line in told)
 
 
 def test_a_descriptor_that_is_another_s_by_now_is_not_cut(tmp_path):
@@ -264,7 +264,7 @@ def test_a_connection_that_falls_silent_is_cut(listener, monkeypatch, asks):
                 listener.next(10)
     while not any("cut: silent" in line for line in listener.told):
         listener.next(10)
-    assert any("gone" in line for line in listener.told) == asks
+    assert any("superseded" in line for line in listener.told) == asks
 
 
 def test_who_asks_while_the_server_draws_is_not_silent(listener, monkeypatch):

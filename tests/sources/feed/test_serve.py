@@ -610,9 +610,9 @@ def test_the_log_counts_requests_that_were_replaced_before_they_were_drawn():
         while newest < count:
             newest, drawn = next_asked(listener).ask.number, drawn + 1
         socket.close(0)
-        while not any("gone" in line for line in said):
+        while not any("superseded" in line for line in said):
             listener.next(20)
-    assert f"{count - drawn} requests passed over" in " ".join(said)
+    assert f"{count - drawn} requests superseded" in " ".join(said)
 
 
 @pytest.mark.parametrize("room", [1, 3])
