@@ -346,9 +346,9 @@ class RowReader:
             count = sum(map(len, self._parts["line"]))
             if count > MOST_ROWS:
                 raise TraceError(f"{head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
-        if lines_ := self._repeated_headers:
-            what = f"the header comes again {counted(len(lines_), 'time')}"
-            self.defects.append(Defect("header-repeated", what, "skipped", len(lines_), lines_[0]))
+        if again := self._repeated_headers:
+            what = f"the header comes again {counted(len(again), 'time')}"
+            self.defects.append(Defect("header-repeated", what, "skipped", len(again), again[0]))
         self._judge_bad_rows(count)
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""
