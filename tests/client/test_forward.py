@@ -112,25 +112,6 @@ def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
     assert np.array_equal(got, wanted)
 
 
-def test_one_pixel(gpu):
-    scatter = Scatter(gpu, (1, 1), (1, 1))
-    for depth, wanted in ((0.5, 0), (0.0, 0), (-1.0, -1), (1e9, 0)):
-        assert scatter.check(np.full((1, 1), depth)).item() == wanted
-    assert Scatter(gpu, (1, 1), (3, 3)).check(np.full((1, 1), 0.5)).tolist() == [
-        [-1, -1, -1],
-        [-1, 0, -1],
-        [-1, -1, -1],
-    ]
-
-
-@pytest.mark.parametrize(
-    "size", [(9, 65), (65, 9), (200, 130), (8, 64), (257, 1), (1, 257)], ids="{0[0]}x{0[1]}".format
-)
-def test_pictures_of_several_work_groups_arrive_whole(gpu, size):
-    got = Scatter(gpu, size, size).check(np.random.default_rng(1).uniform(0.1, 2, size[::-1]))
-    assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
-
-
 def test_a_rendered_picture_of_more_pixels_than_keys_is_refused(gpu):
     side = 16384
     assert side * side > MOST_PIXELS
@@ -148,14 +129,6 @@ def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
 
 
 # --- one pass with a 64-bit key -----------------------------------------------------------------
-
-
-def test_minus_zero_is_infinitely_far(gpu):
-    """Its bits are those of a very large number."""
-    depth = np.full((8, 8), 0.5)
-    depth[::2] = -0.0
-    got = Scatter(gpu, (8, 8), (4, 4)).check(depth)
-    assert (got // 8 % 2 == 1).all()
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from panels import assert_equals_twin, in_two_passes, panel_of, world_before
+from panels import in_two_passes, panel_of, world_before
 from reference.fused import fused
 from scipy import ndimage
-from worlds import World, twin_of
+from worlds import World, assert_equals_twin, twin_of
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
