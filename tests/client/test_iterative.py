@@ -1,8 +1,4 @@
-"""Iterative.
-
-Converges on the surface in front, leaves holes where no surface was seen, and equals its twin with
-every setting.
-"""
+"""Iterative: pixels of mixed colours along a silhouette move with the thing in front."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Footprints: no cracks, no halo, no fattened edges, light of any size, and a bounded cost."""
+"""Footprints: no cracks, each pixel in its place, and a bounded cost."""
 
 from __future__ import annotations
 

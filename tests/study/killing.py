@@ -153,7 +153,7 @@ class Killed:
     """Sessions of one study until `kills` of its runs were killed and the last session is complete.
 
     told: by all witnesses. tally: what the program was about when it was killed. codes: whose
-    sessions. place: of the data.
+    sessions.
     """
 
     folder: Path
@@ -162,7 +162,6 @@ class Killed:
     told: list[list] = attrs.field(factory=list)
     tally: Counter = attrs.field(factory=Counter)
     codes: list[str] = attrs.field(factory=list)
-    place: Path | None = None
 
     def run(self) -> None:
         """All of it."""
@@ -187,7 +186,7 @@ class Killed:
     @property
     def store(self) -> Path:
         """Where the data are."""
-        return self.place or self.folder / "data"
+        return self.folder / "data"
 
     def _session(self, arguments: list[str], chance: random.Random, usual: dict[Callable, Life]) -> None:
         """One participant's, killed until it is over or there were kills enough."""
