@@ -11,6 +11,8 @@ from worlds import World, assert_equals_twin, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.plain import minimum_count
+from hmdwarp.client.warp_kinds.mesh import MOST_SIDE
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
@@ -82,6 +84,20 @@ def test_a_guard_band_is_cut_off_exactly(gpu, name, guard):
     world.client = world.inverse_depth[cut]
     world.upload(gpu)
     assert np.array_equal(world.warp(gpu, name), world.colour[cut])
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "most"),
+    [
+        ("forward", (16384, 16384), "a rendered picture of 16384x16384: 'forward' takes at most"),
+        ("forward_raster", (16385, 2), "a rendered picture of 16385x2: 'forward_raster' takes at most 16384 pixels a"),
+        ("mesh", (MOST_SIDE + 1, 4), f"at most {MOST_SIDE}"),
+    ],
+)
+def test_a_rendered_picture_beyond_what_names_its_pixels_is_refused(gpu, name, size, most):
+    choice = parse_warp(name)
+    with pytest.raises(InputError, match=most):
+        choice.entry(gpu, size, (8, 8), choice.settings)
 
 
 FILLS = [name for name in every_fill() if parse_fills(name)]

@@ -14,7 +14,7 @@ from worlds import World
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
-from hmdwarp.client.warps.forward import ATOMIC64, MOST_PIXELS
+from hmdwarp.client.warps.forward import ATOMIC64
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose, WarpMap
 from hmdwarp.gpu import COLOUR, Canvas, allocate, flatten
@@ -110,13 +110,6 @@ def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
     wanted = np.arange(64).reshape(8, 8)
     wanted[:, 7] = -1
     assert np.array_equal(got, wanted)
-
-
-def test_a_rendered_picture_of_more_pixels_than_keys_is_refused(gpu):
-    side = 16384
-    assert side * side > MOST_PIXELS
-    with pytest.raises(InputError, match="a rendered picture of 16384x16384: 'forward' takes at most"):
-        warps.get("forward")(gpu, (side, side), (8, 8))
 
 
 def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 
 from .scatters import Scatter
@@ -42,10 +40,3 @@ def test_more_pictures_after_one_another_do_not_remember_each_other(gpu, seed):
     for share in (0.0, 0.9, 0.3, 1.0):
         holes = np.random.default_rng(seed).uniform(size=(17, 31)) < share
         assert np.array_equal(scatter.run(np.where(holes, -1, 0.5)), np.where(holes, -1, index))
-
-
-def test_a_picture_with_longer_sides_than_the_order_has_bits_for_is_refused(gpu):
-    with pytest.raises(
-        InputError, match="a rendered picture of 16385x2: 'forward_raster' takes at most 16384 pixels a side"
-    ):
-        warps.get("forward_raster")(gpu, (16385, 2), (8, 8))

@@ -8,8 +8,7 @@ from worlds import twin_of
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warp_kinds import steepest
-from hmdwarp.client.warp_kinds.mesh import MOST_SIDE, reach
-from hmdwarp.errors import InputError
+from hmdwarp.client.warp_kinds.mesh import reach
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
 from .rendered_pictures import asked, warped
@@ -62,8 +61,3 @@ def test_reach_bounds_how_far_depth_moves_a_point():
         inside = ((before >= 0) & (before <= SIZE)).all(axis=1)
         moved = np.linalg.norm(after - before, axis=1) * w / 1e-6
         assert (moved[inside] <= reach(forward, SIZE) * (1 + 1e-3)).all()
-
-
-def test_a_picture_beyond_the_names_of_its_cells_is_refused(gpu):
-    with pytest.raises(InputError, match=f"at most {MOST_SIDE}"):
-        parse_warp("mesh").entry(gpu, (MOST_SIDE + 1, 4), (8, 8))
