@@ -5,7 +5,6 @@ Names and contents by the rules of the specification, poses as they were recorde
 
 import csv
 import json
-import re
 
 import attrs
 import numpy as np
@@ -101,16 +100,6 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     even = track.evolve(time_ns=np.arange(400) * 11_111_111, max_gap_ns=10**9)
     assert Rates.of(even).uneven == 0 and "0.0%" in Rates.of(even).describe()
     assert motion_text(even).splitlines()[1].startswith("0.011111\t")
-
-
-def test_instants_count_from_the_beginning_of_a_session(tree):
-    for path in tree.rglob("*_scans.tsv"):
-        rows = table(path)
-        assert rows[0]["acq_time"] == "1925-01-01T00:00:00.000"
-        times = [row["acq_time"] for row in rows]
-        assert times == sorted(set(times)) and all(
-            re.fullmatch(r"1925-01-01T00:\d\d:\d\d\.\d{3}", time) for time in times
-        )
 
 
 def test_no_date_and_no_code_is_in_any_byte(tree):
