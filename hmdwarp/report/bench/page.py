@@ -405,7 +405,7 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
     note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★"))
     winners = [verdict_text(group.verdict()) for group in groups if group.rows]
     columns = [COLUMNS[name] for name in decision(rows)]
-    folds = []
+    folds: list[Any] = []
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
         folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
