@@ -148,10 +148,10 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
     table.add_column(overflow="fold")
     gaps = "none"
     if figures.gaps:
-        longest = max(figures.gaps, key=lambda g: g.length_ns)
+        longest = max(figures.gaps, key=lambda gap: gap["length_s"])
         gaps = (
             f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
-            f"{longest.length_ns / 1e9:.3f} s from {longest.start_ns / 1e9:.3f} s"
+            f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
     rows = {
         "trace": str(loaded.path),

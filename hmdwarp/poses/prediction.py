@@ -180,14 +180,6 @@ SPEED_PERCENTILES = (50, 95, 99, 99.9)
 
 
 @attrs.frozen
-class Gap:
-    """A stretch without samples, from `start_ns`, lasting `length_ns`."""
-
-    start_ns: int
-    length_ns: int
-
-
-@attrs.frozen
 class ErrorRow:
     """Angles between the head and its predictions from `latency_ms` before.
 
@@ -208,7 +200,7 @@ class Analysis:
     rate_hz: float
     mean_rate_hz: float
     repeated_share: float
-    gaps: list[Gap]
+    gaps: list[dict[str, float]]  # stretches without samples: start_s, length_s
     jumps: int
     angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
     linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
@@ -226,7 +218,8 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
     return Analysis(
         samples=len(track), duration_s=duration_s, rate_hz=track.rate_hz,
         mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0, repeated_share=1 - len(motion) / len(track),
-        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps], jumps=len(track.jumps),
+        gaps=[{"start_s": int(track.time_ns[i]) / 1e9, "length_s": int(steps[i]) / 1e9} for i in gaps],
+        jumps=len(track.jumps),
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
         errors=[error_row(motion, latency) for latency in latencies_ms], gaze=gaze_facts(track),
@@ -295,8 +288,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         **{"axes": loaded.axes, "columns": loaded.columns},
         **{name: getattr(figures, name) for name in rates},
         **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
-        "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
-        "jumps": figures.jumps,
+        **{"gaps": figures.gaps, "jumps": figures.jumps},
         "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),

@@ -19,7 +19,7 @@ from .style import CSS_VARIABLES, GRID, INK, SERIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 
@@ -145,7 +145,7 @@ def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
 
 
-def legend(where: Any, handles: Sequence[Any], **style: Any) -> None:
+def legend(where: Axes | FigureBase, handles: Sequence[Any], **style: Any) -> None:
     """Draw a legend without a frame. handles: as mark makes them."""
     where.legend(handles=handles, frameon=False, labelcolor=INK, **style)
 

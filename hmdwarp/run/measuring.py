@@ -25,7 +25,7 @@ from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from .replay_setup import ReplayRun
 from .side_by_side import clips_of
-from .truth import MOST_BANDS, WholePictures, coverage, is_measured, shown_picture, true_picture
+from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
 # 2011, Peripheral vision and pattern recognition: a review).
@@ -126,31 +126,28 @@ class Probe:
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
         return setup.compensator(build_plan_for(alone, setup.source.headset, setup.source.scene))
 
-    def _measures(self, number: int) -> bool:
-        return is_measured(number, self._every)
-
     def wants(self, number: int) -> bool:
         """Return whether refresh `number` is measured, precedes a measured one, or is in a clip."""
-        return self.clips is not None or self._measures(number) or self._measures(number + 1)
+        return self.clips is not None or is_measured(number, self._every) or is_measured(number + 1, self._every)
 
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back the eyes of refresh `number`, and submit them if it is a measured one.
 
         An eye that no frames were sent for has holes alone, and a PSNR.
         """
-        if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
-            eye, server = self._setup.source.kind.eyes, self._setup.server
-            result = self._before_lens(refresh, eye)
+        if len(refresh.eyes) > self._setup.source.kind.eyes and is_measured(number, self._every):
+            second, server = self._setup.source.kind.eyes, self._setup.server
+            result = self._before_lens(refresh, second)
             self.second_eye["hole_share"][number] = _hole_share(coverage(result))
             if isinstance(server, RecordedRenderer) and server.right is not None:
-                truth = true_picture(server.right, refresh.inputs[eye], self._setup.sizes.shown, depth=False)
+                truth = draw_truth(server.right, refresh.inputs[second], self._setup.sizes.shown, depth=False)
                 self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
-            measured = self._measures(number)
+            measured = is_measured(number, self._every)
             try:
-                truth = true_picture(self._setup.server, refresh.inputs[eye], self._setup.sizes.shown, depth=measured)
+                truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.sizes.shown, depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -184,7 +181,10 @@ class Probe:
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
     ) -> QualityJob | None:
-        """Measure the comparison warp, on pictures with all effects drawn in; return its job."""
+        """Measure the comparison warp, which does not compensate effects; return its job.
+
+        Its rendered picture has all effects drawn in.
+        """
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)

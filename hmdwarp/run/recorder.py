@@ -277,17 +277,14 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
+        seconds = self.seconds
+        if self.kept != self.count:  # from the first pose to the last on the disk
+            with self.path.open("rb") as file:
+                file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
+                last = file.read().splitlines()[-1]
+            seconds = (int(last.split(b",")[0]) - self._first_ns) * 1e-9
         acted = f"; {self.inputs_path.name}: {counted(self._inputs.written - 1, 'input')}" if self._inputs else ""
-        return f"{self.path}: {counted(self.kept, 'pose')}, {self._kept_s():.3f} s{acted}{beside}"
-
-    def _kept_s(self) -> float:
-        """Return the seconds from the first pose to the last on the disk."""
-        if self.kept == self.count:
-            return self.seconds
-        with self.path.open("rb") as file:
-            file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
-            last = file.read().splitlines()[-1]
-        return (int(last.split(b",")[0]) - self._first_ns) * 1e-9
+        return f"{self.path}: {counted(self.kept, 'pose')}, {seconds:.3f} s{acted}{beside}"
 
     def __enter__(self) -> Recorder:
         return self

@@ -40,7 +40,7 @@ from ..sources.server import Renderer
 from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
 from .frame_rows import Row, stage_columns
 from .replay_setup import ReplayRun
-from .truth import TruePicture, WholePictures, coverage, shown_picture, true_picture
+from .truth import Truth, WholePictures, coverage, draw_truth, shown_picture
 
 
 class Oracle:
@@ -209,11 +209,11 @@ class SideBySide:
         """Return what a compensator reads of a refresh, eye by eye."""
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
-    def truth(self, inputs: PassInputs) -> TruePicture:
+    def truth(self, inputs: PassInputs) -> Truth:
         """Return what an eye should see in the middle of a refresh."""
-        return true_picture(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
+        return draw_truth(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
 
-    def pictures(self, refresh: Refresh, eye: int, truth: TruePicture) -> list[Compared]:
+    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
         shown = []
         for compensator in self.compensators:

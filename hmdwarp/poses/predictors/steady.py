@@ -49,10 +49,7 @@ def _steady_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> 
 
 
 def _window(track: PoseTrack, i: int) -> tuple[int, int]:
-    """Return the first and last index of distinct poses within the 50 ms up to sample i.
-
-    At least two samples, if they belong together.
-    """
+    """Return the first and last of the distinct poses of the 50 ms up to sample i, two at least."""
     q, p = track.orientation_xyzw, track.position_m
     last = i
     while last > 0 and not track.broken[last - 1] and (q[last] == q[last - 1]).all() and (p[last] == p[last - 1]).all():

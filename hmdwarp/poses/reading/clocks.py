@@ -178,9 +178,9 @@ def wraps(r: Recording) -> Found:
     return None
 
 
-def _wrapped(r: Recording, rows: NDArray[np.intp], round_: int, what: str) -> Found:
+def _wrapped(r: Recording, rows: NDArray[np.intp], length: int, what: str) -> Found:
     """Count on where the clock begins again, after a round of so many billionths."""
-    _count_on(r, rows, [round_] * len(rows))
+    _count_on(r, rows, [length] * len(rows))
     r.wrap = what.format(counted(len(rows), "time"))
     return rows, r.wrap
 

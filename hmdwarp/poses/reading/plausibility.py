@@ -58,7 +58,10 @@ JUMP_ANGLE_RAD = np.radians(20)
 JUMP_SPEED_M_S = 15.0
 JUMP_DISTANCE_M = 0.25
 _BLOCK = 1_000_000
+# Readings, what axes mean for a head: up of the world, up and forward of the head, as signed unit
+# vectors of the file, (3, 3). Right follows, and directions on the ground are free.
 _SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
+_READINGS = [np.array(three) for three in itertools.product(_SIGNED, repeat=3) if not three[1] @ three[2]]
 
 
 @attrs.frozen(eq=False)
@@ -76,9 +79,9 @@ class Evidence:
     gravity: Array  # (3,), up by the file's gravity columns; zeros: none
     path_m: float = 0.0  # the way that the head goes; 0 without positions
 
-    def score(self, reading: Reading) -> float:
+    def score(self, reading: Array) -> float:
         """Return points of a reading; one a criterion, gravity two."""
-        up, crown, gaze = reading.up, reading.crown, reading.gaze
+        up, crown, gaze = reading
         points = 2.0 * float(up @ self.gravity) + float(up @ self.upright @ crown)
         points += float(np.abs(up) @ self.world_turns) + float(np.abs(crown) @ self.head_turns)
         points += float(gaze @ self.travel) - float(np.abs(up) @ self.climb) + float(gaze @ self.neck)
@@ -87,14 +90,14 @@ class Evidence:
         height = float(up @ self.height_m)
         return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
 
-    def stands(self, reading: Reading) -> bool:
+    def stands(self, reading: Array) -> bool:
         """Return whether a reading sets the head upright, and as the file's gravity says."""
-        upright = float(reading.up @ self.upright @ reading.crown) >= UPRIGHT
-        return upright and not (self.gravity.any() and reading.up @ self.gravity < UPRIGHT)
+        up, crown, _ = reading
+        return float(up @ self.upright @ crown) >= UPRIGHT and not (self.gravity.any() and up @ self.gravity < UPRIGHT)
 
-    def faults(self, reading: Reading) -> list[str]:
+    def faults(self, reading: Array) -> list[str]:
         """Return what contradicts a reading, in words."""
-        up, crown = reading.up, reading.crown
+        up, crown, gaze = reading
         found = []
         if self.gravity.any() and up @ self.gravity < UPRIGHT:
             found.append("the file's gravity columns point another way")
@@ -107,10 +110,10 @@ class Evidence:
         if self.climb.max() > TURNS_MOSTLY and np.abs(up) @ self.climb > TURNS_MOSTLY:
             found.append("the head climbs instead of walking")
         if np.linalg.norm(self.travel) > _COHERENT and not found:
-            ahead = float(reading.gaze @ self.travel) / float(np.linalg.norm(self.travel))
+            ahead = float(gaze @ self.travel) / float(np.linalg.norm(self.travel))
             if ahead < 0.3:
                 found.append("the head walks backwards" if ahead < -UPRIGHT else "the head walks sideways")
-        ahead = float(reading.gaze @ self.neck)
+        ahead = float(gaze @ self.neck)
         if self.neck.any() and ahead < 0.3 and not found:
             found.append(f"the face is {'behind' if ahead < -UPRIGHT else 'beside'} the neck that it turns about")
         nods, rolls = self._nods_and_rolls(reading)
@@ -121,32 +124,11 @@ class Evidence:
             found.append(f"the head is {-height:.2f} m below the floor")
         return found
 
-    def _nods_and_rolls(self, reading: Reading) -> tuple[float, float]:
+    def _nods_and_rolls(self, reading: Array) -> tuple[float, float]:
         """Return the mean squares of how far gaze and ears leave the horizon."""
-        vertical, ears = np.abs(reading.up) @ self.tips, np.abs(np.cross(reading.crown, reading.gaze))
-        return float(vertical @ np.abs(reading.gaze)), float(vertical @ ears)
-
-
-@attrs.frozen(eq=False)
-class Reading:
-    """What axes mean for a head, as signed unit vectors (3,) of the file."""
-
-    up: Array  # of the world
-    crown: Array  # up of the head
-    gaze: Array  # forward of the head
-
-    def stands_as(self, other: Reading) -> bool:
-        """Return whether both have the same up, of the world and of the head."""
-        return np.array_equal(self.up, other.up) and np.array_equal(self.crown, other.crown)
-
-    def same(self, other: Reading) -> bool:
-        """Return whether both are one: right follows, directions on the ground are free."""
-        return self.stands_as(other) and np.array_equal(self.gaze, other.gaze)
-
-
-def reading_of(axes: Axes) -> Reading:
-    """Return the reading of axes."""
-    return Reading(axes.world[1], axes.head[1], -axes.head[2])
+        up, crown, gaze = reading
+        vertical = np.abs(up) @ self.tips
+        return float(vertical @ np.abs(gaze)), float(vertical @ np.abs(np.cross(crown, gaze)))
 
 
 @attrs.frozen(eq=False)
@@ -169,37 +151,38 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     Motion does not determine the hand of a file and the directions on the ground: a mirror image of
     a walk is a walk.
     """
-    here = reading_of(axes)
+    here = _reading_of(axes)
     faults = evidence.faults(here)
     ranked = sorted(((evidence.score(r), r) for r in _READINGS), key=operator.itemgetter(0), reverse=True)
     own, (top, best) = evidence.score(here), ranked[0]
-    if not faults or best.same(here) or top - own < CLEAR / 2:
-        near = [r for score, r in ranked if score > own - CLEAR and not r.same(here) and not evidence.faults(r)]
+    if not faults or np.array_equal(best, here) or top - own < CLEAR / 2:
+        others = [r for score, r in ranked if score > own - CLEAR and not np.array_equal(r, here)]
+        near = [r for r in others if not evidence.faults(r)]
         which = "which way the head looks" if near else ""
-        which = which if all(map(here.stands_as, near)) else "which way is up"
+        which = which if all(np.array_equal(r[:2], here[:2]) for r in near) else "which way is up"
         return Verdict(faults, None, [], False, (own, own), leaves_open=which)
-    presets = [load_preset(name) for name in preset_names()]
-    fitting = [p for p in presets if reading_of(p.axes).same(best)]
-    ahead = np.roll(np.abs(best.up), 1)  # on the ground, the next axis after up; all right-handed
-    sides = ((np.cross(ahead, best.up), best.up, ahead), (np.cross(best.gaze, best.crown), best.crown, best.gaze))
+    known = [load_preset(name).axes for name in preset_names()]
+    fitting = [axes for axes in known if np.array_equal(_reading_of(axes), best)]
+    up, crown, gaze = best
+    ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
+    sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
     world, head = (",".join(map(axis_word, side)) for side in sides)
-    better = fitting[0].axes if fitting else parse_axes(f"world={world} head={head}")
-    clear = top - ranked[1][0] > CLEAR and not evidence.faults(best)
-    alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
+    better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
+    clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
     near = [reading for score, reading in ranked if score > top - CLEAR]
-    standing = None
-    if evidence.stands(best) and all(map(best.stands_as, near)) and not best.stands_as(here):
-        known = (p.axes for p in presets if any(map(reading_of(p.axes).same, near)))
-        standing = next(known, better)
-    return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone, upright=standing)
+    standing, agree = None, all(np.array_equal(r[:2], best[:2]) for r in near)
+    if agree and evidence.stands(best) and not np.array_equal(best[:2], here[:2]):
+        standing = next((axes for axes in known if any(np.array_equal(_reading_of(axes), r) for r in near)), better)
+    return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone, upright=standing)
+
+
+def _reading_of(axes: Axes) -> Array:
+    return np.array([axes.world[1], axes.head[1], -axes.head[2]])
 
 
 def best_points(evidence: Evidence) -> float:
     """Return the points of the axes that fit best."""
     return max(map(evidence.score, _READINGS))
-
-
-_READINGS = [Reading(up, crown, gaze) for up, crown, gaze in itertools.product(_SIGNED, repeat=3) if not crown @ gaze]
 
 
 # What heads do: how far from the origin of a tracked place, how fast.
@@ -375,10 +358,7 @@ class JudgedAxes:
         self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
 
     def _stated_axes(self) -> tuple[Axes, By]:
-        """Return the axes and who says so: --axes and --up before the file and its format.
-
-        `--up z` for a format whose z is up changes nothing.
-        """
+        """Return the axes and who says so: the options before the file and its format."""
         own, by = parse_axes(self.r.layout.axes), self.r.layout.axes_by
         up, stated = self.options.up, self.options.axes if self.options.axes != AUTO else None
         is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers

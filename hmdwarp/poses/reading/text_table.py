@@ -222,10 +222,7 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
 def _preamble(
     path: Path, lines: list[tuple[int, int, str]], named: bool
 ) -> tuple[list[tuple[int, str]], str, tuple[int, int, str]]:
-    """Return comments, the header line or "", and the first row.
-
-    named: the columns have names, so that no line is a header.
-    """
+    """Return comments, the header line or "" (columns that are named have none), the first row."""
     comments: list[tuple[int, str]] = []
     header = ""
     for offset, number, text in lines:
@@ -349,9 +346,9 @@ class RowReader:
             count = sum(map(len, self._parts["line"]))
             if count > MOST_ROWS:
                 raise TraceError(f"{head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
-        if lines_ := self._repeated_headers:
-            what = f"the header comes again {counted(len(lines_), 'time')}"
-            self.defects.append(Defect("header-repeated", what, "skipped", len(lines_), lines_[0]))
+        if again := self._repeated_headers:
+            what = f"the header comes again {counted(len(again), 'time')}"
+            self.defects.append(Defect("header-repeated", what, "skipped", len(again), again[0]))
         self._judge_bad_rows(count)
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""

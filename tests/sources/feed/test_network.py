@@ -366,7 +366,7 @@ def test_a_client_that_is_killed_leaves_a_whole_recording_and_the_server_goes_on
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        one.line("here")
+        one.line("connected:")
         while not record.exists() or record.stat().st_size < 2000:
             assert client.poll() is None
             time.sleep(0.05)
