@@ -227,10 +227,7 @@ def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bo
 
 
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
-    """Return the callbacks for the watchdog to run before it ends the program.
-
-    The recording comes first: it cannot be made again.
-    """
+    """Return what the watchdog runs before it ends the program: the recording first."""
 
     def save_recording() -> str:
         return recorder.save() if recorder is not None else ""
@@ -456,10 +453,7 @@ def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
 def _sample(
     head: openxr.OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say
 ) -> None:
-    """Sample a head at even intervals.
-
-    A source that needs longer than that is sampled as often as it can be read.
-    """
+    """Sample a head at even intervals, or as often as its source can be read."""
     count = 0
     due_ns = head.now_ns()
     while not ending.due(count):

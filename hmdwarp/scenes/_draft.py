@@ -35,6 +35,7 @@ class Look:
     uv_transform: Array = attrs.field(factory=lambda: np.eye(3))
     unlit: bool = False  # no light falls on it: it shines in its own colour
     emission: Array = attrs.field(factory=lambda: np.zeros(3))  # (3,) linear, where no picture has it
+    has_alpha: bool = False  # whether alpha counts
 
 
 @attrs.frozen(eq=False)

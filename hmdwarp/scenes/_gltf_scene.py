@@ -108,11 +108,6 @@ class Looks:
             self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
         return self._made[key]
 
-    def has_alpha(self, primitive: dict[str, Any]) -> bool:
-        """Return whether alpha counts in a primitive's material."""
-        number = primitive.get("material")
-        return number is not None and self._file.items("materials")[number].get("alphaMode", "OPAQUE") != "OPAQUE"
-
     def _look(self, gltf: dict[str, Any], name: str, head_locked: bool) -> Look | None:
         gltf, image = self._surface(gltf, name)
         plain = gltf.get("pbrMetallicRoughness") or {}
@@ -151,6 +146,7 @@ class Looks:
             self._uv_transform(transform, name),
             "KHR_materials_unlit" in (gltf.get("extensions") or {}),
             glow if emission is None else np.zeros(3),
+            mode != "OPAQUE",
         )
 
     def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
@@ -444,7 +440,7 @@ class GltfContent:
             return None
         uv = _uv(file, attributes, look, user, len(rest))
         colours = _vertex_colours(file, attributes, user, len(rest))
-        if self._looks.has_alpha(primitive) and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
+        if look.has_alpha and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
             self.notes.add("the alpha of vertex colours is left out, drawn as 1", user)
         colour = look.colour * np.clip(np.nan_to_num(colours[:, :3]), 0, None)
         skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import functools
 import json
-import subprocess
-import sys
 import threading
 import tracemalloc
 
@@ -430,32 +428,6 @@ def test_a_new_run_replaces_the_files_of_the_one_before(monkeypatch, tmp_path):
     (tmp_path / "out" / "mine.txt").write_text("kept")
     go(monkeypatch, tmp_path / "out")
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "mine.txt", "report.html", "summary.json"]
-
-
-FULL = """
-import resource, sys
-from pathlib import Path
-from hmdwarp.errors import MachineError
-from hmdwarp.run import LiveOptions
-from hmdwarp.run import live_run as run
-from tests.run.offscreen import OffscreenDisplay, closed_at
-sys.dont_write_bytecode = True  # the limit would cut those files too, for every later run
-resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
-run.open_display = lambda *_: OffscreenDisplay(events=closed_at(100000))
-try:
-    run.live(LiveOptions(scene="planes", latency_ms=0.0, fill="interpolate", out=Path(sys.argv[1])))
-except MachineError as error:
-    print(error)
-"""
-
-
-def test_a_full_disk_ends_it_and_leaves_whole_rows(tmp_path):
-    run = [sys.executable, "-c", FULL, str(tmp_path / "out")]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=120, check=False)
-    assert "cannot write" in done.stdout and "make room" in done.stdout and done.stderr == "", done
-    assert sorted(contents(tmp_path / "out")) == ["frames.csv"]  # no summary: it is not whole
-    rows = rows_of(tmp_path / "out")
-    assert len(rows) > 20 and all(row["fill"] == "interpolate" for row in rows)
 
 
 def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):

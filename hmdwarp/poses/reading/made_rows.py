@@ -64,7 +64,7 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
     rows, defects = [_flat(record) for record in records], []
     kinds = Counter(tuple(row) for row in rows)
     poses = {kind: kinds[kind] >= _LEAST_RECORDS and _has_pose(dict.fromkeys(kind)) for kind in kinds}
-    likely = max(kinds, key=lambda kind: (poses[kind], kinds[kind]))
+    likely: tuple[str, ...] = max(kinds, key=lambda kind: (poses[kind], kinds[kind]))
     wanted = set(likely)
     others = [row for row in rows if 2 * len(wanted & set(row)) < len(wanted)]
     if others:

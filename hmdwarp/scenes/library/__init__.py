@@ -159,7 +159,7 @@ def moving(table: dict[str, Any], inputs: InputLog, arrays: Arrays) -> dict[str,
             key: bodies[part] if isinstance(part, str) else _made(name, part, arrays, inputs)
             for key, part in parts.items()
         }
-        lamps.append(Lamp(**said | made))
+        lamps.append(Lamp(**said | made | {"colour": tuple(said["colour"])}))
     return {"bodies": [Body(name, motion) for name, motion in bodies.items()], "lamps": lamps}
 
 
