@@ -125,11 +125,4 @@ formats: Registry[TraceFormat] = Registry(
 )
 
 
-class StatedColumns(TraceFormat):
-    """Columns by the user's word."""
-
-    name = "columns"
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        """Return what --columns says."""
-        return layouts.stated_layout(head, options)
+STATED = _of_table("columns", {"read_as": "stated"})  # by --columns

@@ -247,9 +247,7 @@ class Cleaner:
 
     def sign_flips(self) -> Found:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
-        q = self.r.orientation
-        flips = np.flatnonzero(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0) + 1
-        quaternions.make_continuous(q)
+        flips = quaternions.make_continuous(self.r.orientation)
         return (flips, counted(len(flips), "time")) if len(flips) else None
 
     def repeats(self) -> Found:
