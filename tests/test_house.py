@@ -184,7 +184,7 @@ ROOMS = {
     "run": (6973, 5400),
     "client": (7925, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (5407, 4600),
+    "scenes": (5387, 4600),
     "poses": (6535, 4500),
     "pipeline": (5124, 3700),
     "link frames": (3943, 3100),
