@@ -185,7 +185,7 @@ ROOMS = {
     "client": (7925, 6500),
     "cloudlight": (3600, 3600),  # done
     "scenes": (5387, 4600),
-    "poses": (6535, 4500),
+    "poses": (6007, 4500),
     "pipeline": (5124, 3700),
     "link frames": (3943, 3100),
     "image check": (3683, 3200),
