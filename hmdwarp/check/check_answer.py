@@ -15,23 +15,10 @@ from ..errors import listed
 from ..gpu.textures import flip_rows
 from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
-from .conventions import (
-    CENTRE,
-    CONVENTIONS,
-    ENCODING,
-    EYES,
-    PIXEL,
-    PLANES,
-    RAY,
-    ROWS,
-    SCALE,
-    TIME,
-    code,
-    differences,
-    restored,
-    value,
-)
+from . import conventions
+from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
 from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
+from .faults import EXPLAINED, FAULTS
 from .overlap import LATE, OFFSET, Overlap
 from .search import SURE, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
@@ -90,7 +77,7 @@ class Answer:
         """
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) or self.decision.besides else "right"
+        return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
@@ -99,8 +86,11 @@ class Answer:
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
+            cause = f": {_labels(differences(self.reading))}"
+            if not self.decision.is_told:
+                cause = f", and the cause cannot be told: {untold(self.decision)}"
             return (
-                f"wrong{self._cause()}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
@@ -112,11 +102,6 @@ class Answer:
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
             "expected a scene that stands still, seen from places nearby"
         )
-
-    def _cause(self) -> str:
-        if self.decision.is_told:
-            return f": {_labels(differences(self.reading))}"
-        return f", and the cause cannot be told: {untold(self.decision)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -140,34 +125,34 @@ def check(stated: Stated) -> Answer:
     search = Search(stated)
     decision = decide(search)
     best = decision.best.reading
+    ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
     return Answer(
         decision,
         tuple(_finding(decision, name) for name in CONVENTIONS),
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
-        ()
-        if decision.is_told
-        else tuple(_values(possible.reading, stated) for possible in (decision.best, *decision.rivals)),
-        tuple(code(best, stated)) if decision.is_told else (),
+        tuple(
+            listed([f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)])
+            for one in ways
+        ),
+        tuple(conventions.code(best, stated)) if decision.is_told else (),
     )
 
 
 def untold(decision: Decision) -> str:
-    """Return what it may be, where frames do not tell."""
-    causes = [_labels(names) for names in decision.causes if names]
-    if decision.besides:
+    """Return what it may be, where frames do not tell, and what it is not."""
+    if decision.besides and not decision.faults:
         named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
         return f"more than one of {_labels(tuple(named))} differs, or something else does"
-    return f"{' or '.join(causes)}"
+    causes = [*(_labels(names) for names in decision.causes if names), *decision.faults]
+    share, excluded = decision.explained, [one for one in FAULTS if one not in decision.faults]
+    few = "" if share[0] >= EXPLAINED else " (explains {:.1%} of the depths that nothing hides, {:.1%} as stated)"
+    return f"{' or '.join(causes)}{few.format(*share)}{f'; excluded: {listed(excluded)}' if excluded else ''}"
 
 
 def _labels(names: Sequence[str]) -> str:
     return listed([CONVENTIONS[name].label for name in names])
-
-
-def _values(reading: Reading, stated: Stated) -> str:
-    return listed([f"{CONVENTIONS[name].label}: {value(reading, stated, name)}" for name in differences(reading)])
 
 
 def _finding(decision: Decision, name: str) -> Finding:
@@ -181,14 +166,11 @@ def _finding(decision: Decision, name: str) -> Finding:
         sure = min(margins, default=0.0)
         return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
     finding = Finding(name, label, value(best, stated, name), True, True)
-    return _of_number(decision, finding) if CONVENTIONS[name].numbers and name != RAY else _as_stated(decision, finding)
-
-
-def _of_number(decision: Decision, finding: Finding) -> Finding:
-    known = {finding.name, *differences(decision.best.reading)}
-    if {PIXEL, CENTRE} <= known or (ENCODING in known and finding.name in (SCALE, PLANES)):
-        return finding  # part of what is found
-    why = _vague(decision.search, decision.best.reading, finding.name)
+    if not CONVENTIONS[name].numbers or name == RAY:
+        return _as_stated(decision, finding)
+    known = {name, *differences(best)}
+    is_part = {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES))  # of what is found
+    why = "" if is_part else _vague(decision.search, best, name)
     return _unknown(finding, why) if why else finding
 
 
@@ -203,7 +185,9 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
-    shift = _shift(search, best, others[least])
+    a, b = (search.fine.residuals(which) for which in (best, others[least]))
+    apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
+    shift = float(np.median(apart)) if len(apart) else math.inf
     other = value(others[least], search.stated, name)
     why = (
         f"{other} would move pixels by only {shift:.2g}"
@@ -223,7 +207,7 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
     if name == ENCODING or (CONVENTIONS[name].numbers and name != RAY):
         if name in differences(best):
-            yield restored(best, name)
+            yield conventions.restored(best, name)
         return
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)
@@ -242,13 +226,6 @@ def _margin(decision: Decision, other: Reading) -> float:
         coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
     )
     return standard_errors(better - worse)
-
-
-def _shift(search: Search, one: Reading, other: Reading) -> float:
-    """Return the median shift between two readings, in pixels."""
-    a, b = (search.fine.residuals(which) for which in (one, other))
-    both = a.seen & b.seen
-    return float(np.median(np.linalg.norm(a.pixel[both] - b.pixel[both], axis=-1))) if both.any() else math.inf
 
 
 def _vague(search: Search, best: Reading, name: str) -> str:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import attrs
 import numpy as np
 
 from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
-from .stated_frames import BUFFER, METRES, Array, Reading, Stated, eye_axes
+from .stated_frames import BUFFER, METRES, Reading, Stated, eye_axes
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
 RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"
 FOCAL, CENTRE, PIXEL = "focal", "centre", "pixel"
-_HALF = 0.25  # pixels about half of one in both directions: what is off by as much is a convention
 _SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
 # Metres per unit that are common: of depth, and of positions.
 _SCALES = {
@@ -41,26 +40,20 @@ class Convention:
     fields: tuple[str, ...]
     # Its value in words, where a reading differs; `plain` where it does not, if that differs.
     words: Callable[[Reading, Stated], str]
-    plain: str = ""
     # What is fitted for it, and the standard error beyond which it is unknown: of the factor's
     # logarithm; of the offset, in the median; of the way along the ray; in pixels; in frames.
     numbers: tuple[str, ...] = ()
     vague: float = math.inf
+    plain: str = "as stated"
 
 
 def differences(reading: Reading) -> tuple[str, ...]:
     """Return the names of the conventions in which a reading differs from what is stated."""
     is_encoded = reading.kind == BUFFER or reading.factor < 0
     depth = ENCODING if is_encoded else PLANES if reading.offset else SCALE
-    centre = PIXEL if is_half_a_pixel(reading) else CENTRE
+    centre = PIXEL if reading.is_half_a_pixel else CENTRE
     without = {ENCODING, PLANES, SCALE, PIXEL, CENTRE} - {depth, centre}
     return tuple(name for name in CONVENTIONS if name not in without and restored(reading, name) != reading)
-
-
-def is_half_a_pixel(reading: Reading) -> bool:
-    """Return whether the middles of the pixels lie about half a pixel off in both directions."""
-    x, y = reading.pixel_x, reading.pixel_y
-    return _HALF < abs(x + y) / 2 < 3 * _HALF and abs(x - y) < 2 * _HALF
 
 
 def restored(reading: Reading, name: str) -> Reading:
@@ -73,11 +66,6 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
     """Return what a reading takes one convention for."""
     one = CONVENTIONS[name]
     return one.words(reading, stated) if not one.plain or name in differences(reading) else one.plain
-
-
-def _axes(reading: Reading, _: Stated) -> str:
-    hand = "left" if np.linalg.det(eye_axes(reading.axes)) < 0 else "right"
-    return f"{reading.axes}, {hand}-handed"
 
 
 def _rows(reading: Reading, _: Stated) -> str:
@@ -105,14 +93,9 @@ def _centre(reading: Reading, _: Stated) -> str:
     return f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} pixels to the right and down of where it is stated"
 
 
-def _scale(reading: Reading, _: Stated) -> str:
-    metres, words = _scale_of(reading.factor)
-    return f"{metres} of what is stated{f': {words}' if words else ''}"
-
-
 def _scale_of(factor: float) -> tuple[str, str]:
-    """Return the metres per unit, and which unit has as many; "" for none that is common."""
-    near = [(one, words) for one, words in _SCALES.items() if abs(math.log(one * factor)) < _SAME_UNIT]
+    """Return the metres per unit, and ": " and the common unit that has as many, if any."""
+    near = [(one, f": {words}") for one, words in _SCALES.items() if abs(math.log(one * factor)) < _SAME_UNIT]
     metres, words = near[0] if near else (1 / factor, "")
     return f"{metres:.4g}", words
 
@@ -137,15 +120,23 @@ def _encoding(reading: Reading, stated: Stated) -> str:
 _POSES_DIFFER = "frames that are turned and moved against each other"
 _APART = "frames from places farther apart"
 _DEPTH = ("kind", "factor", "end", "offset")
+_WIDE, _PIXELS = (WIDE_X, WIDE_Y), (PIXEL_X, PIXEL_Y)
 CONVENTIONS = {
-    ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), lambda one, _: " ".join(one.order)),
+    ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), lambda one, _: " ".join(one.order), plain=""),
     DIRECTION: Convention("pose", _POSES_DIFFER, ("inverse",), lambda _, __: "eye from world", plain="world from eye"),
-    AXES: Convention("axes", _POSES_DIFFER, ("axes",), _axes),
+    AXES: Convention(
+        "axes",
+        _POSES_DIFFER,
+        ("axes",),
+        lambda one, _: f"{one.axes}, {'left' if np.linalg.det(eye_axes(one.axes)) < 0 else 'right'}-handed",
+        plain="",
+    ),
     ROWS: Convention(
         "rows",
         "frames that look up or down, roll or rise against each other",
         ("colour_rows_up", "depth_rows_up"),
         _rows,
+        plain="",
     ),
     EYES: Convention(
         "eyes",
@@ -155,7 +146,7 @@ CONVENTIONS = {
         plain="as named",
     ),
     RAY: Convention(
-        "depth along", f"{_APART}, or a wider view", ("along",), lambda _, __: "the ray", "-z", (ALONG,), 0.2
+        "depth along", f"{_APART}, or a wider view", ("along",), lambda _, __: "the ray", (ALONG,), 0.2, "-z"
     ),
     ENCODING: Convention("depth encoding", _APART, _DEPTH, _encoding, plain="distance"),
     PLANES: Convention(
@@ -163,36 +154,22 @@ CONVENTIONS = {
         f"{_APART}, with things near and far",
         ("offset",),
         lambda one, _: f"inverse depth off by {one.offset:+.3g} /m: another near or far plane",
-        "as stated",
         (FACTOR, OFFSET),
         0.1,
     ),
-    SCALE: Convention("depth scale", _APART, _DEPTH, _scale, "as stated", (FACTOR,), 0.1),
+    SCALE: Convention(
+        "depth scale", _APART, _DEPTH, lambda one, _: " of what is stated".join(_scale_of(one.factor)), (FACTOR,), 0.1
+    ),
     FOCAL: Convention(
-        "field of view",
-        "a head that turns far, both ways, and moves ahead or back",
-        ("wide_x", "wide_y"),
-        _focal,
-        "as stated",
-        (WIDE_X, WIDE_Y),
-        0.05,
+        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _focal, _WIDE, 0.05
     ),
-    CENTRE: Convention(
-        "principal point",
-        "frames that roll, or approach something",
-        ("pixel_x", "pixel_y"),
-        _centre,
-        "as stated",
-        (PIXEL_X, PIXEL_Y),
-        5.0,
-    ),
+    CENTRE: Convention("principal point", "frames that roll, or approach something", _PIXELS, _centre, _PIXELS, 5.0),
     PIXEL: Convention(
         "pixel centres",
         "frames that roll or approach",
-        ("pixel_x", "pixel_y"),
+        _PIXELS,
         lambda one, _: f"{one.pixel_x:+.2f}, {one.pixel_y:+.2f} pixels to the right and down",
-        "as stated",
-        (PIXEL_X, PIXEL_Y),
+        _PIXELS,
         0.15,
     ),
     TIME: Convention(
@@ -200,9 +177,9 @@ CONVENTIONS = {
         "five or more frames with times, close together, while the head changes its speed",
         ("late_s",),
         _late,
-        "that of the picture",
         (LATE,),
         0.15,
+        "that of the picture",
     ),
 }
 
@@ -254,13 +231,10 @@ def _turned(axes: str) -> Iterator[str]:
         from scipy.spatial.transform import Rotation
 
         turn = Rotation.from_matrix(eye.T).as_quat(canonical=True)
-        yield f"pose = pose @ Pose(orientation_xyzw={_numbers(turn)})  # the eye's axes were those of {axes}"
+        numbers = ", ".join(f"{round(float(value), 6) + 0.0:g}" for value in turn)
+        yield f"pose = pose @ Pose(orientation_xyzw=({numbers}))  # the eye's axes were those of {axes}"
         return
     yield f"eye = np.array({[[int(cell) for cell in row] for row in eye]})  # right, up and back in the axes of {axes}"
     yield "world = np.diag([1, 1, -1])  # the other hand"
     yield "turn = Rotation.from_matrix(world @ pose.rotation_matrix @ eye.T)  # of SciPy"
     yield "pose = Pose(world @ pose.position_m, turn.as_quat())"
-
-
-def _numbers(values: Array | Sequence[float]) -> str:
-    return f"({', '.join(f'{round(float(value), 6) + 0.0:g}' for value in values)})"

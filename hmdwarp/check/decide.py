@@ -9,20 +9,8 @@ from collections.abc import Iterator, Sequence
 import attrs
 import numpy as np
 
-from .conventions import (
-    CENTRE,
-    ENCODING,
-    FOCAL,
-    PIXEL,
-    PLANES,
-    RAY,
-    ROWS,
-    SCALE,
-    TIME,
-    differences,
-    is_half_a_pixel,
-    restored,
-)
+from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
+from .faults import EXPLAINED, explained, standing_faults
 from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
@@ -35,6 +23,7 @@ _MOST_CHANGES = 2  # that are named
 _KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
+_LESS = 0.005  # of what is explained: an answer that explains less than what is stated is none
 _LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
 
 
@@ -49,11 +38,17 @@ class Decision:
     rivals: tuple[Candidate, ...] = ()
     # Conventions of which one or more differ besides, where no reading of them was found.
     besides: tuple[str, ...] = ()
+    # Faults that are no convention and explain as much, or what the best reading leaves.
+    faults: tuple[str, ...] = ()
+    # Shares of the depths that the best reading explains, and what is stated.
+    explained: tuple[float, float] = (1.0, 1.0)
 
     @property
     def is_told(self) -> bool:
-        """Whether the best reading is the only one that explains the frames."""
-        return not self.rivals and not self.besides
+        """Whether the best reading is the only one that explains the frames, and nearly all."""
+        share, stated = self.explained
+        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS)
+        return not self.rivals and not self.besides and not self.faults and enough
 
     @property
     def causes(self) -> tuple[tuple[str, ...], ...]:
@@ -93,27 +88,24 @@ def decide(search: Search) -> Decision:
     found += _best_of(search, search.usual_numbers(plain)[:1])
     found += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
-        numbers = _best_of(search, search.numbers(plain))
-        found += numbers
+        others = _best_of(search, search.numbers(plain))
+        found += others
         if not explains(search, search.best(found)):
-            encoded = [reading for reading in numbers if ENCODING in differences(reading)]
+            encoded = [reading for reading in others if ENCODING in differences(reading)]
             found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, found)
     readings = list(dict.fromkeys([*(fitted.reading for fitted in close), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
-    found_numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
-    return _decided(search, _stepped(search, found_numbers, readings), readings)
-
-
-def _stepped(search: Search, found: Numbers, readings: Sequence[Reading]) -> Numbers:
-    """Return the same, or with one more convention without a number where that is surely better."""
-    steps = _candidates(search, list(search.discrete(found.best.reading)), found.noise)
-    better = min(steps, key=lambda one: float(one.cost.sum()))
-    if margin(found.best, better) <= SURE or _simplest(search, [found.best, better]) is found.best:
-        return found
-    return NumberSearch(search, better, [better.reading, *readings]).found()
+    numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
+    best = numbers.best
+    # One more convention without a number, where that is surely better.
+    steps = _candidates(search, list(search.discrete(best.reading)), numbers.noise)
+    better = min(steps, key=lambda one: one.total)
+    if margin(best, better) > SURE and _simplest(search, [best, better]) is not best:
+        numbers = NumberSearch(search, better, [better.reading, *readings]).found()
+    return _decided(search, numbers, readings)
 
 
 def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Decision:
@@ -137,7 +129,11 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
         rivals += tuple(as_good)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    return Decision(search, found.noise, best, rivals, besides)
+    shares, faults = (explained(search, best.reading), explained(search, Reading())), ()
+    if explains(search, best.reading):
+        own, base = _numbers_of(best.reading), without_numbers(best.reading)
+        faults = standing_faults(search, found.noise, best, own, base)
+    return Decision(search, found.noise, best, rivals, besides, faults, shares)
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
@@ -152,17 +148,17 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
         if len(kept) == _KEPT or search.score(reading) < least:
             break
         names = _numbers_of(reading)
-        fitted = search.fitted(reading, names) if names else fixed(reading)
+        fitted = search.fitted(reading, names) if names else Fitted(reading)
         if all(matters(search, name, fitted.reading) for name in numbered(fitted.reading)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
     return kept
 
 
-def _numbers_of(reading: Reading) -> list[str]:
+def _numbers_of(reading: Reading) -> tuple[str, ...]:
     names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
     names += [OFFSET] if reading.offset or reading.end else []
-    return [*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name])]
+    return (*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name]))
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
@@ -171,7 +167,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     Nor is one under which more depths agree, and pictures are more alike: the cost of numbers that
     hardly differ, and of one sky on another, is small under any reading.
     """
-    best = min(candidates, key=lambda one: float(one.cost.sum()))
+    best = min(candidates, key=lambda one: one.total)
     most, alike = agreement(search, best.reading), likeness(search, best.reading)
     if alike < ALIKE:
         better = [
@@ -189,7 +185,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
         return share >= most and likeness(search, one.reading) >= alike
 
     as_good = [candidate for candidate in candidates if is_as_good(candidate)]
-    return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
+    return min(as_good, key=lambda one: (one.changes, one.total))
 
 
 def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]:
@@ -246,7 +242,7 @@ def matters(search: Search, name: str, found: Reading) -> bool:
         return max(abs(math.log(found.wide_x)), abs(math.log(found.wide_y))) > _WIDE
     if name == CENTRE:
         least = max(_CENTRE_PX, _CENTRE * search.stated.frames[0].depth.shape[1])
-        return is_half_a_pixel(found) or max(abs(found.pixel_x), abs(found.pixel_y)) > least
+        return found.is_half_a_pixel or max(abs(found.pixel_x), abs(found.pixel_y)) > least
     if name == TIME:
         assert search.stated.interval_s is not None
         return abs(found.late_s) > _LATE * search.stated.interval_s
@@ -290,9 +286,8 @@ class NumberSearch:
         """Return which numbers differ: none, one convention, or two where one leaves too much."""
         nothing = self._candidate(self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
-        singles = [
-            model for model in self._of(1) if self._is_known(model, needed) and self._gains(nothing, model, needed)
-        ]
+        gain = -_NO_WORSE if not nothing.changes else needed / 4
+        singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
         best, rivals = self._least(nothing, singles)
         besides = self._besides(best)
         if besides and not nothing.changes:
@@ -313,7 +308,7 @@ class NumberSearch:
             attrs.evolve(best.reading, wide_x=wide, wide_y=wide) for wide in (best.reading.wide_x, best.reading.wide_y)
         )
         models = [self._candidate(self.search.fitted(start, names)) for start in starts]
-        one = min(models, key=lambda one: float(one.cost.sum()))
+        one = min(models, key=lambda one: one.total)
         return one if margin(one, best) <= SURE else best
 
     def _of(self, count: int) -> Iterator[Candidate]:
@@ -325,10 +320,10 @@ class NumberSearch:
         """Return the best of those found, and those that may be it as well."""
         if not found:
             return otherwise, ()
-        best = min(found, key=lambda one: float(one.cost.sum()))
+        best = min(found, key=lambda one: one.total)
         simpler = [model for model in found if PLANES not in numbered(model.reading) and margin(model, best) < SURE]
         if PLANES in numbered(best.reading) and simpler:  # it has a number more
-            best = min(simpler, key=lambda one: float(one.cost.sum()))
+            best = min(simpler, key=lambda one: one.total)
         return best, tuple(model for model in found if model is not best and self._is_rival(model, best))
 
     def _is_rival(self, other: Candidate, best: Candidate) -> bool:
@@ -346,7 +341,7 @@ class NumberSearch:
     def _besides(self, best: Candidate) -> tuple[str, ...]:
         """Return what surely differs besides, where all numbers at once fit surely better."""
         every = self._candidate(self._every)
-        if every.cost.sum() > best.cost.sum():  # it did not find there
+        if every.total > best.total:  # it did not find there
             every = self._candidate(self._fit_all(best.reading))
         if margin(best, every) <= SURE:
             return ()
@@ -356,9 +351,6 @@ class NumberSearch:
             for name in self._names
             if name not in taken and matters(self.search, name, every.reading) and self._sureness(every, name) > SURE
         )
-
-    def _gains(self, nothing: Candidate, one: Candidate, needed: float) -> bool:
-        return margin(nothing, one) > (-_NO_WORSE if not nothing.changes else needed / 4)
 
     def _is_known(self, one: Candidate, needed: float) -> bool:
         names = numbered(one.reading)
@@ -370,19 +362,19 @@ class NumberSearch:
         """Return by how many standard errors a convention is not as stated."""
         assert one.fitted is not None
         error = dict(zip(one.fitted.names, one.fitted.error, strict=True))
-        each = [self._off(one.reading, number) / float(error[number]) for number in _DECIDES[FITTED[name]]]
-        return min(each) if name == CENTRE and is_half_a_pixel(one.reading) else max(each)
-
-    def _off(self, reading: Reading, number: str) -> float:
-        now, then = (getattr(which, number) for which in (reading, self.base))
-        return abs(math.log(now / then)) if number in LOGARITHMS else abs(now - then)
+        each = []
+        for number in _DECIDES[FITTED[name]]:
+            now, then = (getattr(which, number) for which in (one.reading, self.base))
+            off = math.log(now / then) if number in LOGARITHMS else now - then
+            each.append(float(abs(off) / error[number]))
+        return min(each) if name == CENTRE and one.reading.is_half_a_pixel else max(each)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
         """Return the reading in which these conventions differ, from the best known start."""
         if names not in self._models:
             starts = [seed for seed in self._seeds if set(numbered(seed)) <= set(names)]
             starts += [one.reading for tried, one in self._models.items() if set(tried) <= set(names)]
-            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(fixed(one)).cost.sum())
+            start = min(dict.fromkeys(starts), key=lambda one: self._candidate(Fitted(one)).total)
             self._models[names] = self._candidate(self._fit(start, names))
         return self._models[names]
 
@@ -391,12 +383,7 @@ class NumberSearch:
 
     def _fit(self, start: Reading, names: Sequence[str]) -> Fitted:
         numbers = dict.fromkeys(itertools.chain(self._always, *(FITTED[name] for name in names)))
-        return self.search.fitted(start, tuple(numbers)) if numbers else fixed(start)
+        return self.search.fitted(start, tuple(numbers)) if numbers else Fitted(start)
 
     def _candidate(self, fitted: Fitted) -> Candidate:
         return self.search.candidate(fitted.reading, self.noise, len(differences(fitted.reading)), fitted)
-
-
-def fixed(reading: Reading) -> Fitted:
-    """Return a reading of which nothing is fitted."""
-    return Fitted(reading, (), np.empty(0), np.empty(0))

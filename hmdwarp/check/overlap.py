@@ -17,7 +17,9 @@ TILES = 3  # a side: parts of a picture that err together
 FACTOR, OFFSET, ALONG, LATE = "factor", "offset", "along", "late_s"
 PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y = "pixel_x", "pixel_y", "wide_x", "wide_y"
 WIDE = "wide"  # both WIDE_X and WIDE_Y by one factor: pixels are as square as stated
-LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y, WIDE)  # fitted as such
+# Of faults that are no convention.
+TURN, BEND, DEPTH_WIDE, DEPTH_SHIFT = ("turn_x", "turn_y", "turn_z"), "bend", "depth_wide", ("depth_x", "depth_y")
+LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y, WIDE, DEPTH_WIDE)  # fitted as such
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
@@ -55,25 +57,23 @@ class Overlap:
         self.pairs = pairs
         self._height, self._width = sheet.numbers.shape[1:]
         self._per_pixel = stated.frames[0].depth.shape[1] // self._width
-        pixels = self._height * self._width
-        chosen = np.tile(np.arange(pixels), (len(pairs), 1)) if points is None else self._drawn(points)
-        self.row, self.column = np.divmod(chosen, self._width)
+        # Random pixels with depth, the same at each call; on surfaces between pixels, where noise is
+        # the same for all shifts of the depth.
+        rng, sides = np.random.default_rng(0), np.array([self._height, self._width])
+        wanted = np.isfinite(sheet.inverse) & sheet.smooth if between else ~np.isnan(sheet.numbers)
+        chosen = np.tile(np.arange(sides.prod()), (len(pairs), 1))
+        if points is not None:
+            known = [
+                np.flatnonzero(wanted[one] if wanted[one].any() else ~np.isnan(sheet.numbers[one]))
+                for one in pairs[:, 0]
+            ]
+            chosen = np.array([rng.choice(one, points, replace=len(one) < points) for one in known])
+        at = np.stack(np.divmod(chosen, self._width))
+        self.row, self.column = np.minimum(at + rng.random(at.shape) * between, sides[:, None, None] - 1)
         self._from, self._to = pairs[:, :1], pairs[:, 1:]
-        tile = self.row * TILES // self._height * TILES + self.column * TILES // self._width
-        self.block = np.arange(len(pairs))[:, None] * TILES**2 + tile
+        row, column = at * TILES // sides[:, None, None]
+        self.block = (np.arange(len(pairs))[:, None] * TILES + row) * TILES + column
         self.blocks = len(pairs) * TILES**2
-
-    def _drawn(self, points: int) -> Indices:
-        """Return random pixels that have depth, the same at each call."""
-        sheet, rng = self.sheet, np.random.default_rng(0)
-        wanted = np.isfinite(sheet.inverse) & sheet.smooth if self._between else ~np.isnan(sheet.numbers)
-        chosen = []
-        for frame in self.pairs[:, 0]:
-            known = np.flatnonzero(wanted[frame])
-            if not len(known):
-                known = np.flatnonzero(~np.isnan(sheet.numbers[frame]))
-            chosen.append(rng.choice(known, points, replace=len(known) < points))
-        return np.array(chosen)
 
     def residuals(self, reading: Reading) -> Residuals:
         """Return how each point disagrees with what the other frame has there."""
@@ -84,7 +84,9 @@ class Overlap:
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
         row = self._height - 1 - self.row if reading.depth_rows_up else self.row
         x, y = self._tangent(self.column, row, self._from, reading)
-        inverse = reading.inverse_depth(base[self._from, self.row, self.column], np.sqrt(1 + x * x + y * y))
+        numbers = self._picture_at(base, *self._in_depth(self.column, self.row, reading), self._from)
+        apart = np.exp(reading.scales or np.zeros(len(self.stated.frames)))
+        inverse = reading.inverse_depth(numbers, np.sqrt(1 + x * x + y * y)) * apart[self._from]
         ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
         moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
         w = -moved[..., 2]
@@ -95,17 +97,22 @@ class Overlap:
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        sampled = self._depth_at(base, column, self._height - 1 - line if reading.depth_rows_up else line)
+        there = self._in_depth(column, self._height - 1 - line if reading.depth_rows_up else line, reading)
+        sampled = self._picture_at(base, *there, self._to)
+        if self._between:
+            smooth = self.sheet.smooth[self._to, there[1].astype(int), there[0].astype(int)]
+            sampled = np.where(smooth, sampled, np.nan)
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
         # In its own size and, so that what is far counts less, that of the median without the sky.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size[size > 0], 1.0)))
+            depth = reading.base(expected / apart[self._to], ray) - sampled
+            depth /= 0.5 * (size + _median(size[size > 0], 1.0))
         source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
-        there = self._picture_at(self.sheet.picture, column, target)
-        here = self.sheet.picture[self._from, source, self.column]
-        colour = there - here
+        pictured = self._picture_at(self.sheet.picture, column, target, self._to)
+        here = self._picture_at(self.sheet.picture, self.column, source, self._from)
+        colour = pictured - here
         pixel = np.stack([column, line], -1)
         sky = seen & (size == 0) & (depth == 0)
         return Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
@@ -121,35 +128,38 @@ class Overlap:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
         x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
         y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        return x * reading.wide_x, y * reading.wide_y
+        x, y = x * reading.wide_x, y * reading.wide_y
+        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
+        return x * bent, y * bent
+
+    def _in_depth(self, column: Array, line: Array, reading: Reading) -> tuple[Array, Array]:
+        """Return where the picture of depth has these pixels of the colour's."""
+        if reading.depth_wide == 1 and not (reading.depth_x or reading.depth_y):
+            return column, line
+        (x, y), wide = ((self._width - 1) / 2, (self._height - 1) / 2), reading.depth_wide
+        column = (column - x) / wide + x + reading.depth_x / self._per_pixel
+        line = (line - y) / wide + y + reading.depth_y / self._per_pixel
+        return column.clip(0, self._width - 1), line.clip(0, self._height - 1)
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x, y = x / reading.wide_x, y / reading.wide_y
+        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
+        x, y = x / bent / reading.wide_x, y / bent / reading.wide_y
         column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
         line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         return column, line
 
-    def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
-        found = self._picture_at(base, column, line)
-        if not self._between:
-            return found
-        return np.where(self.sheet.smooth[self._to, line.astype(int), column.astype(int)], found, np.nan)
-
-    def _picture_at(self, pictures: Array, column: Array, line: Array) -> Array:
+    def _picture_at(self, pictures: Array, column: Array, line: Array, frame: Indices) -> Array:
         """Return the values at those places: of the nearest pixel, or between pixels."""
-        frame: Indices = self._to
-        found: Array
         if not self._between:
-            found = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
+            found: Array = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
             return found
         left = np.clip(column.astype(int), 0, self._width - 2)
         top = np.clip(line.astype(int), 0, self._height - 2)
         x, y = column - left, line - top
         upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
         lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
-        found = upper * (1 - y) + lower * y
-        return found
+        return np.asarray(upper * (1 - y) + lower * y)
 
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
@@ -160,12 +170,12 @@ class Overlap:
 
 @attrs.frozen(eq=False)
 class Fitted:
-    """A reading, and how well each fitted number is known."""
+    """A reading, and how well each fitted number is known; by default none is."""
 
     reading: Reading
-    names: tuple[str, ...]
-    change: Array  # of each number against the reading at the start; of LOGARITHMS so
-    error: Array  # standard error of each, inf where the frames say nothing
+    names: tuple[str, ...] = ()
+    # Standard error of each, inf where the frames say nothing.
+    error: Array = attrs.field(factory=lambda: np.empty(0))
 
 
 @attrs.frozen
@@ -246,4 +256,4 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     inverse = np.linalg.pinv(hessian)
     error = np.sqrt(np.diag(inverse @ (spread.T @ spread + prior) @ inverse))
     error = np.where(np.diag(hessian - prior) * small**2 > _SMALL, error, math.inf)
-    return Fitted(changed(start, names, change.tolist()), names, change, error)
+    return Fitted(changed(start, names, change.tolist()), names, error)

@@ -11,16 +11,19 @@ import numpy as np
 
 from .overlap import (
     ALONG,
+    BEND,
+    DEPTH_SHIFT,
+    DEPTH_WIDE,
     FACTOR,
     LATE,
     OFFSET,
     PIXEL_X,
     PIXEL_Y,
+    TURN,
     WIDE,
     WIDE_X,
     WIDE_Y,
     Fitted,
-    Indices,
     Noise,
     Overlap,
     cost,
@@ -53,13 +56,26 @@ class Candidate:
     changes: int  # conventions that differ from what is stated
     fitted: Fitted | None = None
 
+    @property
+    def total(self) -> float:
+        """Its cost in all blocks."""
+        return float(self.cost.sum())
+
 
 class Search:
     """Frames, and what is known of the readings that were tried."""
 
     def __init__(self, stated: Stated) -> None:
         self.stated = stated
-        pairs = _pairs(_inner(stated))
+        is_long = min(map(len, stated.tracks)) >= _LONG  # its ends are not compared
+        ends = {int(track[end]) for track in stated.tracks for end in (0, -1)} if is_long else set()
+        frames = [k for k in range(len(stated.frames)) if k not in ends]
+        # Near and far from each other, each way round in turn.
+        every = sorted(itertools.combinations(range(len(frames)), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
+        every = [pair for pair in every if pair[1] - pair[0] <= max(8, len(frames) // 2)]
+        chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
+        chosen *= 2 if len(chosen) == 1 else 1
+        pairs = np.array([[frames[at] for at in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])
         points = max(1, PAIRS // len(pairs))
         self.coarse = Overlap(stated, stated.coarse, pairs, COARSE_POINTS * points, between=False)
         self.middle = Overlap(stated, stated.coarse, pairs, FINE_POINTS * points, between=True)
@@ -115,13 +131,8 @@ class Search:
         middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
         ways = self.usual_numbers(start)
         if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
-            ways.append(
-                [
-                    attrs.evolve(start, offset=share * middle, factor=factor)
-                    for share in _OFFSETS
-                    for factor in (0.7, 1.0, 1.4)
-                ]
-            )
+            both = itertools.product(_OFFSETS, (0.7, 1.0, 1.4))
+            ways.append([attrs.evolve(start, offset=share * middle, factor=factor) for share, factor in both])
         return [*ways, self._encoded(attrs.evolve(start, end=most), -1.0, most - middle, _FARTHEST_SEEN)]
 
     def _encoded(self, start: Reading, sign: float, middle: float, farthest: Sequence[float]) -> list[Reading]:
@@ -134,11 +145,8 @@ class Search:
 
     def late(self, start: Reading) -> list[Reading]:
         """Return the reading with pictures of other instants than their poses."""
-        return (
-            [attrs.evolve(start, late_s=share * self.stated.interval_s) for share in _LATE]
-            if self.stated.interval_s
-            else []
-        )
+        interval_s = self.stated.interval_s
+        return [attrs.evolve(start, late_s=share * interval_s) for share in _LATE] if interval_s else []
 
     def cameras(self, start: Reading) -> list[list[Reading]]:
         """Return the reading with other focal lengths, and with other principal points.
@@ -151,13 +159,12 @@ class Search:
         centres = [(x, y) for x, y in itertools.product(_CENTRES, repeat=2) if x or y]
         left, right, down, up = self.stated.tangents[0]
         off_x, off_y = -left / (right - left) - 0.5, up / (up - down) - 0.5
-        is_far = max(abs(off_x), abs(off_y)) > _FAR_CENTRE
         centred = attrs.evolve(start, pixel_x=off_x * width, pixel_y=off_y * height)
         ways = [
             [attrs.evolve(start, wide_x=start.wide_x * x, wide_y=start.wide_y * y) for x, y in wide],
             [attrs.evolve(start, pixel_x=x * width, pixel_y=y * height) for x, y in centres],
         ]
-        if is_far:
+        if max(abs(off_x), abs(off_y)) > _FAR_CENTRE:
             ways.append([attrs.evolve(centred, wide_x=share, wide_y=share) for share in _OTHER_SIZE])
         return ways
 
@@ -174,7 +181,8 @@ class Search:
     def sharpened(self, reading: Reading) -> Reading:
         """Return the reading with the factor, and offset, for which coarse pictures agree best."""
         for step in (1.12, 1.05, 1.02):
-            reading = self.best([reading, *(_scaled(reading, step**power) for power in (-1, 1))])
+            numbers = ((reading.factor * by, reading.offset * by) for by in (1 / step, step))
+            reading = self.best([reading, *(attrs.evolve(reading, factor=a, offset=b) for a, b in numbers)])
         return reading
 
     # What has a number that the fine pictures tell.
@@ -196,7 +204,8 @@ class Search:
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
         steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
-        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3, WIDE: 2e-3}
+        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3, WIDE: 2e-3, DEPTH_WIDE: 2e-3, BEND: 5e-3}
+        steps |= {**dict.fromkeys(TURN, 1e-3), **dict.fromkeys(DEPTH_SHIFT, 0.05)}
         if self.stated.interval_s is not None:
             steps[LATE] = 0.05 * self.stated.interval_s
         return steps
@@ -231,25 +240,3 @@ def _near(inverse: Array) -> Array:
     """Return what is known and not infinitely far, as the sky is; 0 alone where nothing is."""
     known = inverse[np.isfinite(inverse) & (inverse != 0)]
     return known if len(known) else np.zeros(1)
-
-
-def _scaled(reading: Reading, by: float) -> Reading:
-    return attrs.evolve(reading, factor=reading.factor * by, offset=reading.offset * by)
-
-
-def _inner(stated: Stated) -> list[int]:
-    """Return the frames to compare: without the ends of long tracks."""
-    tracks = stated.tracks
-    ends = {int(track[end]) for track in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
-    return [k for k in range(len(stated.frames)) if k not in ends]
-
-
-def _pairs(frames: Sequence[int]) -> Indices:
-    """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
-    count = len(frames)
-    every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
-    every = [pair for pair in every if pair[1] - pair[0] <= max(8, count // 2)]
-    chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
-    if len(chosen) == 1:
-        chosen *= 2
-    return np.array([[frames[number] for number in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])

@@ -86,10 +86,13 @@ class AutoCompensator:
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run the level of the moment; see Compensator.run. Errors: InputError at first."""
         if self._running is None:
+            took: dict[QualityLevel, list[float]] = {level: [] for level in self._made}  # ms here
             with self._gpu.timer.aside("auto"):
-                # By the times that they take here.
-                timed = [level.scaled(self._ms(one, inputs) / level.total_ms) for level, one in self._made.items()]
-            levels = front(timed)
+                for level in [level for level in took for _ in range(1 + _ROUNDS)]:
+                    self._gpu.timer.lap()
+                    self._made[level].run(inputs)
+                    took[level].append(sum(ms for _, ms in self._gpu.timer.collect()))
+            levels = front([level.scaled(median(ms[1:]) / level.total_ms) for level, ms in took.items()])
             best_within(levels, self.budget_ms, "budget_ms")
             made = {(level.warp, level.fill): one for level, one in self._made.items()}
             compensators = {level: made[level.warp, level.fill] for level in levels}
@@ -98,14 +101,6 @@ class AutoCompensator:
             self._running.record_timings([[("", ms)] for ms in self._eyes.values()])
             self._eyes.clear()
         return self._running.run(inputs)
-
-    def _ms(self, made: Compensator, inputs: PassInputs) -> float:
-        took = []
-        for _ in range(1 + _ROUNDS):
-            self._gpu.timer.lap()
-            made.run(inputs)
-            took.append(sum(ms for _, ms in self._gpu.timer.collect()))
-        return median(took[1:])
 
     def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Warp further pictures as the last was; see Compensator.carry."""

@@ -117,14 +117,20 @@ def raw_picture(
         values, depth = np.asarray(colour), np.asarray(depth_m)
     except NO_NUMBERS:
         values = depth = np.empty(0)
-    if not _can_go_up(values, depth, depth_scale, encoding):
+    fits = values.ndim == 3 and values.shape[2] in (3, 4) and values.size and depth.shape == values.shape[:2]
+    is_bytes, is_float = values.dtype == np.uint8, depth.dtype.kind == "f"
+    said = is_one_of(encoding, ENCODINGS) and not (is_bytes and encoding == LINEAR)
+    said = said and (is_float if depth_scale is None else is_float or depth.dtype == np.uint16)
+    scale: Any = 1.0 if depth_scale is None else depth_scale
+    said = said and isinstance(scale, Real) and not isinstance(scale, bool) and 0 < float(scale) <= 1
+    if not (fits and said and (is_bytes or values.dtype.kind == "f")):
         return checked_picture(colour, depth_m, depth_scale, encoding).raw()
     hidden = [np.any(mask, axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
     return RawPicture(
         values,
         SRGB8 if values.dtype == np.uint8 else encoding or LINEAR,
         depth,
-        1.0 if depth_scale is None else float(depth_scale),
+        float(scale),
         is_guessed=values.dtype.kind == "f" and encoding is None,
         hidden=np.logical_or(hidden[0], hidden[-1]) if hidden else None,
         passed=(colour, depth_m, depth_scale, encoding),
@@ -175,19 +181,6 @@ def about_holes(share: float, rendered: View, shown: View) -> list[str]:
     ]
 
 
-def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, encoding: str | None) -> bool:
-    """Return whether the arguments are right at first sight, and of types that the GPU reads."""
-    fits = colour.ndim == 3 and colour.shape[2] in (3, 4) and colour.size and depth.shape == colour.shape[:2]
-    is_bytes = colour.dtype == np.uint8
-    known = (is_bytes or colour.dtype.kind == "f") and (depth.dtype.kind == "f" or depth.dtype == np.uint16)
-    said = is_one_of(encoding, ENCODINGS) and not (is_bytes and encoding == LINEAR)
-    if scale is None:
-        known = known and depth.dtype.kind == "f"
-    elif isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale <= 1:
-        return False
-    return bool(fits and known and said)
-
-
 def checked_picture(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
 ) -> PictureArrays:
@@ -220,16 +213,31 @@ def checked_picture(
         y, x = np.argwhere(~np.isfinite(colour).all(axis=2))[0]
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
     light = _in_linear_light(colour, encoding)
-    metres = _in_metres(depth_m, depth_scale)
+    metres, scale = depth_m, depth_scale
+    if scale is None and depth_m.dtype.kind != "f":
+        raise InputError(
+            f"depth_m is {depth_m.dtype}, of unknown unit: give depth_scale, the metres per unit (0.001 for "
+            "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
+        )
+    if scale is not None:
+        found = in_brief(scale)
+        if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale < math.inf:
+            raise InputError(f"depth_scale is {found}: expected metres per unit, a number above 0, such as 0.001")
+        if scale > 1:
+            raise InputError(
+                f"depth_scale is {found}: expected metres per unit, at most 1; where a metre has {found} units it is "
+                f"1/{found}"
+            )
+        metres = depth_m.astype(np.float64) * float(scale)
     largest = is_largest(depth_m)
     unknown = hidden | depth_mask | largest
     known = metres[np.isfinite(metres) & (metres != 0) & ~unknown]
     if len(known) and (known < 0).all() or (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
     inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
-    found = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
+    kind = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
     notes = about_largest([depth_m]) if (largest & ~depth_mask).any() else []
-    return PictureArrays(colour, found, light, inverse, hidden, tuple(notes))
+    return PictureArrays(colour, kind, light, inverse, hidden, tuple(notes))
 
 
 def is_one_of(name: object, known: Collection[str]) -> bool:
@@ -265,26 +273,6 @@ def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]
             "light"
         )
     return colour
-
-
-def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:
-    """Return depth in metres. Errors: InputError for integers of unknown unit, and a bad scale."""
-    if scale is None:
-        if depth.dtype.kind != "f":
-            raise InputError(
-                f"depth_m is {depth.dtype}, of unknown unit: give depth_scale, the metres per unit (0.001 for "
-                "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
-            )
-        return depth
-    if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale < math.inf:
-        raise InputError(f"depth_scale is {in_brief(scale)}: expected metres per unit, a number above 0, such as 0.001")
-    if scale > 1:
-        found = in_brief(scale)
-        raise InputError(
-            f"depth_scale is {found}: expected metres per unit, at most 1; where a metre has {found} units it is "
-            f"1/{found}"
-        )
-    return depth.astype(np.float64) * float(scale)
 
 
 def _array(name: str, value: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]]:

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, in_brief
-from ..frames import EyeImage
-from ..geometry import DepthLayer, View
+from ..geometry import DepthLayer
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
@@ -40,9 +39,6 @@ class HeldPicture:
         nothing = np.zeros_like(confidence)
         upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
 
-    def as_image(self, view: View, drawn_ns: int) -> EyeImage:
-        return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
-
     def close(self) -> None:
         release_all(*self.pair, *([] if self._confidence is None else [self._confidence]))
 
@@ -61,7 +57,21 @@ class ForeignTextures:
         The textures themselves where they are that; else `into`, written by a pass. depth_as,
         encoding: as Warper.warp_textures. Errors: InputError.
         """
-        self._check(colour, depth, depth_as, encoding)
+        for name, texture in (("colour", colour), ("depth", depth)):
+            if not isinstance(texture, moderngl.Texture):
+                raise InputError(
+                    f"{name} is a {type(texture).__name__}: expected a moderngl.Texture; for an OpenGL id take "
+                    "gpu.gl.external_texture(id, size, components, 0, dtype)"
+                )
+            if texture.size != self._size:
+                wide, high = self._size
+                raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
+        if colour.components != 4:
+            raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
+        if depth_as is None or not (isinstance(depth_as, DepthLayer) or is_one_of(depth_as, _FORMS)):
+            raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
+        if encoding is None or not is_one_of(encoding, ENCODINGS):
+            raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
         kinds = [(picture.components, picture.dtype) for picture in (colour, depth)]
         if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
             return colour, depth
@@ -80,22 +90,3 @@ class ForeignTextures:
         program.run(*self._size)
         self._gpu.barrier()
         return into
-
-    def _check(
-        self, colour: moderngl.Texture, depth: moderngl.Texture, depth_as: str | DepthLayer, encoding: str
-    ) -> None:
-        for name, texture in (("colour", colour), ("depth", depth)):
-            if not isinstance(texture, moderngl.Texture):
-                raise InputError(
-                    f"{name} is a {type(texture).__name__}: expected a moderngl.Texture; for an OpenGL id take "
-                    "gpu.gl.external_texture(id, size, components, 0, dtype)"
-                )
-            if texture.size != self._size:
-                wide, high = self._size
-                raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
-        if colour.components != 4:
-            raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
-        if depth_as is None or not (isinstance(depth_as, DepthLayer) or is_one_of(depth_as, _FORMS)):
-            raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
-        if encoding is None or not is_one_of(encoding, ENCODINGS):
-            raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..client.effects import effects as every_effect
@@ -56,18 +58,9 @@ def plan_of(
             f"warp 'auto' is for a hmdwarp.Warper or warp_image with budget_ms; name one: {', '.join(usable_warps())}"
         )
     named, taker = every_effect.selected(effects, ()), "the caller" if depth else ""
+    asks: dict[str, Any] = {"brings": available, "named": named, "forced": named, "takes_depth": taker}
     try:
-        return build_plan(
-            named,
-            warp,
-            fill,
-            "none",
-            client_geometry=False,
-            brings=available,
-            named=named,
-            forced=named,
-            takes_depth=taker,
-        )
+        return build_plan(named, warp, fill, "none", client_geometry=False, **asks)
     except PlanError as error:
         able = f"warps {', '.join(usable_warps())}; fills {', '.join(usable_fills())}"
         able += f"; effects {', '.join(usable_effects())}" if named else ""

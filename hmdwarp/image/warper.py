@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import io
 import threading
 import warnings
 import weakref
@@ -21,6 +20,7 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import report
 from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
 from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan, needs_of
@@ -105,15 +105,12 @@ class WarpedImage:
 
     def _repr_png_(self) -> bytes:
         """Return the picture as a PNG file: a notebook shows it."""
-        from PIL import Image
-
-        colour, file = self.colour, io.BytesIO()
+        colour = self.colour
         if self.encoding == LINEAR:
             colour = srgb8_from_linear(colour)
         elif colour.dtype != np.uint8:
             colour = np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8)
-        Image.fromarray(np.ascontiguousarray(colour)).save(file, "PNG")
-        return file.getvalue()
+        return report.png_bytes(np.ascontiguousarray(colour))
 
 
 @attrs.frozen(eq=False)
@@ -397,13 +394,19 @@ class Warper:
         self._check_out(asked.out, result)
         if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
             raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
-        client = self._client_inverse(asked)
+        client = None
+        if asked.client_depth_m is not None:
+            if (found := np.shape(asked.client_depth_m)) != self.size[::-1]:
+                raise InputError(f"client_depth_m has shape {found}: expected {self.size[::-1]}, as the result")
+            client = checked_picture(np.zeros((*found, 3), np.uint8), asked.client_depth_m, asked.depth_scale).arrays()[
+                1
+            ]
         drawn_ns = self._next()
         pictures = [picture, *(one for one, _ in further)]
         if self.repair.steps:
             pictures = [one.as_checked().raw() for one in pictures]
         images = [
-            textures.as_image(view, drawn_ns)
+            EyeImage(view, *textures.pair, drawn_ns=drawn_ns)
             for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
         ]
         if not self._free_buffers:
@@ -419,25 +422,22 @@ class Warper:
                 images[0] = images[0].having(**self._layers.hold(asked.layers))
                 if client is not None and self._client_depth is not None:
                     upload(self._client_depth, client)
-            self._run(gpu, flight, self._inputs(images, views[1], asked.eye, round(float(age_s) * 1e9)))
+            inputs = self._inputs(images, views[1], asked.eye, round(float(age_s) * 1e9))
+            made = self._compensator.run(inputs)
+            flight.plan = self.plan
+            if self._confidence is not None:
+                held = {picture.pair[0]: picture.sure for picture in self._pictures}
+                self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
+            assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
+            depth = made.inverse_depth if self._has_depth else None
+            with gpu.timer.cpu_stage("download"):
+                flight.made = self._give_out.run(
+                    made.shown, made.warped, depth, self._confidence, flight.result, flight.buffers
+                )
         except BaseException:
             self._free_buffers.append(flight.buffers)
             raise
         return flight
-
-    def _run(self, gpu: Gpu, flight: _Flight, inputs: PassInputs) -> None:
-        """Run all passes: the result goes into buffers."""
-        made = self._compensator.run(inputs)
-        flight.plan = self.plan
-        if self._confidence is not None:
-            held = {picture.pair[0]: picture.sure for picture in self._pictures}
-            self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
-        assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
-        with gpu.timer.cpu_stage("download"):
-            depth = made.inverse_depth if self._has_depth else None
-            flight.made = self._give_out.run(
-                made.shown, made.warped, depth, self._confidence, flight.result, flight.buffers
-            )
 
     def _ended(self, gpu: Gpu, flight: _Flight, *, late: bool = False) -> WarpedImage:
         """Return the result, and free the buffers of the call. Errors: as warp.
@@ -482,17 +482,16 @@ class Warper:
 
     def _upload(self, flight: _Flight, gpu: Gpu) -> None:
         """Take pictures over, their depth repaired."""
-        for number, (textures, picture) in enumerate(zip(self._pictures, flight.pictures, strict=False)):
+        flight.buffers.found.clear()
+        for number, (textures, one) in enumerate(zip(self._pictures, flight.pictures, strict=False)):
+            mended = one
             if self.repair.steps:
                 with gpu.timer.cpu_stage("repair"):
-                    mended, confidence = picture.as_checked().repaired(self.repair)
+                    mended, confidence = one.as_checked().repaired(self.repair)
                 textures.hold_confidence(confidence)
             with gpu.timer.cpu_stage("upload"):
-                if not number:
-                    flight.buffers.found.clear()
-                one = mended if self.repair.steps else picture
-                sent = self._take_in.send(one, flight.buffers, number)
-                self._take_in.run(one, sent, textures.pair, flight.buffers.found, number)
+                sent = self._take_in.send(mended, flight.buffers, number)
+                self._take_in.run(mended, sent, textures.pair, flight.buffers.found, number)
 
     def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
         """Return a picture with the numbers that the GPU was sent."""
@@ -715,15 +714,6 @@ class Warper:
             raise InputError(f"client_depth_m: {named} does not read it; leave it out, or choose warp 'backward'")
         if reads_depth and not client_depth:
             raise InputError(f"{named} reads the depth of the shown view: give client_depth_m, (h, w) metres")
-
-    def _client_inverse(self, asked: _Request) -> NDArray[np.float32] | None:
-        depth_m, (wide, high) = asked.client_depth_m, self.size
-        if depth_m is None:
-            return None
-        blank = np.zeros((high, wide, 3), np.uint8)
-        if np.shape(depth_m) != (high, wide):
-            raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
-        return checked_picture(blank, depth_m, asked.depth_scale).arrays()[1]
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
         depth, shown_ns, count = self._client_depth, self._count + age_ns, 1 + self._needs.others.count

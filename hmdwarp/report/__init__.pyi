@@ -34,6 +34,7 @@ from .output import validate_summary as validate_summary
 from .page import Section as Section
 from .page import Sentences as Sentences
 from .page import Text as Text
+from .paper import paper_bytes as paper_bytes
 from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_table as comparison_table
@@ -71,13 +72,9 @@ from .run_texts import response_rows as response_rows
 from .run_texts import signed as signed
 from .run_texts import terminal_table as terminal_table
 from .run_texts import transit_lines as transit_lines
-from .style import PAGE as PAGE
-from .style import PAPER as PAPER
+from .style import Look as Look
 from .style import css_variables as css_variables
-from .style import markers_of as markers_of
-from .style import warp_of as warp_of
 from .thesis_page import render_thesis_page as render_thesis_page
-from .thesis_page import summary_markdown as summary_markdown
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png
 from .video import VideoWriter as VideoWriter

@@ -375,7 +375,7 @@ def _live_tiles(summary: Summary) -> list[Tile]:
     miss = Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
     return [
         _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
-        _tile("Pose age at hand-over", _SHORT_MS, live["pose_age_ms"], handed),
+        _tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
         Tile("Missed refreshes", "", "–", waits) if waits else miss,
         _tile("Time per eye", time, total, "all stages"),
         Tile(holes.label, holes.figure.unit, share, holes.tile_note),
@@ -423,8 +423,8 @@ def _live_charts(summary: Summary, column: Column) -> list[Chart]:
 
     charts = (
         ("Frame age at display", [line("age_ms")], "ms"),
-        ("Pose age at hand-over", [line("pose_age_ms")], "ms"),
-        ("From picture to picture", [line("period_ms", "from picture to picture"), limit], "ms"),
+        ("Pose age at frame submission", [line("pose_age_ms")], "ms"),
+        ("Frame interval", [line("period_ms", "frame interval"), limit], "ms"),
         (busy, [line("busy_ms", "drawing and passes"), limit], "ms"),
         (holes.chart, [Series("", np.concatenate([time_s, time_s]), both_eyes)], holes.chart_unit),
         ("Angular speed of the head", [line("angular_speed_deg_s")], "deg/s"),

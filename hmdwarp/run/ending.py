@@ -159,10 +159,7 @@ class Watchdog:
 
 
 class _Watch:
-    """Watched calls of one name.
-
-    It keeps no state of a single call, so one object serves nested calls.
-    """
+    """Watched calls of one name, which may nest: it keeps no state of a single call."""
 
     __slots__ = ("_dog", "_what")
 

@@ -140,13 +140,13 @@ class Events:
     ) -> None:
         """Add a change of settings, as [before, after] by name.
 
-        frame, time_s: of the last picture. reason: "" for a change by hand.
+        frame, time_s: of the last picture. reason: "" for a manual change.
         """
         what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
         if what:
             self.change_count += 1
             if len(self.changes) < MOST_EVENTS:
-                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
+                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "manual"})
 
     def noticed(self, notice: str) -> None:
         """Count a notice shown over a picture."""

@@ -204,10 +204,7 @@ class LiveLog:
         self.count += 1
 
     def _settle(self, now: Refresh | None) -> None:
-        """Log the previous refresh.
-
-        Its times are known by now, and its holes once the current ones are being counted.
-        """
+        """Log the previous refresh: its times are known by now, and its holes soon."""
         if self._running is None:
             return
         warped = [eye.warped for eye in now.eyes if eye.warped is not None] if now is not None else []
@@ -318,10 +315,7 @@ def _numbers(
     stages: Sequence[Sequence[float]],
     holes: Sequence[float | None],
 ) -> list[float]:
-    """Return a row in the order of live_figures.COLUMNS.
-
-    times_ms: from picture to picture, of drawing, and in total.
-    """
+    """Return a row as live_figures.COLUMNS; times_ms: from picture to picture, drawing, total."""
     period_ms, render_ms, busy_ms = times_ms
     shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)
     row = [math.nan if value is None else value for value in shared]

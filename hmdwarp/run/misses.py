@@ -129,10 +129,7 @@ class DepthSamples:
 
 
 def _points_of(eye: EyeImage, depths: Array) -> tuple[Array, Array]:
-    """Return homogeneous points in the world, (n, 3) times the inverse depth, (n, 1).
-
-    All of the late frame that the picture may show.
-    """
+    """Return the late frame's points in the world: (n, 3) times inverse depth, and that (n, 1)."""
     found = depths.reshape(-1, 1)
     inverse = np.where((found >= 0).any(), found, 0.0)
     ways = eye.view.rays((_POINTS, _POINTS)).reshape(-1, 3) @ eye.view.pose.rotation_matrix.T

@@ -103,7 +103,8 @@ def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
     """
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
-    delays = setup.source.delays_ns
+    remote = setup.source.remote
+    delays = [delay_ns for _, delay_ns in remote.delays_ns] if remote is not None else []
     ahead = schedule.age
     while delays and ahead > (needed := refreshes_of(max(delays) / 1e6, schedule.rate_hz)):
         delays, ahead = delays[ahead - needed :], needed

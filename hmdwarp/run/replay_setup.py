@@ -204,8 +204,8 @@ def set_up_replay(
         own = own.evolve(time_ns=own.time_ns + own.epoch_ns, epoch_ns=0, max_gap_ns=own.max_gap_ns)
         trace = attrs.evolve(trace, track=own)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
-    if options.scene == SERVER_SCENE and not source.is_timed:
+    schedule = None if source.kind.is_timed else schedule_for(options, source, trace, rate_hz)
+    if options.scene == SERVER_SCENE and not source.kind.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
     run = ReplayRun.of(
         options,
@@ -225,8 +225,6 @@ def set_up_replay(
             notes.append(text)
 
         run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
-        if options.input:
-            source.pass_on(source.inputs)
         schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
         cost = ""
         if schedule.count >= _MANY:

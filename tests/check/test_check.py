@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from check_rates import recorded_for, results
 from depth_camera import DepthCamera
+from other_faults import FAULTS
 from PIL import Image
 from scipy.spatial.transform import Rotation
 from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
@@ -53,6 +54,15 @@ def test_a_single_wrong_convention_is_found_and_named_and_right_frames_are_calle
 def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(recorded):
     found = Counter(trial.outcome for trial in results(recorded, TWO, faults=2))
     assert found["wrong"] <= 0.02 * TWO and found["right"] >= 0.6 * TWO, found
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_that_is_no_convention_gets_no_other_cause(name):
+    """In a room and a motion of its own: it cannot be told, or is the time of a late pose."""
+    answer = check(Stated(FAULTS[name].frames(list(FAULTS).index(name))))
+    told = [finding.name for finding in answer.findings if not finding.as_stated and answer.decision.is_told]
+    assert told in ([], ["time"] if "late" in name else []) and bool(told) == bool(answer.code)
+    assert told or answer.verdict != "wrong" or "cannot be told" in answer.headline()
 
 
 # Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.
@@ -306,7 +316,7 @@ def test_a_folder_is_listed_as_it_was_read_and_its_sky_noted(recorded_sky):
     stated = read_stated([recorded_sky], SequenceOptions.of({"depth_scale": 0.001, "intrinsics": "60,60,39.5,29.5"}))
     answer = check(stated).as_json()
     by = {row["what"]: row["by"] for row in answer["assumptions"]}
-    assert by["depth scale"] == by["intrinsics"] == "user" and "nobody" in by.values()
+    assert by["depth scale"] == by["intrinsics"] == "user" and "default" in by.values()
     assert any("--no-depth far" in note for note in answer["notes"])
 
 

@@ -43,6 +43,11 @@ WRITERS = {
     "offset": ("time", lambda ns, late: [date(ns, "%Y-%m-%dT%H:%M:%S.%f+02:00", 2)], 1, ""),
     "summer's end": ("time", lambda ns, late: [back(ns, late)], 1, ""),
     "AM and PM": ("time", lambda ns, late: [date(ns, "%d.%m.%Y %I:%M:%S.%f %p -05:00", -5)], 1, ""),
+    **{
+        form: ("time", lambda ns, late, form=form: [date(ns, form)], 1, "")
+        for form in ("%d.%m.%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p", "%Y/%m/%d %H:%M:%S.%f", "%H:%M:%S:%f")
+    },
+    "ROS 2": ("header.stamp.sec,header.stamp.nanosec", lambda ns, late: [str(ns // BILLION), str(ns % BILLION)], 1, ""),
     "Z": ("time", lambda ns, late: [date(ns, "%Y-%m-%dT%H:%M:%S.%f")[:-6] + "Z"], 10**6, ""),
     "s.ns": ("time", lambda ns, late: [f"{ns // BILLION}.{ns % BILLION}"], 1, COUNTS),
     "s.us": ("t_s", lambda ns, late: [f"{ns // BILLION}.{ns % BILLION // 1000}"], 1000, COUNTS),
@@ -73,7 +78,7 @@ def test_a_clock_is_read_as_its_writer_meant(tmp_path_factory, writer, data):
     assert len(loaded.segments) == 1 and len(loaded.track) == len(kept)
     assert np.abs(loaded.track.time_ns - track.time_ns[kept]).max() <= exact_ns + (said == CHANGES)
     assert kinds(loaded) & {COUNTS, CHANGES, "clock-coarse", "clock-restart"} == {said} - {""}
-    if writer not in ("h:m:s.ms", "to Unix"):
+    if writer not in ("%H:%M:%S:%f", "h:m:s.ms", "to Unix"):
         assert abs(loaded.track.epoch_ns - begins_ns) <= exact_ns
 
 
@@ -113,6 +118,8 @@ def test_frame_numbers_are_a_clock(tmp_path, name, stated):
     track = load_trace(path, TraceOptions(rate=90, **stated)).track
     kept = np.r_[:101, 160:360]
     assert np.abs(track.time_ns - TRACK.time_ns[kept]).max() <= 1 and track.at(1_300_000_000).origin is Origin.HELD
+    write(path, [[str(10**15 + i), *r[1:]] for i, r in enumerate(TABLE)], f"{name},{POSE}")
+    assert "is over 146 years from frame 0" in refusal(path, rate=90, **stated)
 
 
 @pytest.mark.parametrize("lost", [np.r_[100:145], np.r_[50:53, 200:230], np.r_[330:360]])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import json
 
 import numpy as np
@@ -135,27 +134,6 @@ def test_json_without_poses_is_refused(tmp_path, text):
 
 
 # clocks
-
-
-def test_seconds_and_nanoseconds_are_one_clock(tmp_path):
-    stamps = [(str(t // 10**9 + 17 * 10**8), str(t % 10**9)) for t in TRACK.time_ns.tolist()]
-    table = [[*stamp, *r[1:]] for stamp, r in zip(stamps, TABLE, strict=True)]
-    header = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
-    header += ",".join(f"pose.orientation.{a}" for a in "xyzw")
-    track = load_trace(write(tmp_path / "ros2.csv", table, header), TraceOptions(axes="openxr")).track
-    assert np.array_equal(track.time_ns, TRACK.time_ns) and same_motion(track, TRACK)
-
-
-DATES = ("%Y-%m-%dT%H:%M:%S.%f", "%d.%m.%Y %H:%M:%S.%f", "%m/%d/%Y %I:%M:%S.%f %p", "%Y/%m/%d %H:%M:%S.%f")
-
-
-@pytest.mark.parametrize("form", [*DATES, "%H:%M:%S:%f"])
-def test_clocks_people_write(tmp_path, form):
-    start = datetime.datetime(2026, 1, 22, 23, 59, 59)
-    stamps = [(start + datetime.timedelta(microseconds=int(t) // 1000)).strftime(form) for t in TRACK.time_ns]
-    table = [[s, *r[1:]] for s, r in zip(stamps, TABLE, strict=True)]
-    track = load_trace(write(tmp_path / "t.csv", table)).track
-    assert np.array_equal(track.time_ns, TRACK.time_ns // 1000 * 1000)
 
 
 def test_a_column_of_steps_is_no_clock_and_the_finest_clock_wins(tmp_path):

@@ -94,7 +94,7 @@ def test_4_every_unit_of_time_is_found_and_stated(tmp_path, name):
     assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // step * step)
     assert loaded.time_unit == unit
     assert epoch is None or loaded.track.epoch_ns == epoch
-    assert abs(loaded.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
+    assert abs(loaded.track.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
     if name not in ("clock", "date"):
         assert unit in found(loaded, "unit-guessed").done
         assert " Hz" in found(loaded, "unit-guessed").done
@@ -130,7 +130,7 @@ def test_5_bare_ticks_are_read_alike(tmp_path):
     path = write(tmp_path / "bare.txt", rows(TRACK, stamp=STAMPS["ticks"][0]), header="", separator=" ")
     loaded = load_trace(path)
     assert kinds(loaded) >= {"order-assumed"}
-    assert (loaded.format, loaded.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
+    assert (loaded.format, loaded.track.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
 
 
 @pytest.mark.parametrize(
@@ -356,7 +356,7 @@ def test_14_units_in_brackets_belong_to_a_header_and_scale_what_they_name(tmp_pa
 
 def test_14_a_rate_overrides_a_clock_and_says_so(tmp_path):
     loaded = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(rate=30))
-    assert loaded.rate_hz == pytest.approx(30)
+    assert loaded.track.rate_hz == pytest.approx(30)
     assert "put aside" in found(loaded, "clock-by-rate").what
 
 
@@ -523,6 +523,7 @@ def test_15_the_share_that_may_be_lost_is_stated(tmp_path):
         (b"# nothing\n# here\n", "only comments"), (b"time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", "1 usable row"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text"), (b"\x00" * 1000, "is no text"),
         (b"\x1f\x8b\x08\x00 gzip", "damaged"), (gzip.compress(repr(TABLE).encode())[:400], "damaged"),
+        (gzip.compress(b"t,x,y,z,qx,qy,qz,qw\n" + b"1,0,0,0,0,0,0,1\n" * 20_000)[:-9], "damaged"),
         (b"PK\x03\x04 zip", "ZIP archive"), ("time,x\n".encode("utf-16"), "UTF-16"), (b"a" * 600_000, "longer than"),
         (b"hello world\n", "only a header"), (b"time,temperature\n1,20\n2,21\n", "no head orientation"),
         (b"1,2,3\n4,5,6\n", "no known trace format"),

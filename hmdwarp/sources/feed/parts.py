@@ -140,16 +140,12 @@ def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tu
     if len(found) < layers:
         raise BadPart("a layer twice: expected each once")
     for name in [name for name, amount in found.items() if not amount]:
-        found[name], at = _rows_from(data, at)
+        rows, columns = SETTINGS.unpack_from(data, at)
+        bounds.SETTINGS.check(rows, columns)
+        numbers = struct.unpack_from(f"<{rows * columns}d", data, at + SETTINGS.size)
+        found[name] = tuple(numbers[row * columns : (row + 1) * columns] for row in range(rows))
+        at += SETTINGS.size + _SETTING.size * rows * columns
     return Wanted(tuple(found.items()), (width, height), fovs), at
-
-
-def _rows_from(data: bytes | memoryview, at: int) -> tuple[Rows, int]:
-    rows, columns = SETTINGS.unpack_from(data, at)
-    bounds.SETTINGS.check(rows, columns)
-    at, end = at + SETTINGS.size, at + SETTINGS.size + _SETTING.size * rows * columns
-    numbers = struct.unpack_from(f"<{rows * columns}d", data, at)
-    return tuple(numbers[row * columns : (row + 1) * columns] for row in range(rows)), end
 
 
 def fov_of(left: float, right: float, down: float, up: float) -> Fov:

@@ -168,7 +168,13 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
         if (own := both.depth()) is not None:
             return both.colour(), own
         channels = f", and none called Depth or Z among its channels ({', '.join(both.channels)})"
-    colour, depth = read_colour(path), depth or _depth_beside(path, channels)
+    colour = read_colour(path)
+    names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
+    depth = depth or next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
+    if depth is None:
+        raise InputError(
+            f"{path}: no depth beside it{channels}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+        )
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
@@ -186,17 +192,6 @@ def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -
         '{"intrinsics": [fx, fy, cx, cy], "position_m": [x, y, z], "orientation_xyzw": [x, y, z, w], "depth_scale": '
         "0.001}"
     )
-
-
-def _depth_beside(path: Path, channels: str) -> Path:
-    """Return the file of a picture's depth. Errors: InputError without one."""
-    names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
-    found = next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
-    if found is None:
-        raise InputError(
-            f"{path}: no depth beside it{channels}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
-        )
-    return found
 
 
 def is_depth(path: Path) -> bool:

@@ -89,6 +89,12 @@ class SequenceOptions(Declared):
         "Axes of the poses of recorded frames: a preset (hmdwarp list axes), or world=right,up,forward head=..",
         study=DISPLAY,
     )
+    frames_camera: str | None = option(
+        None,
+        "Of several cameras of recorded frames, the one to read: its number in COLMAP, else part of its files' names.",
+        metavar="NAME",
+        study=DISPLAY,
+    )
     frames_topics: str | None = option(
         None,
         "Topics of a bag of recorded frames, where it holds several: colour=TOPIC,depth=TOPIC,info=TOPIC,pose=TOPIC.",

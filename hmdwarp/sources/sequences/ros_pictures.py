@@ -103,8 +103,8 @@ class Motion:
     def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
         """Take time_ns, position and quaternion; of several at one instant the last holds."""
         of_instants = {time_ns: (position, turn) for time_ns, position, turn in samples}
-        self._times = np.array(sorted(of_instants), np.int64)
-        self._matrices = [matrix_of(*of_instants[int(time_ns)]) for time_ns in self._times]
+        self.times_ns = np.array(sorted(of_instants), np.int64)
+        self._matrices = [matrix_of(*of_instants[int(time_ns)]) for time_ns in self.times_ns]
         self._track: PoseTrack | None = None
 
     def at(self, time_ns: int) -> Matrix | None:
@@ -114,8 +114,8 @@ class Motion:
         if self._track is None:
             turns = Rotation.from_matrix([matrix[:3, :3] for matrix in self._matrices]).as_quat()
             positions = np.array([matrix[:3, 3] for matrix in self._matrices])
-            self._track = PoseTrack(self._times - self._times[0], positions, turns)
-        sample = self._track.at(time_ns - int(self._times[0]))
+            self._track = PoseTrack(self.times_ns - self.times_ns[0], positions, turns)
+        sample = self._track.at(time_ns - int(self.times_ns[0]))
         if sample.origin is Origin.HELD:
             return None
         matrix = np.eye(4)
@@ -148,6 +148,11 @@ class Transforms:
     def moves(self, frame: str) -> bool:
         """Return whether a transform that moves is above the frame."""
         return any(name in self._moving for name in self.chain(frame))
+
+    def spans(self, frame: str) -> dict[str, tuple[int, int]]:
+        """Return when the transforms that move are known, of those above the frame."""
+        moving = {name: self._moving[name][1].times_ns for name in self.chain(frame) if name in self._moving}
+        return {f"/tf of {name}": (int(times[0]), int(times[-1])) for name, times in moving.items()}
 
     def up_to(self, frame: str, ancestor: str, time_ns: int) -> Matrix | None:
         """Return ancestor_from_frame; None where a transform is missing, or has no sample then."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.levels import choose, levels_from, settings_of
+from hmdwarp.pipeline.levels import choose, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
@@ -99,26 +99,10 @@ def test_the_choice_and_the_next_step_up():
     assert choose(ROWS, 8.0)["warp"] == "forward"  # a budget is met by what takes exactly that long
 
 
-def test_a_budget_below_every_level_is_refused():
-    with pytest.raises(
-        InputError, match=r"budget 0\.5 ms: nothing is that fast here; the cheapest, none, takes 1\.00 ms"
-    ):
-        choose(ROWS, 0.5)
-
-
 @pytest.mark.parametrize("budget", [0.0, -1.0, math.nan, math.inf])
 def test_a_budget_that_is_no_time(budget):
     with pytest.raises(InputError, match="expected a time above 0 ms"):
         choose(ROWS, budget)
-
-
-def test_settings_in_a_spec():
-    assert settings_of("forward") == {}
-    assert settings_of("iterative:seed=forward,steps=3") == {"seed": "forward", "steps": "3"}
-
-
-def test_a_level_scaled():
-    assert QualityLevel("a", "none", 2.0, 0.1).scaled(3).total_ms == 6.0
 
 
 def test_times_of_two_machines_are_not_mixed():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 
@@ -288,7 +289,7 @@ def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
     PUBLISHED["colmap"].write(folder, taken(1))
     with pytest.raises(InputError, match="--depth-scale"):
         sequences.open(folder)
-    assert "length: 1 m per unit of the model, whose own is any (nobody says so)" in [
+    assert "length: 1 m per unit of the model, whose own is any (default)" in [
         str(entry) for entry in sequences.open(folder, PUBLISHED["colmap"].options).assumptions
     ]
 
@@ -310,7 +311,13 @@ def test_of_two_cameras_of_colmap_one_is_chosen_but_not_of_one_for_each_image(ca
     images.write_text(re.sub(r" \d+ (\d+\.png)", lambda one: f" {next(number)} {one[1]}", images.read_text()))
     sequence = sequences.open(folder, PUBLISHED["colmap"].options)
     assert [frame.name for frame in sequence.frames] == [f"{n:04}.png" for n in left]
-    assert [note[:26] for note in sequence.notes] == ["2 frames of other cameras "] * (len(left) == 3)
+    said = "2 frames of other cameras than 1 were left out, as it has most images; --frames-camera reads another (1: 3 "
+    assert [note[: len(said)] for note in sequence.notes] == [said] * (len(left) == 3)
+    options = attrs.evolve(PUBLISHED["colmap"].options, frames_camera="2")
+    second = [f"{n:04}.png" for n in range(5) if cameras[::-1][n] == "2"] if len(left) == 3 else ["0003.png"]
+    assert [frame.name for frame in sequences.open(folder, options).frames] == second
+    with pytest.raises(InputError, match="--frames-camera is 7; expected one of its cameras: 1: "):
+        sequences.open(folder, attrs.evolve(options, frames_camera="7"))
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -371,13 +378,23 @@ def test_clocks_that_are_apart_are_told_with_how_far(layout, folder):
 
 
 @pytest.mark.parametrize("name", ["cam{}_{:04}", "{1:04}_{0}", "frame{1}.{0}"])
-def test_pictures_of_a_rig_of_cameras_are_refused_with_their_names(name, folder):
+def test_of_a_rig_of_cameras_the_user_names_one(name, folder):
+    """Else it is refused with their names: each of six frames was one camera's or the other's."""
     PUBLISHED["traced"].write(folder, taken(6))
+    trace = folder / "trajectory.txt"
+    trace.write_text("".join(trace.read_text().splitlines(keepends=True)[:4]))
+    stated, pictures = PUBLISHED["traced"].options, {}
     for side in ("rgb", "depth"):
         for i, file in enumerate(sorted((folder / side).iterdir())):
+            pictures[side, i] = file.read_bytes()
             file.rename(file.with_name(f"{name.format(('left', 'right')[i % 2], i // 2)}{file.suffix}"))
-    with pytest.raises(InputError, match="pictures of several cameras .*left.*right"):
-        sequences.open(folder, PUBLISHED["traced"].options)
+    for wanted in (None, "t", "middle"):
+        with pytest.raises(InputError, match=f"--frames-camera is {wanted or 'not given'}; .*: .*left.*, .*right"):
+            sequences.open(folder, attrs.evolve(stated, frames_camera=wanted))
+    found = sequences.open(folder, attrs.evolve(stated, frames_camera="right"))
+    assert [frame.colour.tobytes() for frame in found.frames] == [
+        np.asarray(Image.open(io.BytesIO(pictures["rgb", i]))).tobytes() for i in (1, 3, 5)
+    ]
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -442,7 +459,9 @@ def test_pictures_beyond_the_trace_are_left_out(folder):
     assert "1 frames were left out: the trace has no pose at their instants." in sequence.notes
 
 
-@pytest.mark.parametrize(("option", "takes"), [("frames_axes", "traced"), ("frames_topics", "rosbag")])
+@pytest.mark.parametrize(
+    ("option", "takes"), [("frames_axes", "traced"), ("frames_topics", "rosbag"), ("frames_camera", "colmap, ")]
+)
 def test_an_option_that_a_layout_does_not_take_is_refused(option, takes, folder):
     PUBLISHED["replica"].write(folder, taken(1))
     flag = f"--{option.replace('_', '-')}"

@@ -135,6 +135,20 @@ def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(t
     assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm([0.1, 0.02, 0.3]), abs=1e-9)
 
 
+@pytest.mark.parametrize("topic", [DEPTH, "/tf", "/odom"])
+def test_clocks_that_are_apart_are_told_with_how_far(topic, tmp_path):
+    """One topic is stamped by a clock that began an hour later."""
+
+    def ahead(_: Messages, row: Logged) -> Iterator[Logged]:
+        message = row[3]
+        for header in [each.header for each in getattr(message, "transforms", [message])] if row[0] == topic else ():
+            header.stamp.sec += 3600
+        yield row
+
+    changed(tmp_path, ahead, "odometry" if topic == "/odom" else "tf")
+    refused(tmp_path, "the clocks are 3599.9", f"{COLOUR}: 17000", f"{topic}", "expected one clock")
+
+
 def test_frames_beyond_the_motion_are_left_out(tmp_path):
     def shorter(_: Messages, row: Logged) -> Iterator[Logged]:
         if row[0] != "/tf" or row[2] < BEGINS_NS + taken(3)[2].time_ns:

@@ -48,11 +48,15 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
 
 def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequence:
     """Return the sequence as the options want it. Errors: InputError, also for an unused option."""
-    for name in ("frames_axes", "frames_topics"):
+    for name in ("frames_axes", "frames_camera", "frames_topics"):
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
             raise InputError(f"--{name.replace('_', '-')}: layout {reader.name} does not take it; expected {known}")
-    sequence = attrs.evolve(reader.read(place, options), noise_floor_db=_noise_floor(place))
+    path = (place if place.is_dir() else place.parent) / CAMERA
+    floor_db = read_json(path).get("noise_floor_db") if path.exists() else None
+    if floor_db is not None and (type(floor_db) not in (int, float) or not 0 < floor_db < math.inf):
+        raise InputError(f"{path}: noise_floor_db is {floor_db!r}; expected a positive number of dB")
+    sequence = attrs.evolve(reader.read(place, options), noise_floor_db=floor_db)
     if (place / RIGHT).is_dir():
         sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
     mask = options.hidden or place / MASK
@@ -70,15 +74,6 @@ def _right(left: Sequence, right: Sequence) -> Sequence:
         if one != other:
             raise InputError(f"{right.path}: frames of other {name} than those of {left.path}; expected the same")
     return right
-
-
-def _noise_floor(place: Path) -> float | None:
-    """Return what camera.json states, in dB. Errors: InputError for what is no positive number."""
-    path = (place if place.is_dir() else place.parent) / CAMERA
-    stated = read_json(path).get("noise_floor_db") if path.exists() else None
-    if stated is not None and (type(stated) not in (int, float) or not 0 < stated < math.inf):
-        raise InputError(f"{path}: noise_floor_db is {stated!r}; expected a positive number of dB")
-    return stated
 
 
 def _content(place: Path) -> str:

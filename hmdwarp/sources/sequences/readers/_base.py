@@ -70,7 +70,7 @@ class SequenceReader:
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
-    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
+    # Of the options that few layouts take, such as frames_axes, those that this one does.
     takes: tuple[str, ...] = ()
     # What is taken for each of FACTS where files and options do not say it, and who says that.
     assumes: tuple[Assumption, ...] = ()
@@ -164,17 +164,26 @@ def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
     return f"{unit:.6g} m per unit" + ("" if only_for is None else " for {}x{}".format(*only_for))
 
 
-def refuse_rig(where: Path, pictures: Iterable[Path]) -> None:
-    """Raise InputError for the same numbers under several names, as rigs of cameras have them."""
-    named: dict[str, set[str]] = defaultdict(set)
+def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Path]:
+    """Return the pictures of the camera that the user names, all of a single one.
+
+    Rigs of cameras have the same numbers under several names. Errors: InputError names the cameras.
+    """
+    named: dict[str, dict[str, Path]] = defaultdict(dict)
     for path in pictures:
-        if (found := re.search(r"^(.*?)(\d+)(\D*)$", path.stem)) and re.search("[A-Za-z]", found[1] + found[3]):
-            named[f"{found[1]}N{found[3]}"].add(found[2])
-    if len(named) > 1 and 2 * len(set.intersection(*named.values())) >= max(map(len, named.values())) > 1:
+        if found := re.search(r"^(.*?)(\d+)(\D*)$", path.stem):
+            named[f"{found[1]}N{found[3]}"][found[2]] = path
+    fitting = [] if wanted is None else [name for name in named if wanted in name]
+    if len(fitting) == 1:
+        return list(named[fitting[0]].values())
+    worded = [set(numbers) for name, numbers in named.items() if re.search("[A-Za-z]", name.replace("N", "", 1))]
+    is_rig = len(worded) > 1 and 2 * len(set.intersection(*worded)) >= max(map(len, worded)) > 1
+    if is_rig or wanted is not None:
         raise InputError(
-            f"{where}: pictures of several cameras ({', '.join(sorted(named)[:6])}): put those of one, with their "
-            "depth, in a folder of their own"
+            f"{where}: --frames-camera is {wanted or 'not given'}; expected what one of the cameras alone has in its "
+            f"names: {', '.join(sorted(named)[:6])}"
         )
+    return pictures
 
 
 def intrinsics_fact(camera: Camera, by: By) -> Assumption:
@@ -310,7 +319,8 @@ class Folder:
         """
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
-        refuse_rig(colours, first)
+        first, wanted = of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""
+        second = [path for path in second if wanted in path.stem] or second
         parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
         ways: list[list[list[Any]]] = [[[path.stem for path in side] for side in (first, second)]]
         if all(itertools.chain(*parts)):  # by all of their numbers, else the last of each
@@ -342,7 +352,9 @@ class Folder:
         given = list(matrices)
         turned, fact = by_rows(given[0][0] if given else "", [square_of(where, one) for where, one in given])
         if inverse:
-            turned = [_inverse_of(where, one) for (where, _), one in zip(given, turned, strict=True)]
+            if flat := [where for (where, _), one in zip(given, turned, strict=True) if not np.linalg.det(one)]:
+                raise InputError(f"{flat[0]}: the matrix has no inverse; expected a rotation and a position")
+            turned = [np.asarray(np.linalg.inv(one), dtype=np.float64) for one in turned]
             fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
         if (scale := shared_scale(turned)) != 1:
             turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]
@@ -474,13 +486,6 @@ def pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: fl
             "where all have the same"
         )
     return pose_of(axes, matrix[:3, 3] * unit, turn)
-
-
-def _inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    try:
-        return np.asarray(np.linalg.inv(matrix), np.float64)
-    except np.linalg.LinAlgError:
-        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
 
 
 @attrs.frozen

@@ -162,7 +162,14 @@ def scannet(at: Folder) -> None:
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
         raise InputError(f"{at.path}: no number in both color and depth; expected {at.layout.summary}")
-    own, of_depth = (_scannet_camera(_scannet_file(at.path, f"intrinsic_{side}")) for side in ("color", "depth"))
+    stated: list[Camera | None] = []
+    for file in (_scannet_file(at.path, f"intrinsic_{side}") for side in ("color", "depth")):
+        matrix = np.eye(4) if file is None else matrix_in(file)
+        fx, fy, cx, cy = map(float, matrix[(0, 1, 0, 1), (0, 1, 2, 2)])
+        if not np.isfinite(matrix).all() or min(fx, fy) <= 0:
+            raise InputError(f"{file}: focal lengths {fx:g}, {fy:g}; expected a 4x4 matrix, both above 0, in pixels")
+        stated.append(None if file is None else Camera(fx, fy, cx, cy))
+    own, of_depth = stated
     size, depth_size = size_of(colours[first]), size_of(depths[first])
     # Sets that shrank their colour to the depth's pixels left the file of the larger one.
     if own is not None and not _centred(own, size) and size == depth_size:
@@ -174,16 +181,6 @@ def scannet(at: Folder) -> None:
         )
     at.state(own=own)
     _add_matching(at, "color/[0-9]*.*", "depth/*.png", "pose/*.txt", of_depth)
-
-
-def _scannet_camera(file: Path | None) -> Camera | None:
-    if file is None:
-        return None
-    matrix = matrix_in(file)
-    fx, fy, cx, cy = map(float, matrix[(0, 1, 0, 1), (0, 1, 2, 2)])
-    if not np.isfinite(matrix).all() or min(fx, fy) <= 0:
-        raise InputError(f"{file}: focal lengths {fx:g}, {fy:g}; expected a 4x4 matrix with both above 0, in pixels")
-    return Camera(fx, fy, cx, cy)
 
 
 def _centred(camera: Camera, size: Size) -> bool:
@@ -213,7 +210,7 @@ def _trajectory(path: Path) -> Path | None:
     "open3d", f"Open3D: color/, depth/ and {_TRAJECTORIES[0]} of class {_CLASS}",
     lambda path: 87 if (path / "depth").is_dir() and _trajectory(path) is not None else 0,
     intrinsics=("intrinsic_matrix of each frame", By.FILE), unit=1e-3, by=By.NOBODY,
-    pose="camera from world, inverted; matrices by columns",
+    pose="camera from world, inverted; matrices by columns", takes=("frames_camera",),
 )  # fmt: skip
 def open3d(at: Folder) -> None:
     """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
@@ -233,19 +230,16 @@ def open3d(at: Folder) -> None:
         count = len(cameras) if isinstance(cameras, list) else "no list of"
         raise InputError(f"{file}: {count} parameters for {len(files)} pictures; expected one for each")
     places = [f"{file}, parameters {number}" for number in range(len(cameras))]
-    own = [_camera_of_open3d(*pair) for pair in zip(places, cameras, strict=True)]
+    own: list[Camera] = []
+    for where, parameters in zip(places, cameras, strict=True):
+        intrinsic = parameters.get("intrinsic") if isinstance(parameters, dict) else None
+        if not isinstance(intrinsic, dict) or (camera := camera_of(where, intrinsic)) is None:
+            raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
+        own.append(camera)
     at.state(own=own[0])
     poses = at.poses(((place, one.get("extrinsic")) for place, one in zip(places, cameras, strict=True)), inverse=True)
     for number, (pair, pose, camera) in enumerate(zip(files, poses, own, strict=True)):
         at.add(*pair, number, pose, camera=camera if at.options.camera is None else None)
-
-
-def _camera_of_open3d(where: str, parameters: Any) -> Camera:
-    intrinsic = parameters.get("intrinsic") if isinstance(parameters, dict) else None
-    camera = camera_of(where, intrinsic) if isinstance(intrinsic, dict) else None
-    if camera is None:
-        raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
-    return camera
 
 
 _SPARSE = ("sparse/0", "sparse", ".", "colmap/sparse/0")
@@ -275,7 +269,7 @@ def _images(path: Path) -> Path | None:
     lambda path: 70 if path.is_dir() and _images(path) is not None and _first(path, _MAPS) is not None else 0,
     intrinsics=("cameras.txt or cameras.bin, for each image", By.FILE),
     scale="1 unit of the model in its own depth maps, else to be stated",
-    pose="camera from world, inverted; qw qx qy qz tx ty tz",
+    pose="camera from world, inverted; qw qx qy qz tx ty tz", takes=("frames_camera",),
 )  # fmt: skip
 def colmap(at: Folder) -> None:
     """Models of COLMAP with depth; poses are camera from world and inverted, in the model's unit.
@@ -298,14 +292,16 @@ def colmap(at: Folder) -> None:
         depth = next((file for file in names if file.exists()), None)
         if depth is not None and named_in(pictures, image.name).exists():
             chosen.append((number, image, depth))
-    per = Counter(image.camera_id for _, image, _ in chosen)
-    if 1 < len(per) < len(chosen):  # not a camera for each image: several that moved together
-        key, _ = per.most_common(1)[0]
-        chosen = [one for one in chosen if one[1].camera_id == key]
-        at.notes.append(
-            f"{per.total() - len(chosen)} frames of other cameras were left out: of {len(per)} cameras, {key} has most "
-            f"images; for another one leave its images alone in {model.name}."
-        )
+    per = Counter(str(image.camera_id) for _, image, _ in chosen)
+    held, wanted = ", ".join(f"{key}: {count} images" for key, count in sorted(per.items())), at.options.frames_camera
+    if wanted is not None and wanted not in per:
+        raise InputError(f"{model}: --frames-camera is {wanted}; expected one of its cameras: {held}")
+    if wanted or 1 < len(per) < len(chosen):  # not a camera for each image: several that moved together
+        key = wanted or per.most_common(1)[0][0]
+        chosen = [one for one in chosen if str(one[1].camera_id) == key]
+        by = "" if wanted else ", as it has most images; --frames-camera reads another"
+        left = per.total() - len(chosen)
+        at.notes += [f"{left} frames of other cameras than {key} were left out{by} ({held})."] if left else []
     own = {key: _camera_of_colmap(cameras, key, model) for key in {image.camera_id for _, image, _ in chosen}}
     of_stereo = bool(chosen) and chosen[0][2].name.endswith(_OWN)
     at.state(unit=1.0 if of_stereo else None, own=next(iter(own.values()), None))
@@ -539,18 +535,13 @@ def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
                 f"{found.path}: depth is {depth.dtype}, of unknown unit: give --depth-scale, the metres per unit, or "
                 f"depth_scale in {CAMERA}"
             )
-        if (
-            colour.ndim != 3
-            or colour.shape[2] not in (3, 4)
-            or not (colour.dtype == np.uint8 or colour.dtype.kind == "f")
-        ):
-            raise InputError(
-                f"{found.path}: colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats"
-            )
+        is_light = colour.dtype == np.uint8 or colour.dtype.kind == "f"
+        if not is_light or colour.ndim != 3 or colour.shape[2] not in (3, 4):
+            wrong = f"colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats"
+            raise InputError(f"{found.path}: {wrong}")
         if depth.shape != colour.shape[:2]:
-            raise InputError(
-                f"{found.path}: depth_m has shape {depth.shape}; expected {colour.shape[:2]}, as colour has"
-            )
+            wrong = f"depth_m has shape {depth.shape}; expected {colour.shape[:2]}, as colour has"
+            raise InputError(f"{found.path}: {wrong}")
         if found.encoding == "srgb" and colour.dtype != np.uint8:
             colour = np.concatenate([linear_from_srgb(colour[..., :3]), colour[..., 3:]], axis=2)
         return as_pictures(colour, in_metres(depth, scale or 1.0))

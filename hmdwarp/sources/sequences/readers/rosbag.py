@@ -65,7 +65,9 @@ def _read(at: Folder, bag: Bag) -> None:
     at.state(unit=scale, own=_camera(at.path, bag, topics))
     high, wide = _pixels(bag, topics["colour"], colours[0]).shape[:2]
     fov = at.camera.fov((wide, high), f"{at.path}, {topics['info']}")
-    pose_at, said = _poses(bag, tree, topics["pose"], colours[0].frame)
+    pose_at, said, spans = _poses(bag, tree, topics["pose"], colours[0].frame)
+    pictured = {topics[part]: (at[0].time_ns, at[-1].time_ns) for part, at in (("colour", colours), ("depth", depths))}
+    at.clocks = {**pictured, **spans}
     late = np.array([picture.time_ns for picture in depths])
     for number, colour in enumerate(colours):
         depth = depths[int(np.abs(late - colour.time_ns).argmin())]
@@ -167,11 +169,14 @@ def _camera(path: Path, bag: Bag, topics: dict[str, str]) -> Camera | None:
     return Camera(k[0], k[4], k[2], k[5], size)
 
 
-def _poses(bag: Bag, tree: Transforms, topic: str, frame: str) -> tuple[Callable[[int], Matrix | None], Assumption]:
-    """Return what gives world_from_optical at an instant, and the entry for it."""
+def _poses(
+    bag: Bag, tree: Transforms, topic: str, frame: str
+) -> tuple[Callable[[int], Matrix | None], Assumption, dict[str, tuple[int, int]]]:
+    """Return what gives world_from_optical at an instant, its entry, and when it is known."""
     if not topic:
         root = tree.chain(frame)[-1]
-        return partial(tree.up_to, frame, root), Assumption(POSE, f"'{root}' from '{frame}', by TF", By.FILE)
+        said = Assumption(POSE, f"'{root}' from '{frame}', by TF", By.FILE)
+        return partial(tree.up_to, frame, root), said, tree.spans(frame)
     samples, body = [], ""
     for _, _, message in bag.messages([topic]):
         pose = message.pose if hasattr(message.pose, "orientation") else message.pose.pose
@@ -179,7 +184,7 @@ def _poses(bag: Bag, tree: Transforms, topic: str, frame: str) -> tuple[Callable
         body = getattr(message, "child_frame_id", "").strip("/")  # "" where it is not stated
     if not samples:
         raise InputError(f"{bag.path}: no message of {topic}; expected poses")
-    motion, fixed = Motion(samples), None
+    motion, instants, fixed = Motion(samples), [sample[0] for sample in samples], None
     if body in tree.chain(frame):
         fixed = tree.up_to(frame, body, 0) if not tree.moves(frame) else None
         said = Assumption(POSE, f"{topic} of '{body}', and TF from there to '{frame}'", By.FILE)
@@ -193,7 +198,7 @@ def _poses(bag: Bag, tree: Transforms, topic: str, frame: str) -> tuple[Callable
         moved, then = motion.at(time_ns), tree.up_to(frame, body, time_ns) if fixed is None else fixed
         return None if moved is None or then is None else moved @ then
 
-    return at, said
+    return at, said, {topic: (min(instants), max(instants))}
 
 
 def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:

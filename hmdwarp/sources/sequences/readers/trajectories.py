@@ -18,7 +18,7 @@ from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By
 from ....poses.load import find_format
 from ....poses.reading.cleaning import LoadedTrace
-from ....poses.reading.file_head import read_head
+from ....poses.reading.text_table import read_head
 from ..camera import Camera, camera_of, number_of, read_json, refuse_distortion, unread_notes
 from ..options import RATE_HZ
 from ..picture_files import NPY, VideoPictures, read_colour, read_depth
@@ -134,6 +134,7 @@ def icl_nuim(at: Folder) -> None:
     "redwood", "Redwood, Open3D: color/, depth/, trajectory.log, and maybe camera_intrinsic.json",
     lambda path: 85 if path.is_dir() and _log(path) is not None and (path / "depth").is_dir() else 0,
     camera=ADVISED, unit=1e-3, by=By.NOBODY, looks="x right, y down, z forward", pose=MATRICES,
+    takes=("frames_camera",),
 )  # fmt: skip
 def redwood(at: Folder) -> None:
     """Redwood and Open3D sequences, whose world is the first camera; Open3D's own camera and unit.
@@ -190,7 +191,7 @@ def _fits_numbered(path: Path) -> int:
 @layout(
     "numbered", "color/N.png, depth/N.png or .pgm, and pose.txt: x y z qx qy qz qw, a line for each; --intrinsics",
     _fits_numbered, no_depth=("0", By.NOBODY), looks=("x right, y down, z forward", By.NOBODY),
-    pose=("world from camera, x y z qx qy qz qw", By.NOBODY),
+    pose=("world from camera, x y z qx qy qz qw", By.NOBODY), takes=("frames_camera",),
 )  # fmt: skip
 def numbered(at: Folder) -> None:
     """Pictures by number, with poses from camera to world, as small examples and robots write them.
@@ -416,7 +417,7 @@ def _traces(path: Path) -> list[Path]:
     * bool(_traces(path)), intrinsics=(f"{_CAMERAS[0]}, {_MATRICES[0]} or {CAMERA}", By.FILE), by=By.NOBODY,
     scale=("to be stated; floats are metres", By.NOBODY), no_depth=("0", By.NOBODY),
     looks=Assumption(AXES, "those of the trace, else x right, y down, z forward", By.NOBODY, "--frames-axes"),
-    pose=("world from camera", By.NOBODY), takes=("frames_axes",),
+    pose=("world from camera", By.NOBODY), takes=("frames_axes", "frames_camera"),
     clock=Assumption(CLOCK, "names of pictures on the trace's clock, else a pose for each", By.FILE),
 )  # fmt: skip
 def traced(at: Folder) -> None:

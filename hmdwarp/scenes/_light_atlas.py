@@ -1,23 +1,16 @@
-"""Lamps of a glTF file, and places in the light atlas for what they light.
-
-Source: Khronos 2018, KHR_lights_punctual.
-"""
+"""Places in the light atlas for what the lamps of a file light, and how bright these are shown."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._gltf_file import LIGHTS, GltfFile
-from ._gltf_nodes import NodeMotion, Nodes
 from ._mesh import Mesh, Texture
 from ._notes import Notes
 from ._scene import ATLAS, MOST_LAMPS, Lamp
-from .motions import Still
 
 Array = NDArray[np.float64]
 BORDER = 1  # texels around each place, so that light never blends with another's
@@ -28,41 +21,6 @@ MOST_TRIANGLES = 2 * (ATLAS[0] // 3) * (ATLAS[1] // 3)
 MOST_MEETINGS, MOST_PATCHES = 200_000, 1200
 MEAN_LIGHT = 0.5  # that a white surface shows: a file says no exposure
 SAME = 1e-3  # of two corners, as a share of the side between
-_DIRECTIONAL, _POINT, _SPOT = "directional", "point", "spot"
-
-
-def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
-    """Return the lamps of these nodes, by candela and lux. Errors: SceneError for a damaged one."""
-    known = ((file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
-    found = []
-    for node in shown:
-        said = (file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
-        if said is None:
-            continue
-        index = said.get("light")
-        if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
-            raise file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
-        found.append(_lamp(file, nodes, node, known[index]))
-    return [lamp for lamp in found if max(lamp.colour) > 0]
-
-
-def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp:
-    kind, spot = said.get("type"), said.get("spot") or {}
-    cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
-    intensity, colour = float(said.get("intensity", 1.0)), np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64)
-    light = colour * intensity
-    sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
-    if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
-        raise file.error(
-            f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity {light.tolist()}, "
-            f"cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite light of 0 or more, "
-            "inner < outer <= 1.5708"
-        )
-    if abs(np.linalg.det(nodes.at(node, 0)[0][:3, :3])) < 1e-12:
-        raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
-    motion = NodeMotion(nodes, node)
-    placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
 
 
 def lit_by(
@@ -78,8 +36,18 @@ def lit_by(
     lit: of each mesh, whether lamps light it. Where they cannot, a note says why, and there are no
     lamps. origin: of the scene, which meshes are relative to.
     """
-    placed: list[Mesh] | str = _misfit(meshes, lit, lamps, textures)
-    if not placed:
+    triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
+    placed: list[Mesh] | str
+    if len(lamps) > MOST_LAMPS:
+        placed = f"there are {len(lamps)}, expected at most {MOST_LAMPS}"
+    elif any(mesh.material.reflectivity for mesh in meshes):
+        placed = "something mirrors, expected matt surfaces"
+    elif any(texture.emission is not None for texture in textures):
+        placed = "a texture shines, expected none that does"
+    elif not 0 < triangles <= MOST_TRIANGLES:
+        size = f"{ATLAS[0]}x{ATLAS[1]} texels"
+        placed = f"{triangles:,} lit triangles, expected 1 to {MOST_TRIANGLES}: the light atlas has {size}"
+    else:
         placed = _in_atlas(meshes, lit)
     if isinstance(placed, str):
         notes.add(f"its lamps are left out, and a plain light from above is used: {placed}")
@@ -87,23 +55,6 @@ def lit_by(
     shown, factor = _exposed(lamps, placed, origin)
     notes.add(f"its candelas and lux are shown times {factor:.3g}: a white surface they light has {MEAN_LIGHT:g}")
     return placed, shown
-
-
-def _misfit(meshes: Sequence[Mesh], lit: Sequence[bool], lamps: Sequence[Lamp], textures: Sequence[Texture]) -> str:
-    """Return why lamps cannot light the meshes, with the figure; "" if they can."""
-    triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
-    if len(lamps) > MOST_LAMPS:
-        return f"there are {len(lamps)}, expected at most {MOST_LAMPS}"
-    if any(mesh.material.reflectivity for mesh in meshes):
-        return "something mirrors, expected matt surfaces"
-    if any(texture.emission is not None for texture in textures):
-        return "a texture shines, expected none that does"
-    if not 0 < triangles <= MOST_TRIANGLES:
-        return (
-            f"{triangles:,} lit triangles, expected 1 to {MOST_TRIANGLES}: the light atlas has {ATLAS[0]}x{ATLAS[1]} "
-            "texels"
-        )
-    return ""
 
 
 @attrs.frozen(eq=False)
@@ -114,7 +65,7 @@ class _Chart:
     # (k, 3) vertices, in which triangles are the same corners as in the file.
     triangles: NDArray[np.int64]
     # Of its parallelogram: a corner and the two beside it, and the corner across or -1.
-    corners: tuple[int, int, int, int]
+    corners: tuple[int, ...]
     sides_m: tuple[float, float]
 
     def texels(self, texel_m: float) -> tuple[int, int]:
@@ -176,7 +127,7 @@ def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
     for number, face in enumerate(faces):
         for k in range(3):
             of_edge.setdefault(tuple(sorted((face[k], face[k - 1]))), []).append(number)
-    free = set(range(len(faces)))
+    free, found = set(range(len(faces))), list[tuple[list[int], tuple[int, ...]]]()
     for edge, both in of_edge.items():
         if len(both) == 2 and free >= set(both):
             first, second = ((set(faces[number].tolist()) - set(edge)).pop() for number in both)
@@ -184,17 +135,11 @@ def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
             long_m = float(np.linalg.norm(positions[edge[0]] - positions[edge[1]]))
             if first != second and np.linalg.norm(across) <= SAME * long_m:
                 free -= set(both)
-                corners = first, edge[0], edge[1], second
-                yield _Chart(index, faces[both], corners, _sides(positions, corners))
-    for number in sorted(free):
-        a, b, c = map(int, faces[number])
-        corners = a, b, c, -1
-        yield _Chart(index, faces[[number]], corners, _sides(positions, corners))
-
-
-def _sides(positions: Array, corners: Sequence[int]) -> tuple[float, float]:
-    start = positions[corners[0]]
-    return float(np.linalg.norm(positions[corners[1]] - start)), float(np.linalg.norm(positions[corners[2]] - start))
+                found.append((both, (first, edge[0], edge[1], second)))
+    found += [([number], (*map(int, faces[number]), -1)) for number in sorted(free)]
+    for numbers, corners in found:
+        wide, high = (float(np.linalg.norm(positions[end] - positions[corners[0]])) for end in corners[1:3])
+        yield _Chart(index, faces[numbers], corners, (wide, high))
 
 
 def _cut(
