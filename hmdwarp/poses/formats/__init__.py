@@ -123,6 +123,4 @@ def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
 formats: Registry[TraceFormat] = Registry(
     "trace format", __package__, of_table=_of_table, holds_objects=True, columns="can_write=writes"
 )
-
-
 STATED = _of_table("columns", {"read_as": "stated"})  # by --columns
