@@ -23,6 +23,9 @@ def check(said: Said) -> None:
     options = CheckOptions.of(said)
     if options.out is not None:
         refuse_existing(options.out, force=options.force)
+    if options.motion:
+        _check_motion(options, said["json"])
+        return
     answer = check(read_stated(options.frames, options.reading))
     if options.out is not None:
         from ..check import mismatch
@@ -34,6 +37,22 @@ def check(said: Said) -> None:
     _print(answer)
     if options.out is not None:
         typer.echo(f"picture: {options.out}")
+
+
+def _check_motion(options: conventions.CheckOptions, json: bool) -> None:
+    from ..check import check_motion, motion_mismatch, read_motion
+    from ..report import write_png
+    from ._show import paragraph
+
+    verdict = check_motion(read_motion(options.frames[0]))
+    if options.out is not None:
+        write_png(options.out, motion_mismatch(verdict))
+    if json:
+        typer.echo(as_json(verdict.as_json()))
+        return
+    paragraph(verdict.headline())
+    for line in verdict.lines():
+        typer.echo(line)
 
 
 def _print(answer: conventions.Answer) -> None:

@@ -1,0 +1,367 @@
+"""Which convention makes motion vectors explain the next frame, and whether any does."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..errors import listed
+from ..report import labelled_strip, magma
+from .motion_frames import BACKWARD, DOWN, IN, METRES, NDC, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrames
+from .motion_places import CANDIDATES, SCORED, Found, Pair, at_nearest, inside
+from .search import SURE
+
+NOISE = 0.004  # of the brightness: sampling and 8 bits leave half of it on the library's scenes
+_SCORE_NOISE, _DEPTH_NOISE = 0.01, 0.03  # what costs half a pixel: of brightness, of depth as a share of it
+# The pictures are blurred, so neighbours share their noise: a block has so many pixels for each one that counts.
+_SHARED = 9.0
+_KNOWN_PX, _OFF_PX = 0.1, 0.35  # how well a block tells a shift, and one that contradicts the vectors
+# The least shares, of blocks or pixels, that make vectors wrong that the best candidate reads. Exact vectors of
+# rendered scenes leave at most a fifth of the first two, and half of the third: moving shadows and highlights.
+_MOST_BLOCKS, _MOST_ELSEWHERE, _MOST_MISSED = 0.02, 5e-4, 0.015
+_LEAST_BLOCKS = 30  # that must tell a shift
+_OWN_PX = 0.4  # what leaves the way of head and depth by more claims to move by itself
+_CLAIMED = 0.05  # better explained by head and depth: mean difference of the cost
+
+
+@attrs.frozen(eq=False)
+class Contradictions:
+    """What the pictures and depths say against the best candidate, as shares."""
+
+    # Of blocks that tell a shift, and beyond one of each frame: the picture moved otherwise.
+    blocks: float
+    elsewhere: float  # of pixels: the surface was not there
+    missed: float  # of pixels: something of another colour was there
+    judged: int  # blocks that tell a shift
+    seen: float  # of pixels, that were in the picture before
+    # The factor by which vectors fit best, of x and y, and its standard error.
+    factor: tuple[float, float]
+    factor_error: tuple[float, float]
+
+    def reasons(self) -> list[str]:
+        """Return what is more than a right convention leaves."""
+        return [
+            text
+            for share, most, text in (
+                (self.blocks, _MOST_BLOCKS, "{:.1%} of the picture moved otherwise"),
+                (self.elsewhere, _MOST_ELSEWHERE, "{:.2%} came from where the depth before had something farther"),
+                (self.missed, _MOST_MISSED, "{:.1%} came from where there was another colour"),
+            )
+            if share > most
+            for text in [text.format(share)]
+        ] + (
+            [f"only {self.judged} blocks of the pictures have detail that can be compared"]
+            if self.judged < _LEAST_BLOCKS
+            else []
+        )
+
+
+@attrs.frozen(eq=False)
+class Property:
+    """What is found of one property of the convention."""
+
+    name: str
+    value: str
+    as_stated: bool
+    # Standard errors by which the best candidate of another value is worse; what that would be.
+    margin: float
+    other: str
+    moved_px: float  # median shift between the two
+
+    @property
+    def told(self) -> bool:
+        """Whether the other value is surely worse."""
+        return self.margin >= SURE
+
+
+@attrs.frozen(eq=False)
+class Verdict:
+    """What frames say about their motion vectors."""
+
+    frames: MotionFrames
+    best: Convention
+    # Those that fit as well with as few changes.
+    rivals: tuple[Convention, ...]
+    properties: tuple[Property, ...]
+    contradictions: Contradictions
+    # Slope of the change of depth over the vectors' z and its standard error; None without z.
+    z: tuple[float, float] | None
+
+    @property
+    def explained(self) -> bool:
+        """Whether the best candidate leaves no more than a right one does."""
+        return not self.contradictions.reasons()
+
+    @property
+    def verdict(self) -> str:
+        """Return "right", "wrong" or "cannot be told"."""
+        if not self.explained or self.rivals:
+            return "cannot be told"
+        return "right" if self.best == self.frames.stated else "wrong"
+
+    def headline(self) -> str:
+        """Return the verdict in one sentence."""
+        count = f"{len(self.frames.pairs)} pairs of frames"
+        if not self.explained:
+            return (
+                f"cannot be told: no convention of {len(CANDIDATES)} explains the next frame ({count}): "
+                f"{listed(self.contradictions.reasons())}. The nearest is {text_of(self.best)}; "
+                "what else is wrong is not among them"
+            )
+        if self.rivals:
+            choices = " or ".join(map(text_of, (self.best, *self.rivals)))
+            return f"cannot be told: {choices} explain the next frame equally well ({count})"
+        found = f"the vectors explain the next frame as {text_of(self.best)} ({count})"
+        if self.verdict == "right":
+            return f"right: {found}"
+        names = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
+        return f"wrong: {names}. Of {len(CANDIDATES)} conventions {found}"
+
+    def lines(self) -> list[str]:
+        """Return what to print below it."""
+        found = []
+        for one in self.properties if self.explained else ():
+            mark = "" if one.as_stated else "  <- not as stated"
+            if one.told:
+                found.append(
+                    f"  {PROPERTIES[one.name][1]:<9}  {one.value}  ({one.margin:.0f} standard errors ahead){mark}"
+                )
+            else:
+                found.append(
+                    f"  {PROPERTIES[one.name][1]:<9}  cannot be told from {one.other}: that moves pixels by {one.moved_px:.2g}"
+                )
+        if self.explained:
+            (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
+            found.append(f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)")
+        if self.explained and self.z is not None:
+            slope, error = self.z
+            follows = "follows the depth" if abs(slope - 1) < max(0.25, SURE * error) else "does not follow the depth"
+            found.append(f"  z          {follows}: slope {slope:.2f} +- {1.96 * error:.2f}")
+        if self.code():
+            found += ["Read them so:", *(f"    {line}" for line in self.code())]
+        return found
+
+    def code(self) -> list[str]:
+        """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
+        return [] if self.verdict != "wrong" else code_of(self.best, self.frames)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {
+            "verdict": self.verdict,
+            "convention": attrs.asdict(self.best),
+            "stated": attrs.asdict(self.frames.stated),
+            "explained": self.explained,
+            "rivals": [attrs.asdict(one) for one in self.rivals],
+            "properties": [{**attrs.asdict(one), "told": one.told} for one in self.properties],
+            "contradictions": {**attrs.asdict(self.contradictions), "reasons": self.contradictions.reasons()},
+            "z": None if self.z is None else {"slope": self.z[0], "error": self.z[1]},
+            "pairs": len(self.frames.pairs),
+            "code": self.code(),
+        }
+
+
+def text_of(convention: Convention) -> str:
+    """Return a convention in words."""
+    return f"{convention.unit}, y {convention.y}, {convention.sign}, jitter {convention.jitter}"
+
+
+def code_of(found: Convention, frames: MotionFrames) -> list[str]:
+    """Return the lines that turn vectors of a convention into those of the extension."""
+    now = frames.pairs[0][0]
+    back = -1.0 if found.sign == BACKWARD else 1.0
+    down = 1.0 if found.y == DOWN else -1.0
+    lines = []
+    if found.unit == METRES:
+        lines += [
+            f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
+            "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // both without jitter, Vulkan's",
+            "motion.xyz = ndcPosition - then.xyz / then.w;",
+        ]
+    else:
+        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / now.size[0], 2 / now.size[1])}[found.unit]
+        factors = (back * units[0], back * down * units[1], back)
+        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
+            numbers = ", ".join(f"{value * factor:.9g}f" if "." in f"{value * factor:.9g}" else f"{value * factor:.9g}.0f"
+                                for value, factor in zip(stated, factors, strict=True))  # fmt: skip
+            if name == "Scale" or any(stated):
+                lines.append(f"info.motionVector{name} = {{{numbers}, 0.0f}};  // XrFrameSynthesisInfoEXT")
+        lines.append(
+            "// XR_FB_space_warp has no scale: " + "motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors)
+        )
+    if found.jitter == IN and found.unit != METRES:
+        wide, high = now.size
+        lines.append(
+            f"motion.xy -= (jitter - previousJitter) * vec2(2.0 / {wide}.0, 2.0 / {high}.0);  // then; pixels, y down"
+        )
+    return lines
+
+
+def check_motion(frames: MotionFrames) -> Verdict:
+    """Return which candidate explains each next frame, by colour and by depth."""
+    pairs = [
+        Pair(now, before, max(1, round(math.sqrt(now.motion[..., 0].size / SCORED)))) for now, before in frames.pairs
+    ]
+    costs = {one: np.concatenate([_by_block(pair, _cost(Found.of(pair, one))) for pair in pairs]) for one in CANDIDATES}
+    least = min(costs, key=lambda one: float(costs[one].sum()))
+    alike = [one for one in CANDIDATES if _margin(costs[least], costs[one]) < SURE]
+    order = {one: (_changes(one, frames.stated), float(costs[one].sum())) for one in alike}
+    best = min(alike, key=order.__getitem__)
+    rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
+    full = [Pair(now, before) for now, before in frames.pairs]
+    found = [Found.of(pair, best) for pair in full]
+    return Verdict(
+        frames,
+        best,
+        rivals,
+        tuple(_property(frames, name, best, costs, full[0]) for name in PROPERTIES),
+        _contradictions(found),
+        _slope_of_z(found, best),
+    )
+
+
+def _changes(one: Convention, stated: Convention) -> int:
+    return sum(getattr(one, name) != getattr(stated, name) for name in PROPERTIES)
+
+
+def _by_block(pair: Pair, values: Array, weights: Array | None = None) -> Array:
+    """Return the mean of each block of the picture."""
+    number, count = pair.block.ravel(), pair.block_count
+    total = np.bincount(number, None if weights is None else weights.ravel(), count)
+    return np.bincount(number, values.ravel(), count) / np.maximum(total, 1)
+
+
+def _cost(found: Found) -> Array:
+    """Return 0 to 1: nothing for what is there as it should be, 1 for what is not there."""
+    squared = (found.bright / _SCORE_NOISE) ** 2 + (np.clip(found.deep, -1, 1) / _DEPTH_NOISE) ** 2
+    return np.where(found.seen, np.nan_to_num(squared / (1 + squared), nan=1.0), 1.0)
+
+
+def _margin(better: Array, worse: Array) -> float:
+    """Return by how many standard errors one is better, over blocks."""
+    apart = worse - better
+    error = float(apart.std()) / math.sqrt(len(apart))
+    return float(apart.mean()) / error if error > 0 else 0.0
+
+
+def _property(
+    frames: MotionFrames, name: str, best: Convention, costs: dict[Convention, Array], pair: Pair
+) -> Property:
+    others = [one for one in costs if getattr(one, name) != getattr(best, name)]
+    margins = [_margin(costs[best], costs[one]) for one in others]
+    nearest = int(np.argmin(margins))
+    apart = (pair.places(others[nearest]) - pair.places(best)) * pair.now.size
+    value = getattr(best, name)
+    moved = float(np.nanmedian(np.linalg.norm(apart, axis=-1)))
+    return Property(
+        name, value, value == getattr(frames.stated, name), margins[nearest], text_of(others[nearest]), moved
+    )
+
+
+def _contradictions(found: list[Found]) -> Contradictions:
+    parts = [_shifts(one) for one in found]
+    shift, matrix, known, off, way = (np.concatenate([part[k] for part in parts]) for k in range(5))
+    off |= np.concatenate([_claims(one) for one in found])
+    judged = int((known | off).sum())
+    elsewhere, missed = (
+        float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
+        for name in ("elsewhere", "missed")
+    )
+    factors = [_factor(way[known, k], shift[known, k], matrix[known, k, k]) for k in (0, 1)]
+    return Contradictions(
+        max(0.0, float(off.sum()) - len(found)) / max(judged, 1),
+        elsewhere,
+        missed,
+        judged,
+        float(np.mean([one.seen.mean() for one in found])),
+        (factors[0][0], factors[1][0]),
+        (factors[0][1], factors[1][1]),
+    )
+
+
+def _factor(way: Array, shift: Array, weight: Array) -> tuple[float, float]:
+    """Return the factor that fits best and its standard error, from what blocks are shifted by."""
+    total = float((weight * way**2).sum())
+    if total <= 0 or len(way) < 2:
+        return math.nan, math.nan
+    slope = float((weight * way * shift).sum()) / total
+    scatter = float(((weight * way * (shift - slope * way)) ** 2).sum())
+    return 1 + slope, math.sqrt(scatter) / total
+
+
+def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], Array]:
+    """Return for each block by how many pixels the picture before lies elsewhere, and how sure.
+
+    Source: Lucas and Kanade 1981, one step: what is left is below a pixel where vectors are right.
+    """
+    pair, gradient, bright = found.pair, found.gradient, np.nan_to_num(found.bright)
+    steep = np.linalg.norm(gradient, axis=-1)
+    weight = (found.seen & pair.one_surface) / (1 + (bright / (4 * NOISE + steep)) ** 2)
+    sums = [np.bincount(pair.block.ravel(), (weight * one).ravel(), pair.block_count)
+            for one in (*(gradient[..., i] * gradient[..., j] for i in (0, 1) for j in (0, 1)),
+                        *(gradient[..., i] * bright for i in (0, 1)))]  # fmt: skip
+    matrix = np.stack(sums[:4], axis=-1).reshape(-1, 2, 2)
+    shift = np.linalg.solve(matrix + 1e-5 * np.eye(2), np.stack(sums[4:], axis=-1)[..., None])[..., 0]
+    variance = _SHARED * NOISE**2
+    sure = np.einsum("ni,nij,nj->n", shift, matrix, shift) / variance
+    known = np.linalg.eigvalsh(matrix)[:, 1] > variance / _KNOWN_PX**2
+    off = known & (sure > 25) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
+    way = (found.uv - pair.uv) * pair.now.size
+    counted = weight > 0
+    ways = [_by_block(pair, np.where(counted, np.nan_to_num(way[..., k]), 0), counted.astype(float)) for k in (0, 1)]
+    return shift, matrix, known, off, np.stack(ways, axis=-1)
+
+
+def _claims(found: Found) -> NDArray[np.bool_]:
+    """Return the blocks in which vectors leave the way of head and depth, and the pictures do not."""
+    pair = found.pair
+    still = pair.still_found
+    apart = np.linalg.norm((found.uv - still.uv) * pair.now.size, axis=-1)
+    claimed = np.asarray((np.nan_to_num(apart, nan=1e9) > _OWN_PX) & still.seen, float)
+    worse = (_cost(found) - _cost(still)) * claimed
+    mean = _by_block(pair, worse, claimed)
+    error = np.sqrt(_by_block(pair, (worse - mean[pair.block] * claimed) ** 2, claimed))
+    count = np.bincount(pair.block.ravel(), claimed.ravel(), pair.block_count)
+    enough = count > _SHARED
+    return np.asarray(enough & (mean > _CLAIMED) & (mean > SURE * error / np.sqrt(np.maximum(count / _SHARED, 1))))
+
+
+def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | None:
+    """Return the change of depth over the vectors' z, and its standard error, over blocks."""
+    if best.unit == METRES or any(one.pair.vectors.shape[2] < 3 or one.pair.now.planes is None for one in found):
+        return None
+    over, under = [], []
+    for one in found:
+        pair, planes, then = one.pair, one.pair.now.planes, one.pair.before.planes
+        assert planes is not None and then is not None, "checked above"
+        z = pair.vectors[..., 2] * (-1 if best.sign == BACKWARD else 1)
+        change = planes.encode(pair.inverse) - then.encode(pair.before_inverse(one.uv))
+        good = one.seen & pair.one_surface & np.isfinite(change) & np.isfinite(z)
+        over.append(_by_block(pair, np.where(good, z * change, 0)))
+        under.append(_by_block(pair, np.where(good, z * z, 0)))
+    top, low = np.concatenate(over), np.concatenate(under)
+    if not low.sum() > 0:
+        return None
+    slope = float(top.sum() / low.sum())
+    return slope, float(np.sqrt(((top - slope * low) ** 2).sum()) / low.sum())
+
+
+def motion_mismatch(verdict: Verdict) -> NDArray[np.uint8]:
+    """Return a strip: a frame, the one before, that one moved as stated and as found, and what differs."""
+    now, before = verdict.frames.pairs[-1]
+    pair, panels = Pair(now, before), [("one frame", now.colour), ("the one before", before.colour)]
+    for words, convention in {"as stated": verdict.frames.stated, "nearest": verdict.best}.items():
+        found = Found.of(pair, convention)
+        rows, columns = (np.arange(count) for count in now.colour.shape[:2])
+        where = np.stack(np.meshgrid((columns + 0.5) / len(columns), (rows + 0.5) / len(rows)), axis=-1)
+        uv = np.stack([at_nearest(found.uv[..., k] - pair.uv[..., k], where) + where[..., k] for k in (0, 1)], axis=-1)
+        moved = np.where(inside(uv)[..., None], at_nearest(before.colour, uv), 0).astype(np.uint8)
+        wrong = at_nearest((found.missed | found.elsewhere).astype(float), where)
+        panels += [(f"that, moved here: {words}", moved), ("contradicted", magma(np.maximum(wrong, 0.0)))]
+    return labelled_strip(panels, columns=2)

@@ -1,0 +1,214 @@
+"""Frames with exact motion vectors of the shipped scenes, in every convention, in float64.
+
+Each pixel's ray meets the triangles themselves: a triangle's three corners in the eye, inverted,
+give the weights of the place that a ray meets, and the same weights the place it had in the frame
+before. No matrix of a projection, no rasteriser and no code of what is tested.
+"""
+
+from __future__ import annotations
+
+import json
+from itertools import product
+from pathlib import Path
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.scenes import Scene
+from hmdwarp.sources.server import Server
+
+Array = NDArray[np.float64]
+SIZE, LOW = (320, 240), (160, 120)  # of colour; of vectors and depth
+NEAR, FAR = 0.1, 100.0
+SKY_M = FAR  # where a sky lies, as a depth buffer has it
+CONVENTIONS = tuple(
+    product(("ndc", "uv", "pixels", "metres"), ("down", "up"), ("current - previous", "previous - current"),
+            ("out", "in"))
+)  # fmt: skip
+HALTON = np.array([(0, -1 / 3), (-0.5, 1 / 3), (0.5, -7 / 9), (-0.75, -1 / 9)]) / 2  # pixels
+
+
+@attrs.frozen(eq=False)
+class TrueFrame:
+    """One frame. jitter: pixels by which its picture lies right and down."""
+
+    view: View
+    time_ns: int
+    jitter: Array
+    colour: NDArray[np.uint8]
+    inverse_depth: Array  # (h, w) of LOW, top row first
+    now: Array  # (h, w, 3) places in the eye, of the sky those at FAR
+    then: Array  # the same places in the eye of the frame before, where they were then
+    moves: NDArray[np.bool_]  # which move by themselves
+
+
+def eye_from_world(view: View) -> tuple[Array, Array]:
+    return view.pose.rotation.as_matrix().T, view.pose.position_m
+
+
+def jittered(view: View, jitter: Array) -> View:
+    """The view that draws everything so many pixels further right and down."""
+    left, right, down, up = view.fov.tangents
+    across, high = jitter * ((right - left) / SIZE[0], (up - down) / SIZE[1])
+    return View(view.pose, Fov.from_tangents((left - across, right - across, down + high, up + high)))
+
+
+def corners_at(scene: Scene, time_ns: int) -> tuple[Array, NDArray[np.bool_]]:
+    """(m, 3, 3) triangles in the world then, and whether each moves."""
+    found, moves = [], []
+    for mesh in scene.meshes:
+        points = mesh.positions.astype(np.float64)
+        if mesh.deformation is not None:
+            points = mesh.deformation.positions(time_ns)
+        if mesh.body:
+            points = scene.bodies[mesh.body - 1].motion.state(time_ns).pose.transform(points)
+        found.append((points + scene.origin_m)[mesh.triangles])
+        moves.append(np.full(len(mesh.triangles), bool(mesh.body) or mesh.deformation is not None))
+    return np.concatenate(found), np.concatenate(moves)
+
+
+def rays_of(view: View, size: tuple[int, int]) -> Array:
+    left, right, down, up = view.fov.tangents
+    x = left + (np.arange(size[0]) + 0.5) * (right - left) / size[0]
+    y = up - (np.arange(size[1]) + 0.5) * (up - down) / size[1]
+    return np.stack([*np.meshgrid(x, y), np.full(size[::-1], -1.0)], axis=-1)
+
+
+def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArray[np.int64], Array]:
+    """(h, w) inverse depth, triangle (-1: none) and (h, w, 3) weights of its corners.
+
+    A ray r meets the corners' plane where r = M b, M being the corners as columns: b is the
+    weights times the inverse depth.
+    """
+    turn, at = eye_from_world(view)
+    seen = (corners - at) @ turn.T
+    rays, (wide, high) = rays_of(view, size), size
+    left, right, down, up = view.fov.tangents
+    inverse, which, weights = np.zeros((high, wide)), np.full((high, wide), -1), np.zeros((high, wide, 3))
+    ahead = seen[..., 2].max(axis=1) < -0.02
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = (seen[..., 0] / -seen[..., 2] - left) / (right - left) * wide
+        y = (up - seen[..., 1] / -seen[..., 2]) / (up - down) * high
+    x, y = (np.where(ahead[:, None], places, (0, 0, count)) for places, count in ((x, wide), (y, high)))
+    low = np.clip(np.floor(np.stack([x.min(1), y.min(1)], 1) - 0.5), 0, size).astype(int)
+    end = np.clip(np.ceil(np.stack([x.max(1), y.max(1)], 1) + 0.5), 0, size).astype(int)
+    behind = seen[..., 2].min(axis=1) >= 0
+    solid = np.abs(np.linalg.det(seen)) > 1e-12 * np.linalg.norm(seen, axis=2).prod(axis=1)
+    for index in np.flatnonzero((low < end).all(axis=1) & ~behind & solid):
+        rows, columns = (slice(low[index, k], end[index, k]) for k in (1, 0))
+        part = rays[rows, columns] @ np.linalg.inv(seen[index].T).T
+        found = part.sum(axis=-1)
+        nearer = (part >= 0).all(axis=-1) & (found > inverse[rows, columns])
+        inverse[rows, columns][nearer] = found[nearer]
+        which[rows, columns][nearer] = index
+        weights[rows, columns][nearer] = part[nearer] / found[nearer][:, None]
+    return inverse, which, weights
+
+
+def true_frames(server: Server, views: list[View], times_ns: list[int], jitter: Array = HALTON) -> list[TrueFrame]:
+    """The frames; `then` of the first is that of itself."""
+    found: list[TrueFrame] = []
+    for number, (view, time_ns) in enumerate(zip(views, times_ns, strict=True)):
+        seen_by, before = jittered(view, jitter[number]), max(number - 1, 0)
+        eye = server.draw(seen_by, SIZE, time_ns=time_ns)
+        picture = np.frombuffer(eye.colour.read(alignment=1), np.float16).reshape(*SIZE[::-1], 4)[::-1, :, :3]
+        colour = srgb8_from_linear(picture.astype(np.float64))
+        server.pool(SIZE).release(eye.colour)
+        (corners, moves), (past, _) = (corners_at(server.scene, when) for when in (time_ns, times_ns[before]))
+        inverse, which, weights = met(corners, seen_by, LOW)
+        there = which >= 0
+        world = np.einsum("hwc,hwcx->hwx", weights, corners[which])
+        sky = view.pose.position_m + SKY_M * rays_of(seen_by, LOW) @ view.pose.rotation.as_matrix().T
+        world = np.where(there[..., None], world, sky)
+        old = np.where(there[..., None], np.einsum("hwc,hwcx->hwx", weights, past[which]), sky)
+        (turn, at), (turn_then, at_then) = (eye_from_world(one) for one in (view, views[before]))
+        found.append(
+            TrueFrame(view, time_ns, jitter[number], colour, inverse, (world - at) @ turn.T,
+                      (old - at_then) @ turn_then.T, there & moves[which])
+        )  # fmt: skip
+    return found
+
+
+def ndc(view: View, points: Array) -> Array:
+    """x and y from -1 to 1, y down; z of a depth buffer, 0 at NEAR and 1 at FAR."""
+    left, right, down, up = view.fov.tangents
+    inverse = -1 / points[..., 2]
+    x = 2 * (points[..., 0] * inverse - left) / (right - left) - 1
+    y = 1 - 2 * (points[..., 1] * inverse - down) / (up - down)
+    return np.stack([x, y, (inverse - 1 / NEAR) / (1 / FAR - 1 / NEAR)], axis=-1)
+
+
+def unprojected(view: View, place: Array, depth_z: Array) -> Array:
+    left, right, down, up = view.fov.tangents
+    x = left + (place[..., 0] + 1) / 2 * (right - left)
+    y = up - (place[..., 1] + 1) / 2 * (up - down)
+    return np.stack([x, y, -np.ones_like(x)], axis=-1) * depth_z[..., None]
+
+
+def vectors_of(frame: TrueFrame, before: TrueFrame, convention: tuple[str, str, str, str]) -> Array:
+    """(h, w, 3) motion vectors of a frame in a convention."""
+    unit, y, sign, jitter = convention
+    now, then = ndc(frame.view, frame.now), ndc(before.view, frame.then)
+    if jitter == "in":
+        now[..., :2] += 2 * frame.jitter / SIZE
+        then[..., :2] += 2 * before.jitter / SIZE
+    if unit == "metres":
+        here, there = (
+            unprojected(frame.view, now, -frame.now[..., 2]),
+            unprojected(before.view, then, -frame.then[..., 2]),
+        )
+        moved = (here - there) * (1, -1, 1)
+    else:
+        moved = (now - then) * {"ndc": (1, 1, 1), "uv": (0.5, 0.5, 1), "pixels": (SIZE[0] / 2, SIZE[1] / 2, 1)}[unit]
+    return moved * (1, -1 if y == "up" else 1, 1) * (-1 if sign == "previous - current" else 1)
+
+
+def depth_of(frame: TrueFrame) -> Array:
+    """What a depth buffer has: 0 at NEAR, 1 at FAR and beyond."""
+    return np.clip((1 / NEAR - frame.inverse_depth) / (1 / NEAR - 1 / FAR), 0, 1)
+
+
+def arrays_of(
+    frames: list[TrueFrame], convention: tuple[str, str, str, str], kind: type = np.float16
+) -> list[NDArray[np.floating]]:
+    """The vectors of each frame, none of the first, as half floats."""
+    pairs = zip(frames, frames[1:], strict=False)
+    return [
+        np.zeros((*LOW[::-1], 3), kind),
+        *(vectors_of(now, before, convention).astype(kind) for before, now in pairs),
+    ]
+
+
+def write_folder(folder: Path, frames: list[TrueFrame], convention: tuple[str, str, str, str], **stated) -> Path:
+    """A folder as an engine may write it: PNG, NPY, and one motion.json."""
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for number, (frame, vectors) in enumerate(zip(frames, arrays_of(frames, convention), strict=True)):
+        Image.fromarray(frame.colour).save(folder / f"{number}.png")
+        np.save(folder / f"{number}.depth.npy", depth_of(frame).astype(np.float32))
+        np.save(folder / f"{number}.motion.npy", vectors)
+        pose, fov = frame.view.pose, frame.view.fov
+        rows.append(
+            {"colour": f"{number}.png", "depth": f"{number}.depth.npy", "displayTime": frame.time_ns,
+             "pose": {"position": pose.position_m.tolist(), "orientation": pose.orientation_xyzw.tolist()},
+             "fov": {"angleLeft": fov.left, "angleRight": fov.right, "angleUp": fov.up, "angleDown": fov.down},
+             "jitter": frame.jitter.tolist(), **({"motion": f"{number}.motion.npy"} if number else {})}
+        )  # fmt: skip
+    (folder / "motion.json").write_text(json.dumps({"nearZ": NEAR, "farZ": FAR, **stated, "frames": rows}))
+    return folder
+
+
+def walking_head(at: tuple[float, float, float], yaw: float, count: int = 4, step_s: float = 0.05) -> list[View]:
+    """A head that turns, nods, rolls and walks."""
+    from scipy.spatial.transform import Rotation
+
+    found = []
+    for seconds in np.arange(count) * step_s:
+        turn = Rotation.from_euler("yxz", (yaw + 0.6 * seconds, -0.12 + 0.4 * seconds, 0.12 * seconds))
+        place = np.array(at) + seconds * np.array((0.5, 0.25, -0.6))
+        found.append(View(Pose(place, turn.as_quat()), Fov(-0.75, 0.7, -0.6, 0.62)))
+    return found
