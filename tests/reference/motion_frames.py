@@ -183,11 +183,11 @@ def arrays_of(
     ]
 
 
-def write_folder(folder: Path, frames: list[TrueFrame], convention: tuple[str, str, str, str], **stated) -> Path:
+def write_folder(folder: Path, frames: list[TrueFrame], read: tuple[str, str, str, str], **stated) -> Path:
     """A folder as an engine may write it: PNG, NPY, and one motion.json."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
-    for number, (frame, vectors) in enumerate(zip(frames, arrays_of(frames, convention), strict=True)):
+    for number, (frame, vectors) in enumerate(zip(frames, arrays_of(frames, read), strict=True)):
         Image.fromarray(frame.colour).save(folder / f"{number}.png")
         np.save(folder / f"{number}.depth.npy", depth_of(frame).astype(np.float32))
         np.save(folder / f"{number}.motion.npy", vectors)
