@@ -6,7 +6,8 @@ XrCompositionLayerSpaceWarpInfoFB (XR_FB_space_warp 2). docs/motion.md has every
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from ..colour import srgb8_from_linear
 from ..errors import InputError
 from ..geometry import DepthLayer, Fov, Pose, View
-from ..options.named_files import PICTURE_FILE, opened
+from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..sources.sequences import read_colour, read_depth
 from ..sources.sequences.camera import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
@@ -40,7 +41,7 @@ PROPERTIES = {
 _ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
 _TWO = "XR_FRAME_SYNTHESIS_INFO_USE_2D_MOTION_VECTOR_BIT_EXT"
 _VECTORS = ("motion", "vector", "velocity", "flow")  # layers of an EXR file that may hold them
-_LIGHT = ("R", "G", "B")
+_PLANES, _FAR = ("minDepth", "maxDepth", "nearZ", "farZ"), "Infinity"
 
 
 @attrs.frozen
@@ -142,70 +143,82 @@ class MotionFrames:
 def read_motion(path: Path) -> MotionFrames:
     """Return the frames of a folder with motion.json, or of that file. Errors: InputError."""
     where = path / FILE if path.is_dir() else path
-    data = read_json(where, f"an object with frames, as docs/motion.md has it")
-    rows = data.pop("frames", None)
+    data = read_json(where, "an object with frames, as docs/motion.md has it")
+    rows, stated = data.pop("frames", None), data.pop("convention", {})
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise InputError(f"{where}: frames: expected a list of objects, one for each frame")
-    stated = data.pop("convention", {})
     if not isinstance(stated, dict) or not stated.keys() <= PROPERTIES.keys():
         raise InputError(f"{where}: convention is {stated}: expected an object of {', '.join(PROPERTIES)}")
-    return MotionFrames(
-        [_frame(where, number, {**data, **row}) for number, row in enumerate(rows)], Convention(**stated)
-    )
+    found = [
+        _frame(f"{where}: frame {number}", where.parent, {**_USUAL, **data, **row}) for number, row in enumerate(rows)
+    ]
+    return MotionFrames(found, Convention(**stated))
 
 
-def _frame(where: Path, number: int, row: Mapping[str, Any]) -> MotionFrame:
-    at = f"{where}: frame {number}"
-    unknown = row.keys() - {
-        "colour", "depth", "motion", "pose", "fov", "displayTime", "jitter", "layerFlags", "motionVectorScale",
-        "motionVectorOffset", "motionVectorSubImage", "depthSubImage", "subImage", "appSpaceDeltaPose", "minDepth",
-        "maxDepth", "nearZ", "farZ", "depthUnit",
-    }  # fmt: skip
-    if unknown or not isinstance(row.get("colour"), str):
-        raise InputError(f"{at}: {', '.join(sorted(unknown)) or 'no colour'}: expected the keys of docs/motion.md")
-    files = {key: where.parent / str(row[key]) for key in ("colour", "depth", "motion") if row.get(key) is not None}
-    colour = _cut(at, _colour(files["colour"]), row.get("subImage"))
-    depth, vectors = (
-        read(files[key]) if key in files else None for key, read in (("depth", _depth), ("motion", _vectors))
-    )
-    if vectors is not None and _TWO in row.get("layerFlags", ()):
-        vectors = vectors[..., :2]
-    buffer = row.get("depthUnit", "buffer") == "buffer"
-    planes = [_distance(at, key, row.get(key, usual)) for key, usual in
-              (("minDepth", 0.0), ("maxDepth", 1.0), ("nearZ", 0.1), ("farZ", "Infinity"))]  # fmt: skip
+# What a frame is without its key; None: there must be one, or there is none.
+_USUAL: dict[str, Any] = {
+    "colour": None,
+    "depth": None,
+    "motion": None,
+    "pose": None,
+    "fov": None,
+    "displayTime": None,
+    "jitter": (0, 0),
+    "layerFlags": (),
+    "motionVectorScale": (1, 1, 1, 0),
+    "motionVectorOffset": (0, 0, 0, 0),
+    "appSpaceDeltaPose": {"position": (0, 0, 0), "orientation": (0, 0, 0, 1)},
+    "subImage": None,
+    "motionVectorSubImage": None,
+    "depthSubImage": None,
+    "minDepth": 0.0,
+    "maxDepth": 1.0,
+    "nearZ": 0.1,
+    "farZ": _FAR,
+    "depthUnit": "buffer",
+}
+
+
+def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
+    if unknown := row.keys() - _USUAL.keys():
+        raise InputError(f"{at}: {', '.join(sorted(unknown))}: expected the keys of docs/motion.md")
+
+    def picture(key: str, image: str, read: Callable[[Path], NDArray[Any]]) -> NDArray[Any] | None:
+        if row[key] is None and key != "colour":
+            return None
+        if not isinstance(row[key], str):
+            raise InputError(f"{at}: {key} is {row[key]!r}: expected the name of a file")
+        return _cut(at, read(named_in(folder, row[key])), row[image])
+
+    vectors = picture("motion", "motionVectorSubImage", _vectors)
+    colour = picture("colour", "subImage", _colour)
+    assert colour is not None, "refused above"
+    planes = [math.inf if row[key] == _FAR else number_of(at, key, row[key]) for key in _PLANES]
     return MotionFrame(
-        files["colour"].name,
+        row["colour"],
         colour,
-        View(_pose(at, "pose", row.get("pose")), Fov(*_numbers(at, "fov", row.get("fov"), _ANGLES))),
-        int(number_of(at, "displayTime", row.get("displayTime"), "nanoseconds")),
-        None if depth is None else _cut(at, depth, row.get("depthSubImage")),
-        None if vectors is None else _cut(at, vectors, row.get("motionVectorSubImage")),
-        DepthLayer(*planes) if buffer else None,
-        _numbers(at, "motionVectorScale", row.get("motionVectorScale", (1, 1, 1, 0)), "xyzw")[:3],
-        _numbers(at, "motionVectorOffset", row.get("motionVectorOffset", (0, 0, 0, 0)), "xyzw")[:3],
-        _numbers(at, "jitter", row.get("jitter", (0, 0)), "xy"),
-        _pose(
-            at, "appSpaceDeltaPose", row.get("appSpaceDeltaPose", {"position": (0, 0, 0), "orientation": (0, 0, 0, 1)})
-        ),
+        View(_pose(at, "pose", row["pose"]), Fov(*_numbers(at, "fov", row["fov"], _ANGLES))),
+        int(number_of(at, "displayTime", row["displayTime"], "nanoseconds")),
+        picture("depth", "depthSubImage", _depth),
+        vectors[..., :2] if vectors is not None and _TWO in str(row["layerFlags"]) else vectors,
+        DepthLayer(*planes) if row["depthUnit"] == "buffer" else None,
+        _numbers(at, "motionVectorScale", row["motionVectorScale"], "xyzw")[:3],
+        _numbers(at, "motionVectorOffset", row["motionVectorOffset"], "xyzw")[:3],
+        _numbers(at, "jitter", row["jitter"], "xy"),
+        _pose(at, "appSpaceDeltaPose", row["appSpaceDeltaPose"]),
     )
-
-
-def _distance(at: str, key: str, value: Any) -> float:
-    return float("inf") if value in ("Infinity", float("inf")) else number_of(at, key, value)
 
 
 def _numbers(at: str, key: str, value: Any, names: Sequence[str]) -> tuple[float, ...]:
     """Return numbers of a list, or of an object with these names."""
-    if isinstance(value, dict):
-        value = [value.get(name) for name in names]
-    return numbers_of(at, key, value, len(names))
+    return numbers_of(at, key, [value.get(name) for name in names] if isinstance(value, dict) else value, len(names))
 
 
 def _pose(at: str, key: str, value: Any) -> Pose:
     if not isinstance(value, dict):
         raise InputError(f"{at}: {key} is {value!r}: expected an XrPosef: position and orientation")
-    return Pose(*(_numbers(at, f"{key}.{part}", value.get(part), names)
-                  for part, names in (("position", "xyz"), ("orientation", "xyzw"))))  # fmt: skip
+    parts = (("position", "xyz"), ("orientation", "xyzw"))
+    return Pose(*(_numbers(at, f"{key}.{part}", value.get(part), names) for part, names in parts))
 
 
 def _cut(at: str, picture: NDArray[Any], image: Any) -> NDArray[Any]:
@@ -217,11 +230,10 @@ def _cut(at: str, picture: NDArray[Any], image: Any) -> NDArray[Any]:
         raise InputError(f"{at}: sub-image {image!r}: expected an imageRect of offset and extent")
     x, y = map(int, _numbers(at, "offset", rect.get("offset"), "xy"))
     wide, high = map(int, _numbers(at, "extent", rect.get("extent"), ("width", "height")))
-    if min(x, y) < 0 or min(wide, high) < 1 or y + high > picture.shape[0] or x + wide > picture.shape[1]:
-        raise InputError(
-            f"{at}: sub-image of {wide}x{high} at {x}, {y}: the file has {picture.shape[1]}x{picture.shape[0]}"
-        )
-    return picture[y : y + high, x : x + wide]
+    found = picture[max(y, 0) : y + high, max(x, 0) : x + wide]
+    if min(x, y) < 0 or not found.size or found.shape[:2] != (high, wide):
+        raise InputError(f"{at}: sub-image of {wide}x{high} at {x}, {y}: the file has {picture.shape[1::-1]}")
+    return found
 
 
 def _colour(path: Path) -> NDArray[np.uint8]:
@@ -237,22 +249,20 @@ def _depth(path: Path) -> Array:
 
 def _vectors(path: Path) -> Array:
     """Return (h, w, 2 to 4): of EXR the layer that is named so, else red, green and blue."""
-    suffix = path.suffix.lower()
-    if suffix == NPY:
+    if path.suffix.lower() == NPY:
         return _array(path).astype(np.float64)
-    if suffix != EXR:
+    if path.suffix.lower() != EXR:
         return read_colour(path) / 255.0
-    channels = read_exr(path).channels
     layers: dict[str, dict[str, NDArray[np.float32]]] = {}
-    for name, pixels in channels.items():
+    for name, pixels in read_exr(path).channels.items():
         layers.setdefault(name.rpartition(".")[0], {})[name.rpartition(".")[2].upper()] = pixels
     named = [one for name, one in layers.items() if name.rpartition(".")[2].lower().startswith(_VECTORS)]
-    found = (named or [layers.get("", {})])[0]
-    axes = "XYZ" if {*"XY"} <= found.keys() else _LIGHT
+    found = named[0] if named else layers.get("", {})
+    axes = "XYZ" if {*"XY"} <= found.keys() else "RGB"
     # X, Y, Z and W are Blender's: to the frame before, and to the one after.
     parts = [found[axis] for axis in (axes[:2] if "W" in found else axes) if axis in found]
     if len(parts) < 2:
-        raise InputError(f"{path}: channels {', '.join(channels)}; expected R and G, or X and Y of a layer of vectors")
+        raise InputError(f"{path}: layers {', '.join(layers)}; expected R and G, or X and Y of a layer of vectors")
     return np.stack(parts, axis=-1).astype(np.float64)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
 from typing import Any
 
 import attrs
@@ -17,49 +16,44 @@ from .motion_frames import BACKWARD, DOWN, IN, METRES, NDC, PIXELS, PROPERTIES, 
 from .motion_places import CANDIDATES, SCORED, Found, Pair, at_nearest, inside
 from .search import SURE
 
-NOISE = 0.004  # of the brightness: sampling and 8 bits leave half of it on the library's scenes
-_SCORE_NOISE, _DEPTH_NOISE = 0.01, 0.03  # what costs half a pixel: of brightness, of depth as a share of it
-# The pictures are blurred, so neighbours share their noise: a block has so many pixels for each one that counts.
-_SHARED = 9.0
-_KNOWN_PX, _OFF_PX = 0.1, 0.35  # how well a block tells a shift, and one that contradicts the vectors
-# The least shares, of blocks or pixels, that make vectors wrong that the best candidate reads. Exact vectors of
-# rendered scenes leave at most a fifth of the first two, and half of the third: moving shadows and highlights.
-_MOST_BLOCKS, _MOST_ELSEWHERE, _MOST_MISSED = 0.02, 5e-4, 0.015
+# Of the brightness: sampling and 8 bits leave half of it on the library's scenes.
+_NOISE = 0.004
+# What costs half of what nothing does: of the brightness, of the depth as a share of it.
+_SCORE_NOISE, _DEPTH_NOISE = 0.01, 0.03
+_SHARED = 9.0  # pixels of a blurred picture that count as one
+# How well a block tells a shift, and a shift that contradicts the vectors, beyond 5 deviations.
+_KNOWN_PX, _OFF_PX, _SURELY = 0.1, 0.35, 25
+_OWN_PX = 0.4  # vectors that leave the way of head and depth by more claim that something moves by itself
+_CLAIMED = 0.05  # mean cost by which the pictures contradict such claims
 _LEAST_BLOCKS = 30  # that must tell a shift
-_OWN_PX = 0.4  # what leaves the way of head and depth by more claims to move by itself
-_CLAIMED = 0.05  # better explained by head and depth: mean difference of the cost
+# The most that a right convention leaves. Exact vectors of rendered scenes leave nothing of the
+# first two, and half of the third: moving shadows and highlights.
+_MOST = {
+    "blocks": (0.02, "{:.1%} of the picture moved otherwise"),
+    "elsewhere": (5e-4, "{:.2%} of it came from where the depth before was farther"),
+    "missed": (0.015, "{:.1%} of it came from where the colour was another"),
+}
 
 
 @attrs.frozen(eq=False)
 class Contradictions:
-    """What the pictures and depths say against the best candidate, as shares."""
+    """What pictures and depths say against the best candidate."""
 
-    # Of blocks that tell a shift, and beyond one of each frame: the picture moved otherwise.
+    # Of the blocks that tell a shift, those beyond one of each frame that show another one.
     blocks: float
-    elsewhere: float  # of pixels: the surface was not there
-    missed: float  # of pixels: something of another colour was there
+    elsewhere: float  # of the pixels: the surface was not there
+    missed: float  # of the pixels: something of another colour was there
     judged: int  # blocks that tell a shift
-    seen: float  # of pixels, that were in the picture before
-    # The factor by which vectors fit best, of x and y, and its standard error.
+    # The factor by which the vectors fit best, of x and y, and its standard error.
     factor: tuple[float, float]
     factor_error: tuple[float, float]
 
     def reasons(self) -> list[str]:
         """Return what is more than a right convention leaves."""
-        return [
-            text
-            for share, most, text in (
-                (self.blocks, _MOST_BLOCKS, "{:.1%} of the picture moved otherwise"),
-                (self.elsewhere, _MOST_ELSEWHERE, "{:.2%} came from where the depth before had something farther"),
-                (self.missed, _MOST_MISSED, "{:.1%} came from where there was another colour"),
-            )
-            if share > most
-            for text in [text.format(share)]
-        ] + (
-            [f"only {self.judged} blocks of the pictures have detail that can be compared"]
-            if self.judged < _LEAST_BLOCKS
-            else []
-        )
+        if self.judged < _LEAST_BLOCKS:
+            return [f"only {self.judged} of its blocks have detail that can be compared"]
+        shares = {name: getattr(self, name) for name in _MOST}
+        return [text.format(shares[name]) for name, (most, text) in _MOST.items() if shares[name] > most]
 
 
 @attrs.frozen(eq=False)
@@ -69,15 +63,24 @@ class Property:
     name: str
     value: str
     as_stated: bool
-    # Standard errors by which the best candidate of another value is worse; what that would be.
+    # The best candidate of another value, and by how many standard errors it is worse.
+    other: Convention
     margin: float
-    other: str
     moved_px: float  # median shift between the two
 
     @property
     def told(self) -> bool:
-        """Whether the other value is surely worse."""
+        """Whether every other value is surely worse."""
         return self.margin >= SURE
+
+    def line(self) -> str:
+        """Return it in words."""
+        label = f"  {PROPERTIES[self.name][1]:<9}  "
+        if not self.told:
+            return f"{label}cannot be told from {text_of(self.other)}: that moves pixels by {self.moved_px:.2g}"
+        return f"{label}{self.value}  ({self.margin:.0f} standard errors ahead)" + "  <- not as stated" * (
+            not self.as_stated
+        )
 
 
 @attrs.frozen(eq=False)
@@ -90,7 +93,7 @@ class Verdict:
     rivals: tuple[Convention, ...]
     properties: tuple[Property, ...]
     contradictions: Contradictions
-    # Slope of the change of depth over the vectors' z and its standard error; None without z.
+    # Slope of the change of depth over the vectors' z, and its standard error; None without z.
     z: tuple[float, float] | None
 
     @property
@@ -107,61 +110,47 @@ class Verdict:
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
-        count = f"{len(self.frames.pairs)} pairs of frames"
+        count, best = f"{len(self.frames.pairs)} pairs of frames", text_of(self.best)
         if not self.explained:
             return (
-                f"cannot be told: no convention of {len(CANDIDATES)} explains the next frame ({count}): "
-                f"{listed(self.contradictions.reasons())}. The nearest is {text_of(self.best)}; "
-                "what else is wrong is not among them"
+                f"cannot be told: no convention of {len(CANDIDATES)} explains the next frame. With the nearest "
+                f"({best}), {listed(self.contradictions.reasons())} ({count})"
             )
         if self.rivals:
             choices = " or ".join(map(text_of, (self.best, *self.rivals)))
             return f"cannot be told: {choices} explain the next frame equally well ({count})"
-        found = f"the vectors explain the next frame as {text_of(self.best)} ({count})"
-        if self.verdict == "right":
-            return f"right: {found}"
-        names = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
-        return f"wrong: {names}. Of {len(CANDIDATES)} conventions {found}"
+        wrong = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
+        return f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {best} ({count})"
 
     def lines(self) -> list[str]:
         """Return what to print below it."""
-        found = []
-        for one in self.properties if self.explained else ():
-            mark = "" if one.as_stated else "  <- not as stated"
-            if one.told:
-                found.append(
-                    f"  {PROPERTIES[one.name][1]:<9}  {one.value}  ({one.margin:.0f} standard errors ahead){mark}"
-                )
-            else:
-                found.append(
-                    f"  {PROPERTIES[one.name][1]:<9}  cannot be told from {one.other}: that moves pixels by {one.moved_px:.2g}"
-                )
-        if self.explained:
-            (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
-            found.append(f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)")
-        if self.explained and self.z is not None:
+        if not self.explained:
+            return []
+        (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
+        lines = [one.line() for one in self.properties]
+        lines += [f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)"]
+        if self.z is not None:
             slope, error = self.z
-            follows = "follows the depth" if abs(slope - 1) < max(0.25, SURE * error) else "does not follow the depth"
-            found.append(f"  z          {follows}: slope {slope:.2f} +- {1.96 * error:.2f}")
-        if self.code():
-            found += ["Read them so:", *(f"    {line}" for line in self.code())]
-        return found
+            follows = "as the depth changes" if abs(slope - 1) < max(0.25, SURE * error) else "not as the depth changes"
+            lines.append(f"  z          {follows}: slope {slope:.2f} +- {1.96 * error:.2f}")
+        code = self.code()
+        return [*lines, *(["Read them so:"] if code else []), *(f"    {line}" for line in code)]
 
     def code(self) -> list[str]:
         """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
-        return [] if self.verdict != "wrong" else code_of(self.best, self.frames)
+        return code_of(self.best, self.frames) if self.verdict == "wrong" else []
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
+        found = attrs.asdict(self, filter=lambda field, _: field.name != "frames")
+        told = [one.name for one in self.properties if one.told] if self.explained else []
         return {
             "verdict": self.verdict,
-            "convention": attrs.asdict(self.best),
+            **found,
             "stated": attrs.asdict(self.frames.stated),
             "explained": self.explained,
-            "rivals": [attrs.asdict(one) for one in self.rivals],
-            "properties": [{**attrs.asdict(one), "told": one.told} for one in self.properties],
-            "contradictions": {**attrs.asdict(self.contradictions), "reasons": self.contradictions.reasons()},
-            "z": None if self.z is None else {"slope": self.z[0], "error": self.z[1]},
+            "reasons": self.contradictions.reasons(),
+            "told": told,
             "pairs": len(self.frames.pairs),
             "code": self.code(),
         }
@@ -181,17 +170,16 @@ def code_of(found: Convention, frames: MotionFrames) -> list[str]:
     if found.unit == METRES:
         lines += [
             f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
-            "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // both without jitter, Vulkan's",
+            "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
             "motion.xyz = ndcPosition - then.xyz / then.w;",
         ]
     else:
         units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / now.size[0], 2 / now.size[1])}[found.unit]
         factors = (back * units[0], back * down * units[1], back)
         for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
-            numbers = ", ".join(f"{value * factor:.9g}f" if "." in f"{value * factor:.9g}" else f"{value * factor:.9g}.0f"
-                                for value, factor in zip(stated, factors, strict=True))  # fmt: skip
+            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
             if name == "Scale" or any(stated):
-                lines.append(f"info.motionVector{name} = {{{numbers}, 0.0f}};  // XrFrameSynthesisInfoEXT")
+                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
         lines.append(
             "// XR_FB_space_warp has no scale: " + "motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors)
         )
@@ -260,7 +248,7 @@ def _property(
     value = getattr(best, name)
     moved = float(np.nanmedian(np.linalg.norm(apart, axis=-1)))
     return Property(
-        name, value, value == getattr(frames.stated, name), margins[nearest], text_of(others[nearest]), moved
+        name, value, value == getattr(frames.stated, name), others[nearest], margins[nearest], moved
     )
 
 
@@ -279,7 +267,6 @@ def _contradictions(found: list[Found]) -> Contradictions:
         elsewhere,
         missed,
         judged,
-        float(np.mean([one.seen.mean() for one in found])),
         (factors[0][0], factors[1][0]),
         (factors[0][1], factors[1][1]),
     )
@@ -302,16 +289,16 @@ def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.b
     """
     pair, gradient, bright = found.pair, found.gradient, np.nan_to_num(found.bright)
     steep = np.linalg.norm(gradient, axis=-1)
-    weight = (found.seen & pair.one_surface) / (1 + (bright / (4 * NOISE + steep)) ** 2)
+    weight = (found.seen & pair.one_surface) / (1 + (bright / (4 * _NOISE + steep)) ** 2)
     sums = [np.bincount(pair.block.ravel(), (weight * one).ravel(), pair.block_count)
             for one in (*(gradient[..., i] * gradient[..., j] for i in (0, 1) for j in (0, 1)),
                         *(gradient[..., i] * bright for i in (0, 1)))]  # fmt: skip
     matrix = np.stack(sums[:4], axis=-1).reshape(-1, 2, 2)
     shift = np.linalg.solve(matrix + 1e-5 * np.eye(2), np.stack(sums[4:], axis=-1)[..., None])[..., 0]
-    variance = _SHARED * NOISE**2
+    variance = _SHARED * _NOISE**2
     sure = np.einsum("ni,nij,nj->n", shift, matrix, shift) / variance
     known = np.linalg.eigvalsh(matrix)[:, 1] > variance / _KNOWN_PX**2
-    off = known & (sure > 25) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
+    off = known & (sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
     way = (found.uv - pair.uv) * pair.now.size
     counted = weight > 0
     ways = [_by_block(pair, np.where(counted, np.nan_to_num(way[..., k]), 0), counted.astype(float)) for k in (0, 1)]
@@ -319,7 +306,7 @@ def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.b
 
 
 def _claims(found: Found) -> NDArray[np.bool_]:
-    """Return the blocks in which vectors leave the way of head and depth, and the pictures do not."""
+    """Return the blocks whose vectors leave the way of head and depth, and whose pictures do not."""
     pair = found.pair
     still = pair.still_found
     apart = np.linalg.norm((found.uv - still.uv) * pair.now.size, axis=-1)
@@ -353,7 +340,7 @@ def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | N
 
 
 def motion_mismatch(verdict: Verdict) -> NDArray[np.uint8]:
-    """Return a strip: a frame, the one before, that one moved as stated and as found, and what differs."""
+    """Return a strip: a frame, the one before, and that one moved as stated and as found."""
     now, before = verdict.frames.pairs[-1]
     pair, panels = Pair(now, before), [("one frame", now.colour), ("the one before", before.colour)]
     for words, convention in {"as stated": verdict.frames.stated, "nearest": verdict.best}.items():
