@@ -15,8 +15,9 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
-from ..colour import srgb8_from_linear
+from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import InputError
 from ..geometry import DepthLayer, Fov, Pose, View
 from ..options.named_files import PICTURE_FILE, named_in, opened
@@ -39,6 +40,8 @@ PROPERTIES = {
     "jitter": ((OUT, IN), "jitter"),
 }
 _ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
+# Pixels of colour: what is finer differs by sampling alone, what is coarser is light and shadow.
+_BLUR_PX = (1.0, 6.0)
 _TWO = "XR_FRAME_SYNTHESIS_INFO_USE_2D_MOTION_VECTOR_BIT_EXT"
 _VECTORS = ("motion", "vector", "velocity", "flow")  # layers of an EXR file that may hold them
 _PLANES, _FAR = ("minDepth", "maxDepth", "nearZ", "farZ"), "Infinity"
@@ -109,6 +112,19 @@ class MotionFrame:
             return self.planes.inverse_depth(self.depth)
         with np.errstate(divide="ignore"):
             return np.where(self.depth > 0, 1 / self.depth, np.nan)
+
+    @cached_property
+    def depth_around(self) -> tuple[Array, Array]:
+        """The largest and the smallest inverse depth within a pixel of each."""
+        depth = np.nan_to_num(self.inverse_depth)
+        return np.asarray(ndimage.maximum_filter(depth, 3)), np.asarray(ndimage.minimum_filter(depth, 3))
+
+    @cached_property
+    def brightness(self) -> Array:
+        """(H, W) brightness without its finest detail and its shade."""
+        root = np.sqrt(linear_from_srgb(self.colour).mean(axis=2).astype(np.float64))
+        fine, shade = (np.asarray(ndimage.gaussian_filter(root, blur)) for blur in _BLUR_PX)
+        return fine - shade
 
     def view_before(self, before: MotionFrame) -> View:
         """Return the view of the frame before, in the space of this one."""

@@ -10,12 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..colour import linear_from_srgb
 from ..geometry import View
 from .motion_frames import DOWN, FORWARD, METRES, NDC, OUT, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrame
 
-# Pixels of colour: what is finer differs by sampling alone, what is coarser is light and shadow.
-_BLUR_PX = (1.0, 6.0)
 BLOCKS = (20, 15)  # of a picture, across and down
 SCORED = 5000  # pixels of each frame by which candidates are told apart
 EDGE_PX, EDGE = 3, 1.15  # pixels around, and ratio of distances: another surface is near
@@ -93,26 +90,14 @@ class Pair:
         return np.asarray(self.inverse / np.maximum(-self.still[..., 2], 1e-6))
 
     @cached_property
-    def edges(self) -> tuple[Array, Array]:
-        """The largest and the smallest inverse depth around each pixel of the frame before."""
-        depth = np.nan_to_num(self.before.inverse_depth)
-        return np.asarray(ndimage.maximum_filter(depth, 3)), np.asarray(ndimage.minimum_filter(depth, 3))
-
-    @cached_property
     def then_view(self) -> View:
         """The view of the frame before."""
         return self.now.view_before(self.before)
 
     @cached_property
-    def bright(self) -> tuple[Array, Array]:
-        """The pictures' brightness, without their finest detail: now, before."""
-        one, other = (brightness(frame) for frame in (self.now, self.before))
-        return one, other
-
-    @cached_property
     def bright_now(self) -> Array:
         """(h, w) of the frame itself."""
-        return at(self.bright[0], self.uv)
+        return at(self.now.brightness, self.uv)
 
     def places(self, convention: Convention) -> Array:
         """Return (h, w, 2) where each pixel was in the picture before, 0 to 1, y down."""
@@ -145,13 +130,6 @@ def uv_of(view: View, points: Array) -> Array:
     away = np.where(points[..., 2] < 0, -points[..., 2], np.nan)
     x, y = points[..., 0] / away, points[..., 1] / away
     return np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
-
-
-def brightness(frame: MotionFrame) -> Array:
-    """Return (H, W) of a picture's brightness without its finest detail and its shade."""
-    root = np.sqrt(linear_from_srgb(frame.colour).mean(axis=2).astype(np.float64))
-    fine, shade = (np.asarray(ndimage.gaussian_filter(root, blur)) for blur in _BLUR_PX)
-    return fine - shade
 
 
 def at(picture: Array, uv: Array) -> Array:
@@ -197,14 +175,14 @@ class Found:
     def at(cls, pair: Pair, uv: Array) -> Found:
         """Return what is at these places of the picture before."""
         expected = pair.expected
-        nearest, farthest = (at_nearest(edge, uv) for edge in pair.edges)
+        nearest, farthest = (at_nearest(edge, uv) for edge in pair.before.depth_around)
         within = inside(uv) & np.isfinite(expected)
         return cls(
             pair,
             uv,
             within & (nearest <= expected * (1 + _SURFACE) + _FAR),
             within & (nearest < expected * (1 - _SURFACE) - _FAR),
-            pair.bright_now - at(pair.bright[1], uv),
+            pair.bright_now - at(pair.before.brightness, uv),
             (at_nearest(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
         )
 
@@ -217,6 +195,6 @@ class Found:
     @cached_property
     def gradient(self) -> Array:
         """(h, w, 2) change of the brightness before, per pixel of colour to the right and down."""
-        other = self.pair.bright[1]
+        other = self.pair.before.brightness
         steps = np.diag(1 / np.array(self.pair.now.size))
         return np.stack([np.nan_to_num(at(other, self.uv + s) - at(other, self.uv - s)) / 2 for s in steps], axis=-1)

@@ -15,6 +15,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+from scenes.glb import Glb
+from scipy import ndimage
+from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View
@@ -23,7 +26,7 @@ from hmdwarp.sources.server import Server
 
 Array = NDArray[np.float64]
 SIZE, LOW = (320, 240), (160, 120)  # of colour; of vectors and depth
-NEAR, FAR = 0.1, 100.0
+NEAR, FAR = 0.1, 1000.0
 SKY_M = FAR  # where a sky lies, as a depth buffer has it
 CONVENTIONS = tuple(
     product(("ndc", "uv", "pixels", "metres"), ("down", "up"), ("current - previous", "previous - current"),
@@ -202,13 +205,36 @@ def write_folder(folder: Path, frames: list[TrueFrame], read: tuple[str, str, st
     return folder
 
 
-def walking_head(at: tuple[float, float, float], yaw: float, count: int = 4, step_s: float = 0.05) -> list[View]:
+def walking_head(at: tuple[float, float, float], count: int = 4, step_s: float = 0.05) -> list[View]:
     """A head that turns, nods, rolls and walks."""
-    from scipy.spatial.transform import Rotation
-
     found = []
     for seconds in np.arange(count) * step_s:
-        turn = Rotation.from_euler("yxz", (yaw + 0.6 * seconds, -0.12 + 0.4 * seconds, 0.12 * seconds))
+        turn = Rotation.from_euler("yxz", (0.6 * seconds, -0.12 + 0.4 * seconds, 0.12 * seconds))
         place = np.array(at) + seconds * np.array((0.5, 0.25, -0.6))
         found.append(View(Pose(place, turn.as_quat()), Fov(-0.75, 0.7, -0.6, 0.62)))
     return found
+
+
+def skinned_glb() -> Glb:
+    """A sheet that a joint swings, before a wall and a floor, all of coarse noise."""
+
+    def noise(seed: int, tint: tuple[float, float, float]) -> NDArray[np.uint8]:
+        values = ndimage.gaussian_filter(np.random.default_rng(seed).random((128, 128, 3)), (1.2, 1.2, 0), mode="wrap")
+        return np.uint8(255 * (values - values.min()) / np.ptp(values) * tint)
+
+    made = Glb()
+    kinds = [{"baseColorTexture": made.texture(noise(*of))} for of in ((1, (1, 0.6, 0.4)), (2, (0.5, 0.8, 1)))]
+    made.material(pbrMetallicRoughness=kinds[0], doubleSided=True)
+    made.header["materials"].append({"pbrMetallicRoughness": kinds[1], "doubleSided": True})
+    made.skin(weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 0, 0)))
+    made.header["nodes"][1]["translation"] = [0, 1, -3]
+    made.animate("rotation", [0, 1], [(0, 0, np.sin(half), np.cos(half)) for half in (-0.4, 0.4)], node=2)
+    uv = np.array([(0, 3), (3, 3), (3, 0), (0, 0)], np.float32)
+    wall = [(-8, -3, -3), (8, -3, -3), (8, 6, -3), (-8, 6, -3)]
+    for corners in (wall, [(-8, -1.2, 6), (8, -1.2, 6), (8, -1.2, -3), (-8, -1.2, -3)]):
+        attributes = {"POSITION": made.numbers(np.array(corners, np.float32)), "TEXCOORD_0": made.numbers(uv)}
+        primitive = {"attributes": attributes, "indices": made.primitive["indices"], "material": 1}
+        made.header["meshes"].append({"primitives": [primitive]})
+        made.header["nodes"].append({"mesh": len(made.header["meshes"]) - 1, "translation": [0, 1, -3]})
+        made.header["scenes"][0]["nodes"].append(len(made.header["nodes"]) - 1)
+    return made
