@@ -247,9 +247,7 @@ def _property(
     apart = (pair.places(others[nearest]) - pair.places(best)) * pair.now.size
     value = getattr(best, name)
     moved = float(np.nanmedian(np.linalg.norm(apart, axis=-1)))
-    return Property(
-        name, value, value == getattr(frames.stated, name), others[nearest], margins[nearest], moved
-    )
+    return Property(name, value, value == getattr(frames.stated, name), others[nearest], margins[nearest], moved)
 
 
 def _contradictions(found: list[Found]) -> Contradictions:
@@ -298,7 +296,7 @@ def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.b
     variance = _SHARED * _NOISE**2
     sure = np.einsum("ni,nij,nj->n", shift, matrix, shift) / variance
     known = np.linalg.eigvalsh(matrix)[:, 1] > variance / _KNOWN_PX**2
-    off = known & (sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
+    off = (sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
     way = (found.uv - pair.uv) * pair.now.size
     counted = weight > 0
     ways = [_by_block(pair, np.where(counted, np.nan_to_num(way[..., k]), 0), counted.astype(float)) for k in (0, 1)]

@@ -8,6 +8,7 @@ import re
 import attrs
 import numpy as np
 import pytest
+from commands import hmdwarp
 from PIL import Image
 from reference.motion_frames import (
     CONVENTIONS,
@@ -76,7 +77,7 @@ def test_each_of_32_conventions_is_named_from_four_frames(true, scene):
         assert attrs.astuple(verdict.best) == convention, verdict.headline()
         assert verdict.verdict == ("right" if convention == EXTENSION else "wrong"), verdict.headline()
         assert all(one.told for one in verdict.properties), (convention, verdict.lines())
-        # Exact but for half floats: the factor is 1 within its interval and 1 %, z that of the depth.
+        # Exact but for half floats: the factor is 1 within 1 %, z that of the depth.
         assert np.abs(np.array(verdict.contradictions.factor) - 1).max() < 0.01
         assert verdict.z is None or abs(verdict.z[0] - 1) < 0.05
 
@@ -210,16 +211,16 @@ def test_the_line_to_change_makes_them_those_of_the_extension(true):
         assert attrs.evolve(read.best, jitter="out") == Convention() and read.best.jitter == convention[3], line
 
 
-def test_a_folder_is_read_as_it_is_stated_and_the_command_says_what_is_wrong(true, command, tmp_path):
+def test_a_folder_is_read_as_it_is_stated_and_the_command_says_what_is_wrong(true, tmp_path):
     frames, read = true["parade"], ("uv", "up", "previous - current", "in")
     folder = write_folder(tmp_path / "frames", frames, read)
     picture = tmp_path / "found.png"
-    done = command("check", "--motion", folder, "--out", picture).done().out
+    done = hmdwarp("check", "--motion", folder, "--out", picture).stdout
     assert done.startswith("wrong: unit, y axis, direction and jitter.") and picture.exists()
     assert "info.motionVectorScale = {-2, 2, -1, 0}" in done and "standard errors ahead)  <- not as stated" in done
     stated = dict(zip(("unit", "y", "sign", "jitter"), read, strict=True))
     write_folder(folder, frames, read, convention=stated)
-    data = json.loads(command("check", "--motion", folder, "--json").done().out)
+    data = json.loads(hmdwarp("check", "--motion", folder, "--json").stdout)
     assert data["verdict"] == "right" and data["told"] == [*stated] and data["code"] == []
 
 
@@ -244,9 +245,9 @@ def test_depth_of_16_bits_scales_offsets_and_sub_images_are_read(true, tmp_path)
 
 
 def test_blender_s_layers_are_read_as_they_are(true, tmp_path):
-    """Its manual, Render Passes: Z is the distance, Vector the motion in pixels to the frames before and after.
+    """Source: Blender 4.2 Manual, Render Passes: Z is the distance, Vector the motion in pixels.
 
-    EXR of several layers names them VIEWLAYER.PASS.CHANNEL, light is linear.
+    To the frame before (X, Y) and after (Z, W); EXR names VIEWLAYER.PASS.CHANNEL, light is linear.
     """
     exr = pytest.importorskip("OpenEXR")
     frames = [attrs.evolve(frame, jitter=np.zeros(2)) for frame in true["skinned"]]
@@ -292,9 +293,9 @@ def test_what_does_not_fit_is_refused(true, tmp_path, change, message):
 
 
 def test_a_frame_is_made_of_vectors_in_any_convention_and_of_a_space_that_moves(true):
-    """By its vectors the swinging sheet, an eighth of the picture, is where it is then: 2 dB and more.
+    """By its vectors the swinging sheet, an eighth of the picture, is where it is: 2 dB and more.
 
-    The application turns and moves its space before the third frame: poses are those of the head in it.
+    The application turns and moves its space before the third frame; poses are in that space.
     """
     frames = true["skinned"]
     moved = Pose((0.3, -0.1, 2.0), Rotation.from_euler("y", 40, degrees=True).as_quat())
@@ -312,10 +313,11 @@ def test_a_frame_is_made_of_vectors_in_any_convention_and_of_a_space_that_moves(
         assert made[2].truth is None and made[2].time_ns == frames[3].time_ns + STEP_NS
 
 
-def test_the_command_writes_frames_and_their_error(true, command, tmp_path):
+def test_the_command_writes_frames_and_their_error(true, tmp_path):
     folder = write_folder(tmp_path / "frames", true["skinned"][:3], EXTENSION)
-    done = command("synthesise", folder, "--at", -1, "--out", tmp_path / "made").done()
+    done = hmdwarp("synthesise", folder, "--at", -1, "--out", tmp_path / "made")
     rows = json.loads((tmp_path / "made" / "synthesis.json").read_text())["frames"]
-    assert [row["truth"] for row in rows] == ["0.png", "1.png"] and done.out.count("PSNR") == 2
+    assert [row["truth"] for row in rows] == ["0.png", "1.png"] and done.stdout.count("PSNR") == 2
     assert Image.open(tmp_path / "made" / rows[0]["file"]).size == SIZE
-    command("synthesise", folder, "--at", 3, "--out", tmp_path / "far").refused("--at 3", "-1 to 2")
+    refused = hmdwarp("synthesise", folder, "--at", 3, "--out", tmp_path / "far")
+    assert refused.returncode == 2 and "--at 3: expected -1 to 2" in refused.stderr
