@@ -87,8 +87,7 @@ class MotionFrame:
     def __attrs_post_init__(self) -> None:
         for name, array, shapes in (("depth", self.depth, ((),)), ("motion", self.vectors, ((2,), (3,), (4,)))):
             if array is not None and (array.ndim < 2 or array.shape[2:] not in shapes or not array.size):
-                raise InputError(f"{self.name}: {name} has shape {array.shape}: expected (h, w), of vectors x and y, "
-                                 "or x, y and z of each")  # fmt: skip
+                raise InputError(f"{self.name}: {name} has shape {array.shape}: expected (h, w), and 2 to 4 for motion")
         if self.vectors is not None and self.depth is None:
             raise InputError(f"{self.name}: motion vectors without depth: expected both, of any resolution")
 
@@ -114,17 +113,15 @@ class MotionFrame:
             return np.where(self.depth > 0, 1 / self.depth, np.nan)
 
     @cached_property
-    def depth_around(self) -> tuple[Array, Array]:
-        """The largest and the smallest inverse depth within a pixel of each."""
-        depth = np.nan_to_num(self.inverse_depth)
-        return np.asarray(ndimage.maximum_filter(depth, 3)), np.asarray(ndimage.minimum_filter(depth, 3))
+    def nearest_around(self) -> Array:
+        """(h, w) the largest inverse depth within a pixel."""
+        return np.asarray(ndimage.maximum_filter(np.nan_to_num(self.inverse_depth), 3))
 
     @cached_property
     def brightness(self) -> Array:
         """(H, W) brightness without its finest detail and its shade."""
         root = np.sqrt(linear_from_srgb(self.colour).mean(axis=2).astype(np.float64))
-        fine, shade = (np.asarray(ndimage.gaussian_filter(root, blur)) for blur in _BLUR_PX)
-        return fine - shade
+        return np.asarray(np.subtract(*(ndimage.gaussian_filter(root, blur) for blur in _BLUR_PX)))
 
     def view_before(self, before: MotionFrame) -> View:
         """Return the view of the frame before, in the space of this one."""
@@ -143,9 +140,7 @@ class MotionFrames:
         if any(later <= one for one, later in zip(times, times[1:], strict=False)):
             raise InputError("frames: displayTime does not rise: expected the frames in the order of time")
         if not self.pairs:
-            raise InputError(
-                f"{len(times)} frames: expected two or more with depth, and with motion from the second on"
-            )
+            raise InputError(f"{len(times)} frames: expected two or more with depth, with motion from the second on")
         if len({frame.size for frame in self.frames}) > 1:
             raise InputError(f"frames have colour of {sorted({f.size for f in self.frames})} pixels: expected one size")
 
@@ -165,32 +160,21 @@ def read_motion(path: Path) -> MotionFrames:
         raise InputError(f"{where}: frames: expected a list of objects, one for each frame")
     if not isinstance(stated, dict) or not stated.keys() <= PROPERTIES.keys():
         raise InputError(f"{where}: convention is {stated}: expected an object of {', '.join(PROPERTIES)}")
-    found = [
-        _frame(f"{where}: frame {number}", where.parent, {**_USUAL, **data, **row}) for number, row in enumerate(rows)
-    ]
+    folder = where.parent
+    found = [_frame(f"{where}: frame {k}", folder, {**_USUAL, **data, **row}) for k, row in enumerate(rows)]
     return MotionFrames(found, Convention(**stated))
 
 
+_KEYS = ("colour", "depth", "motion", "pose", "fov", "displayTime", "subImage", "motionVectorSubImage", "depthSubImage")
 # What a frame is without its key; None: there must be one, or there is none.
 _USUAL: dict[str, Any] = {
-    "colour": None,
-    "depth": None,
-    "motion": None,
-    "pose": None,
-    "fov": None,
-    "displayTime": None,
+    **dict.fromkeys(_KEYS),
     "jitter": (0, 0),
     "layerFlags": (),
     "motionVectorScale": (1, 1, 1, 0),
     "motionVectorOffset": (0, 0, 0, 0),
     "appSpaceDeltaPose": {"position": (0, 0, 0), "orientation": (0, 0, 0, 1)},
-    "subImage": None,
-    "motionVectorSubImage": None,
-    "depthSubImage": None,
-    "minDepth": 0.0,
-    "maxDepth": 1.0,
-    "nearZ": 0.1,
-    "farZ": _FAR,
+    **dict(zip(_PLANES, (0.0, 1.0, 0.1, _FAR), strict=True)),
     "depthUnit": "buffer",
 }
 
@@ -206,8 +190,7 @@ def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
             raise InputError(f"{at}: {key} is {row[key]!r}: expected the name of a file")
         return _cut(at, read(named_in(folder, row[key])), row[image])
 
-    vectors = picture("motion", "motionVectorSubImage", _vectors)
-    colour = picture("colour", "subImage", _colour)
+    colour, vectors = picture("colour", "subImage", _colour), picture("motion", "motionVectorSubImage", _vectors)
     assert colour is not None, "refused above"
     planes = [math.inf if row[key] == _FAR else number_of(at, key, row[key]) for key in _PLANES]
     return MotionFrame(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,12 +12,13 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from ..geometry import View
-from .motion_frames import DOWN, FORWARD, METRES, NDC, OUT, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrame
+from .motion_frames import DOWN, FORWARD, METRES, NDC, OUT, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrame, Size
 
-BLOCKS = (20, 15)  # of a picture, across and down
+_ACROSS, _DOWN = 20, 15  # blocks of a picture
+BLOCKS = _ACROSS * _DOWN
 SCORED = 5000  # pixels of each frame by which candidates are told apart
-EDGE_PX, EDGE = 3, 1.15  # pixels around, and ratio of distances: another surface is near
-MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something else was there
+_EDGE_PX, _EDGE = 3, 1.15  # pixels around, and ratio of distances: another surface is near
+_MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something else was there
 _FAR = 1e-3  # 1/m: what differs by less is equally far
 _SURFACE = 0.06  # share of the depth: what differs by less may be one surface that came nearer by itself
 
@@ -34,48 +36,31 @@ class Pair:
     @cached_property
     def uv(self) -> Array:
         """(h, w, 2) places in the picture, 0 to 1, y down."""
-        high, wide = self.now.motion.shape[:2]
-        rows, columns = (np.arange(self.step // 2, count, self.step) + 0.5 for count in (high, wide))
-        return np.stack(np.meshgrid(columns / wide, rows / high), axis=-1)
+        first, (high, wide) = self.step // 2, self.now.motion.shape[:2]
+        return grid((wide, high))[first :: self.step, first :: self.step]
 
     @cached_property
     def block(self) -> NDArray[np.intp]:
         """(h, w) number of the block of the picture."""
-        across, down = (self.uv[..., k] * count // 1 for k, count in enumerate(BLOCKS))
-        return np.asarray(down * BLOCKS[0] + across, np.intp)
-
-    @property
-    def block_count(self) -> int:
-        """How many blocks there are."""
-        return BLOCKS[0] * BLOCKS[1]
+        across, down = (self.uv * (_ACROSS, _DOWN)).astype(np.intp).transpose(2, 0, 1)
+        return np.asarray(down * _ACROSS + across)
 
     @cached_property
     def one_surface(self) -> NDArray[np.bool_]:
         """(h, w) whether no other surface is near in the picture."""
-        depth, wide = np.nan_to_num(self.inverse), 2 * EDGE_PX + 1
+        depth, wide = np.nan_to_num(self.inverse), 2 * _EDGE_PX + 1
         nearest, farthest = ndimage.maximum_filter(depth, wide), ndimage.minimum_filter(depth, wide)
-        return np.asarray(nearest < farthest * EDGE + 10 * _FAR)
-
-    @cached_property
-    def still_found(self) -> Found:
-        """What the head and the depth alone find."""
-        jitter = np.array(self.before.jitter) / self.before.size
-        return Found.at(self, uv_of(self.then_view, self.still) + jitter)
-
-    def before_inverse(self, uv: Array) -> Array:
-        """Return 1/m of the frame before at places, bilinear; NaN outside."""
-        return at(self.before.inverse_depth, uv)
+        return np.asarray(nearest < farthest * _EDGE + 10 * _FAR)
 
     @cached_property
     def inverse(self) -> Array:
         """(h, w) 1/m of the frame's own depth there, NaN for none."""
-        return at_nearest(self.now.inverse_depth, self.uv)
+        return nearest_at(self.now.inverse_depth, self.uv)
 
     @cached_property
     def vectors(self) -> Array:
         """(h, w, 2 or 3)."""
-        first = self.step // 2
-        return self.now.motion[first :: self.step, first :: self.step]
+        return self.now.motion[self.step // 2 :: self.step, self.step // 2 :: self.step]
 
     @cached_property
     def still(self) -> Array:
@@ -97,7 +82,7 @@ class Pair:
     @cached_property
     def bright_now(self) -> Array:
         """(h, w) of the frame itself."""
-        return at(self.now.brightness, self.uv)
+        return sampled(self.now.brightness, self.uv)
 
     def places(self, convention: Convention) -> Array:
         """Return (h, w, 2) where each pixel was in the picture before, 0 to 1, y down."""
@@ -117,6 +102,11 @@ class Pair:
         return then + before if off else then
 
 
+def grid(size: Size) -> Array:
+    """Return (h, w, 2) centres of a picture's pixels, 0 to 1, y down."""
+    return np.stack(np.meshgrid(*((np.arange(count) + 0.5) / count for count in size)), axis=-1)
+
+
 def along_of(view: View, uv: Array) -> Array:
     """Return (.., 3) directions in the eye through places of the picture, z = -1."""
     left, right, down, up = view.fov.tangents
@@ -132,7 +122,7 @@ def uv_of(view: View, points: Array) -> Array:
     return np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
 
 
-def at(picture: Array, uv: Array) -> Array:
+def sampled(picture: Array, uv: Array) -> Array:
     """Return a picture's values at places, bilinear; NaN outside."""
     high, wide = picture.shape
     where = np.stack([uv[..., 1] * high - 0.5, uv[..., 0] * wide - 0.5])
@@ -140,11 +130,11 @@ def at(picture: Array, uv: Array) -> Array:
     return np.where(inside(uv), found, np.nan)
 
 
-def at_nearest(picture: Array, uv: Array) -> Array:
+def nearest_at(picture: NDArray[Any], uv: Array) -> NDArray[Any]:
     """Return a picture's values of the nearest pixels, those at the border outside."""
     high, wide = picture.shape[:2]
     column, row = (np.clip(np.nan_to_num(uv[..., k]) * n, 0, n - 1).astype(np.intp) for k, n in enumerate((wide, high)))
-    return picture[row, column]
+    return np.asarray(picture[row, column])
 
 
 def inside(uv: Array) -> NDArray[np.bool_]:
@@ -169,32 +159,28 @@ class Found:
     @classmethod
     def of(cls, pair: Pair, convention: Convention) -> Found:
         """Return what a convention finds."""
-        return cls.at(pair, pair.places(convention))
-
-    @classmethod
-    def at(cls, pair: Pair, uv: Array) -> Found:
-        """Return what is at these places of the picture before."""
-        expected = pair.expected
-        nearest, farthest = (at_nearest(edge, uv) for edge in pair.before.depth_around)
-        within = inside(uv) & np.isfinite(expected)
+        uv, expected = pair.places(convention), pair.expected
+        nearest, within = nearest_at(pair.before.nearest_around, uv), inside(uv) & np.isfinite(expected)
         return cls(
             pair,
             uv,
             within & (nearest <= expected * (1 + _SURFACE) + _FAR),
             within & (nearest < expected * (1 - _SURFACE) - _FAR),
-            pair.bright_now - at(pair.before.brightness, uv),
-            (at_nearest(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
+            pair.bright_now - sampled(pair.before.brightness, uv),
+            (nearest_at(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
         )
 
     @cached_property
     def missed(self) -> NDArray[np.bool_]:
         """Where something of another colour was."""
         steep = np.linalg.norm(self.gradient, axis=-1)
-        return np.asarray(self.seen & (np.abs(np.nan_to_num(self.bright)) > MISSED + 0.75 * steep))
+        return np.asarray(self.seen & (np.abs(np.nan_to_num(self.bright)) > _MISSED + 0.75 * steep))
 
     @cached_property
     def gradient(self) -> Array:
         """(h, w, 2) change of the brightness before, per pixel of colour to the right and down."""
         other = self.pair.before.brightness
         steps = np.diag(1 / np.array(self.pair.now.size))
-        return np.stack([np.nan_to_num(at(other, self.uv + s) - at(other, self.uv - s)) / 2 for s in steps], axis=-1)
+        return np.stack(
+            [np.nan_to_num(sampled(other, self.uv + s) - sampled(other, self.uv - s)) / 2 for s in steps], axis=-1
+        )

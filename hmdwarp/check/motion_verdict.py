@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from typing import Any
 
 import attrs
@@ -13,7 +14,7 @@ from scipy import ndimage
 from ..errors import listed
 from ..report import labelled_strip, magma
 from .motion_frames import BACKWARD, DOWN, IN, METRES, NDC, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrames
-from .motion_places import CANDIDATES, SCORED, Found, Pair, at_nearest, inside
+from .motion_places import BLOCKS, CANDIDATES, SCORED, Found, Pair, grid, inside, nearest_at, sampled
 from .search import SURE
 
 # Of the brightness: sampling and 8 bits leave half of it on the library's scenes.
@@ -23,8 +24,6 @@ _SCORE_NOISE, _DEPTH_NOISE = 0.01, 0.03
 _SHARED = 9.0  # pixels of a blurred picture that count as one
 # How well a block tells a shift, and a shift that contradicts the vectors, beyond 5 deviations.
 _KNOWN_PX, _OFF_PX, _SURELY = 0.1, 0.35, 25
-_OWN_PX = 0.4  # vectors that leave the way of head and depth by more claim that something moves by itself
-_CLAIMED = 0.05  # mean cost by which the pictures contradict such claims
 _LEAST_BLOCKS = 30  # that must tell a shift
 # The most that a right convention leaves. Exact vectors of rendered scenes leave nothing of the
 # first two, and half of the third: moving shadows and highlights.
@@ -78,9 +77,8 @@ class Property:
         label = f"  {PROPERTIES[self.name][1]:<9}  "
         if not self.told:
             return f"{label}cannot be told from {text_of(self.other)}: that moves pixels by {self.moved_px:.2g}"
-        return f"{label}{self.value}  ({self.margin:.0f} standard errors ahead)" + "  <- not as stated" * (
-            not self.as_stated
-        )
+        mark = "" if self.as_stated else "  <- not as stated"
+        return f"{label}{self.value}  ({self.margin:.0f} standard errors ahead){mark}"
 
 
 @attrs.frozen(eq=False)
@@ -112,13 +110,10 @@ class Verdict:
         """Return the verdict in one sentence."""
         count, best = f"{len(self.frames.pairs)} pairs of frames", text_of(self.best)
         if not self.explained:
-            return (
-                f"cannot be told: no convention of {len(CANDIDATES)} explains the next frame. With the nearest "
-                f"({best}), {listed(self.contradictions.reasons())} ({count})"
-            )
+            why = listed(self.contradictions.reasons())
+            return f"cannot be told: no convention explains the next frame. With the nearest ({best}), {why} ({count})"
         if self.rivals:
-            choices = " or ".join(map(text_of, (self.best, *self.rivals)))
-            return f"cannot be told: {choices} explain the next frame equally well ({count})"
+            return f"cannot be told: {' or '.join([best, *map(text_of, self.rivals)])} explain it as well ({count})"
         wrong = listed([PROPERTIES[one.name][1] for one in self.properties if not one.as_stated])
         return f"{f'wrong: {wrong}' if wrong else 'right'}. The vectors explain the next frame as {best} ({count})"
 
@@ -142,18 +137,9 @@ class Verdict:
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
-        found = attrs.asdict(self, filter=lambda field, _: field.name != "frames")
         told = [one.name for one in self.properties if one.told] if self.explained else []
-        return {
-            "verdict": self.verdict,
-            **found,
-            "stated": attrs.asdict(self.frames.stated),
-            "explained": self.explained,
-            "reasons": self.contradictions.reasons(),
-            "told": told,
-            "pairs": len(self.frames.pairs),
-            "code": self.code(),
-        }
+        about = {"verdict": self.verdict, "told": told, "reasons": self.contradictions.reasons(), "code": self.code()}
+        return about | attrs.asdict(self, filter=lambda field, _: field.name != "frames")
 
 
 def text_of(convention: Convention) -> str:
@@ -180,29 +166,25 @@ def code_of(found: Convention, frames: MotionFrames) -> list[str]:
             numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
             if name == "Scale" or any(stated):
                 lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
-        lines.append(
-            "// XR_FB_space_warp has no scale: " + "motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors)
-        )
+        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
     if found.jitter == IN and found.unit != METRES:
-        wide, high = now.size
         lines.append(
-            f"motion.xy -= (jitter - previousJitter) * vec2(2.0 / {wide}.0, 2.0 / {high}.0);  // then; pixels, y down"
+            "motion.xy -= (jitter - previousJitter) * vec2(2.0 / {}, 2.0 / {});  // pixels, y down".format(*now.size)
         )
     return lines
 
 
 def check_motion(frames: MotionFrames) -> Verdict:
     """Return which candidate explains each next frame, by colour and by depth."""
-    pairs = [
-        Pair(now, before, max(1, round(math.sqrt(now.motion[..., 0].size / SCORED)))) for now, before in frames.pairs
-    ]
+    full = [Pair(now, before) for now, before in frames.pairs]
+    pairs = [attrs.evolve(one, step=max(1, round(math.sqrt(one.vectors[..., 0].size / SCORED)))) for one in full]
     costs = {one: np.concatenate([_by_block(pair, _cost(Found.of(pair, one))) for pair in pairs]) for one in CANDIDATES}
     least = min(costs, key=lambda one: float(costs[one].sum()))
     alike = [one for one in CANDIDATES if _margin(costs[least], costs[one]) < SURE]
-    order = {one: (_changes(one, frames.stated), float(costs[one].sum())) for one in alike}
+    stated = attrs.astuple(frames.stated)
+    order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
     best = min(alike, key=order.__getitem__)
     rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
-    full = [Pair(now, before) for now, before in frames.pairs]
     found = [Found.of(pair, best) for pair in full]
     return Verdict(
         frames,
@@ -214,15 +196,9 @@ def check_motion(frames: MotionFrames) -> Verdict:
     )
 
 
-def _changes(one: Convention, stated: Convention) -> int:
-    return sum(getattr(one, name) != getattr(stated, name) for name in PROPERTIES)
-
-
-def _by_block(pair: Pair, values: Array, weights: Array | None = None) -> Array:
-    """Return the mean of each block of the picture."""
-    number, count = pair.block.ravel(), pair.block_count
-    total = np.bincount(number, None if weights is None else weights.ravel(), count)
-    return np.bincount(number, values.ravel(), count) / np.maximum(total, 1)
+def _by_block(pair: Pair, values: Array) -> Array:
+    """Return the sum of each block of the picture."""
+    return np.asarray(np.bincount(pair.block.ravel(), np.nan_to_num(values).ravel(), BLOCKS), np.float64)
 
 
 def _cost(found: Found) -> Array:
@@ -241,22 +217,21 @@ def _margin(better: Array, worse: Array) -> float:
 def _property(
     frames: MotionFrames, name: str, best: Convention, costs: dict[Convention, Array], pair: Pair
 ) -> Property:
-    others = [one for one in costs if getattr(one, name) != getattr(best, name)]
-    margins = [_margin(costs[best], costs[one]) for one in others]
-    nearest = int(np.argmin(margins))
-    apart = (pair.places(others[nearest]) - pair.places(best)) * pair.now.size
     value = getattr(best, name)
-    moved = float(np.nanmedian(np.linalg.norm(apart, axis=-1)))
-    return Property(name, value, value == getattr(frames.stated, name), others[nearest], margins[nearest], moved)
+    margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
+    other = min(margins, key=margins.__getitem__)
+    apart = np.linalg.norm((pair.places(other) - pair.places(best)) * pair.now.size, axis=-1)
+    as_stated = value == getattr(frames.stated, name)
+    return Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart)))
 
 
 def _contradictions(found: list[Found]) -> Contradictions:
     parts = [_shifts(one) for one in found]
     shift, matrix, known, off, way = (np.concatenate([part[k] for part in parts]) for k in range(5))
-    off |= np.concatenate([_claims(one) for one in found])
     judged = int((known | off).sum())
+    two = np.ones((2, 2))  # pixels: less is the edge of something
     elsewhere, missed = (
-        float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
+        float(np.mean([ndimage.binary_opening(getattr(one, name), two).mean() for one in found]))
         for name in ("elsewhere", "missed")
     )
     factors = [_factor(way[known, k], shift[known, k], matrix[known, k, k]) for k in (0, 1)]
@@ -280,7 +255,7 @@ def _factor(way: Array, shift: Array, weight: Array) -> tuple[float, float]:
     return 1 + slope, math.sqrt(scatter) / total
 
 
-def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], Array]:
+def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
     """Return for each block by how many pixels the picture before lies elsewhere, and how sure.
 
     Source: Lucas and Kanade 1981, one step: what is left is below a pixel where vectors are right.
@@ -288,33 +263,17 @@ def _shifts(found: Found) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.b
     pair, gradient, bright = found.pair, found.gradient, np.nan_to_num(found.bright)
     steep = np.linalg.norm(gradient, axis=-1)
     weight = (found.seen & pair.one_surface) / (1 + (bright / (4 * _NOISE + steep)) ** 2)
-    sums = [np.bincount(pair.block.ravel(), (weight * one).ravel(), pair.block_count)
-            for one in (*(gradient[..., i] * gradient[..., j] for i in (0, 1) for j in (0, 1)),
-                        *(gradient[..., i] * bright for i in (0, 1)))]  # fmt: skip
-    matrix = np.stack(sums[:4], axis=-1).reshape(-1, 2, 2)
-    shift = np.linalg.solve(matrix + 1e-5 * np.eye(2), np.stack(sums[4:], axis=-1)[..., None])[..., 0]
+    x, y = gradient[..., 0], gradient[..., 1]
+    xx, xy, yy, xb, yb = (_by_block(pair, weight * one) for one in (x * x, x * y, y * y, x * bright, y * bright))
+    matrix = np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+    shift = np.linalg.solve(matrix + 1e-5 * np.eye(2), np.stack([xb, yb], axis=-1)[..., None])[..., 0]
     variance = _SHARED * _NOISE**2
     sure = np.einsum("ni,nij,nj->n", shift, matrix, shift) / variance
     known = np.linalg.eigvalsh(matrix)[:, 1] > variance / _KNOWN_PX**2
-    off = (sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX)
-    way = (found.uv - pair.uv) * pair.now.size
-    counted = weight > 0
-    ways = [_by_block(pair, np.where(counted, np.nan_to_num(way[..., k]), 0), counted.astype(float)) for k in (0, 1)]
-    return shift, matrix, known, off, np.stack(ways, axis=-1)
-
-
-def _claims(found: Found) -> NDArray[np.bool_]:
-    """Return the blocks whose vectors leave the way of head and depth, and whose pictures do not."""
-    pair = found.pair
-    still = pair.still_found
-    apart = np.linalg.norm((found.uv - still.uv) * pair.now.size, axis=-1)
-    claimed = np.asarray((np.nan_to_num(apart, nan=1e9) > _OWN_PX) & still.seen, float)
-    worse = (_cost(found) - _cost(still)) * claimed
-    mean = _by_block(pair, worse, claimed)
-    error = np.sqrt(_by_block(pair, (worse - mean[pair.block] * claimed) ** 2, claimed))
-    count = np.bincount(pair.block.ravel(), claimed.ravel(), pair.block_count)
-    enough = count > _SHARED
-    return np.asarray(enough & (mean > _CLAIMED) & (mean > SURE * error / np.sqrt(np.maximum(count / _SHARED, 1))))
+    off = np.asarray((sure > _SURELY) & (np.linalg.norm(shift, axis=1) > _OFF_PX))
+    way = np.where(weight[..., None] > 0, (found.uv - pair.uv) * pair.now.size, 0)
+    count = np.maximum(_by_block(pair, weight > 0), 1)
+    return shift, matrix, known, off, np.stack([_by_block(pair, way[..., k]) / count for k in (0, 1)], axis=-1)
 
 
 def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | None:
@@ -326,7 +285,7 @@ def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | N
         pair, planes, then = one.pair, one.pair.now.planes, one.pair.before.planes
         assert planes is not None and then is not None, "checked above"
         z = pair.vectors[..., 2] * (-1 if best.sign == BACKWARD else 1)
-        change = planes.encode(pair.inverse) - then.encode(pair.before_inverse(one.uv))
+        change = planes.encode(pair.inverse) - then.encode(sampled(pair.before.inverse_depth, one.uv))
         good = one.seen & pair.one_surface & np.isfinite(change) & np.isfinite(z)
         over.append(_by_block(pair, np.where(good, z * change, 0)))
         under.append(_by_block(pair, np.where(good, z * z, 0)))
@@ -340,13 +299,12 @@ def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | N
 def motion_mismatch(verdict: Verdict) -> NDArray[np.uint8]:
     """Return a strip: a frame, the one before, and that one moved as stated and as found."""
     now, before = verdict.frames.pairs[-1]
-    pair, panels = Pair(now, before), [("one frame", now.colour), ("the one before", before.colour)]
+    pair, where = Pair(now, before), grid(now.size)
+    panels = [("one frame", now.colour), ("the one before", before.colour)]
     for words, convention in {"as stated": verdict.frames.stated, "nearest": verdict.best}.items():
         found = Found.of(pair, convention)
-        rows, columns = (np.arange(count) for count in now.colour.shape[:2])
-        where = np.stack(np.meshgrid((columns + 0.5) / len(columns), (rows + 0.5) / len(rows)), axis=-1)
-        uv = np.stack([at_nearest(found.uv[..., k] - pair.uv[..., k], where) + where[..., k] for k in (0, 1)], axis=-1)
-        moved = np.where(inside(uv)[..., None], at_nearest(before.colour, uv), 0).astype(np.uint8)
-        wrong = at_nearest((found.missed | found.elsewhere).astype(float), where)
-        panels += [(f"that, moved here: {words}", moved), ("contradicted", magma(np.maximum(wrong, 0.0)))]
+        uv = where + nearest_at(found.uv - pair.uv, where)
+        moved = np.where(inside(uv)[..., None], nearest_at(before.colour, uv), 0).astype(np.uint8)
+        wrong = nearest_at((found.missed | found.elsewhere).astype(float), where)
+        panels += [(f"that, moved here: {words}", moved), ("contradicted", magma(wrong))]
     return labelled_strip(panels, columns=2)

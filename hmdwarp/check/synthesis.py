@@ -18,10 +18,9 @@ from ..metrics import psnr_db
 from ..options import Declared, force_field, option, out_field
 from ..pipeline.feed_layers import velocity_of
 from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
-from .motion_places import Pair, at_nearest
+from .motion_places import Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
-_SOFT = "soft_motion"
 
 
 @attrs.frozen
@@ -35,8 +34,6 @@ class SynthesisOptions(Declared):
     at: float = option(
         1.0, "Where, in intervals after each frame: 1 the next frame, 0.5 half way to it, -0.5 half way back."
     )
-    warp: str = option("iterative", "The warp to the new pose, as of hmdwarp warp.")
-    fill: str = option("pyramid", "What fills the holes, as of hmdwarp warp.")
     force: bool = force_field()
 
     def __attrs_post_init__(self) -> None:
@@ -63,28 +60,25 @@ class Synthesised:
         return {**attrs.asdict(self, filter=lambda field, _: field.name != "colour"), "file": f"{self.name}.png"}
 
 
-def synthesise(
-    frames: MotionFrames, at: float = 1.0, warp: str = "iterative", fill: str = "pyramid"
-) -> Iterator[Synthesised]:
+def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
     """Yield the frame `at` intervals after each that has vectors, read as stated.
 
     The head's motion between two frames goes on evenly, unless the true frame says where it was.
     What moves by itself goes on with the velocity that its vectors give it. Errors: as Warper.
     """
     size = frames.frames[0].size
-    with Warper(size, warp=warp, fill=fill, effects=_SOFT) as moving, Warper(size, warp=warp, fill=fill) as still:
+    with Warper(size, effects="soft_motion") as moving, Warper(size) as still:
         for number, (now, before) in enumerate(frames.pairs):
             time_ns = round(now.time_ns + at * (now.time_ns - before.time_ns))
             truth = next((one for one in frames.frames if abs(one.time_ns - time_ns) <= _SAME_NS), None)
             pair, rendered = Pair(now, before), jittered(now.view, now)
-            inverse = np.nan_to_num(at_nearest(now.inverse_depth, grid(size)))
+            inverse = np.nan_to_num(nearest_at(now.inverse_depth, grid(size)))
             with np.errstate(divide="ignore"):
                 depth_m = 1 / inverse
             velocity = velocity_of(vectors_of(pair, frames), rendered, inverse)[..., :3].astype(np.float32)
-            shown = (
-                jittered(truth.view.at(in_space_of(now, truth)), truth) if truth else now.view.at(on_its_way(pair, at))
-            )
-            arguments = {"colour": now.colour, "depth_m": depth_m, "rendered": rendered, "shown": shown}
+            eye = in_space_of(now, truth) if truth else on_its_way(pair, at)
+            shown = jittered(truth.view.at(eye), truth) if truth else now.view.at(eye)
+            arguments: dict[str, Any] = {"colour": now.colour, "depth_m": depth_m, "rendered": rendered, "shown": shown}
             made = moving.warp(**arguments, layers={"velocity": velocity}, age_s=(time_ns - now.time_ns) * 1e-9)
             found = Synthesised(f"{number:04}", time_ns, made.colour)
             if truth is not None:
@@ -92,11 +86,6 @@ def synthesise(
                 errors = [psnr_db(one, truth.colour) for one in (made.colour, *others)]
                 found = Synthesised(found.name, time_ns, made.colour, truth.name, *errors)
             yield found
-
-
-def grid(size: tuple[int, int]) -> NDArray[np.float64]:
-    """Return (h, w, 2) centres of a picture's pixels, 0 to 1, y down."""
-    return np.stack(np.meshgrid(*((np.arange(count) + 0.5) / count for count in size)), axis=-1)
 
 
 def jittered(view: View, frame: MotionFrame) -> View:
@@ -108,18 +97,21 @@ def jittered(view: View, frame: MotionFrame) -> View:
 
 def vectors_of(pair: Pair, frames: MotionFrames) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return vectors as XR_EXT_frame_synthesis has them, and their row of the feed's message."""
-    now, stated, planes = pair.now, frames.stated, pair.now.planes
+    stated, planes, ends = frames.stated, pair.now.planes, (0.0, 0.0)  # no z
     vectors = np.zeros((*pair.vectors.shape[:2], 4))
     vectors[..., :2] = 2 * (pair.uv - pair.places(stated))
-    has_z = planes is not None and pair.vectors.shape[2] > 2 and stated.unit != METRES
-    if has_z:
+    if (
+        planes is not None
+        and planes.max_depth - planes.min_depth == 1
+        and pair.vectors.shape[2] > 2
+        and stated.unit != METRES
+    ):
         vectors[..., 2] = pair.vectors[..., 2] * (-1 if stated.sign == BACKWARD else 1)
-    ends = (planes.near_z, planes.far_z) if has_z and planes is not None else (0.0, 0.0)
+        ends = planes.near_z, planes.far_z
     before = jittered(pair.then_view, pair.before)
-    pose, fov = before.pose, before.fov
-    row = [1, 1, 1, 0, 0, 0, *ends, (now.time_ns - pair.before.time_ns) * 1e-9, *pose.position_m,
-           *pose.orientation_xyzw, 0, 0, 0, 0, 0, 0, 1, fov.left, fov.right, fov.down, fov.up]  # fmt: skip
-    return vectors, np.array([row], np.float64)
+    pose, fov, seconds = before.pose, before.fov, (pair.now.time_ns - pair.before.time_ns) * 1e-9
+    eye = (*pose.position_m, *pose.orientation_xyzw, 0, 0, 0, 0, 0, 0, 1, fov.left, fov.right, fov.down, fov.up)
+    return vectors, np.array([[1, 1, 1, 0, 0, 0, *ends, seconds, *eye]], np.float64)
 
 
 def in_space_of(now: MotionFrame, other: MotionFrame) -> Pose:

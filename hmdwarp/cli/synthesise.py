@@ -23,7 +23,7 @@ def synthesise(said: Said) -> None:
     frames = read_motion(options.frames)
     rows = []
     with OutputFolder(options.out, owned=("[0-9]*.png",), last="synthesis.json", force=options.force) as out:
-        for one in made(frames, options.at, options.warp, options.fill):
+        for one in made(frames, options.at):
             out.write_png(f"{one.name}.png", one.colour)
             rows.append(one.row())
             error = "no true frame of that instant"
