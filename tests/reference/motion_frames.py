@@ -49,10 +49,6 @@ class TrueFrame:
     moves: NDArray[np.bool_]  # which move by themselves
 
 
-def eye_from_world(view: View) -> tuple[Array, Array]:
-    return view.pose.rotation.as_matrix().T, view.pose.position_m
-
-
 def jittered(view: View, jitter: Array) -> View:
     """The view that draws everything so many pixels further right and down."""
     left, right, down, up = view.fov.tangents
@@ -87,8 +83,7 @@ def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArr
     A ray r meets the corners' plane where r = M b, M being the corners as columns: b is the
     weights times the inverse depth.
     """
-    turn, at = eye_from_world(view)
-    seen = (corners - at) @ turn.T
+    seen = (corners - view.pose.position_m) @ view.pose.rotation.as_matrix()
     rays, (wide, high) = rays_of(view, size), size
     left, right, down, up = view.fov.tangents
     inverse, which, weights = np.zeros((high, wide)), np.full((high, wide), -1), np.zeros((high, wide, 3))
@@ -128,11 +123,8 @@ def true_frames(server: Server, views: list[View], times_ns: list[int], jitter: 
         sky = view.pose.position_m + SKY_M * rays_of(seen_by, LOW) @ view.pose.rotation.as_matrix().T
         world = np.where(there[..., None], world, sky)
         old = np.where(there[..., None], np.einsum("hwc,hwcx->hwx", weights, past[which]), sky)
-        (turn, at), (turn_then, at_then) = (eye_from_world(one) for one in (view, views[before]))
-        found.append(
-            TrueFrame(view, time_ns, jitter[number], colour, inverse, (world - at) @ turn.T,
-                      (old - at_then) @ turn_then.T, there & moves[which])
-        )  # fmt: skip
+        now, then = (view.pose.inverse().transform(world), views[before].pose.inverse().transform(old))
+        found.append(TrueFrame(view, time_ns, jitter[number], colour, inverse, now, then, there & moves[which]))
     return found
 
 
@@ -145,28 +137,24 @@ def ndc(view: View, points: Array) -> Array:
     return np.stack([x, y, (inverse - 1 / NEAR) / (1 / FAR - 1 / NEAR)], axis=-1)
 
 
-def unprojected(view: View, place: Array, depth_z: Array) -> Array:
+def shifted(view: View, points: Array, jitter: Array) -> Array:
+    """The points that a picture shows where a jittered one shows these."""
     left, right, down, up = view.fov.tangents
-    x = left + (place[..., 0] + 1) / 2 * (right - left)
-    y = up - (place[..., 1] + 1) / 2 * (up - down)
-    return np.stack([x, y, -np.ones_like(x)], axis=-1) * depth_z[..., None]
+    across, high = jitter * ((right - left) / SIZE[0], (down - up) / SIZE[1])
+    return points - points[..., 2:] * (across, high, 0)
 
 
 def vectors_of(frame: TrueFrame, before: TrueFrame, convention: tuple[str, str, str, str]) -> Array:
     """(h, w, 3) motion vectors of a frame in a convention."""
     unit, y, sign, jitter = convention
-    now, then = ndc(frame.view, frame.now), ndc(before.view, frame.then)
+    now, then = frame.now, frame.then
     if jitter == "in":
-        now[..., :2] += 2 * frame.jitter / SIZE
-        then[..., :2] += 2 * before.jitter / SIZE
+        now, then = shifted(frame.view, now, frame.jitter), shifted(before.view, then, before.jitter)
     if unit == "metres":
-        here, there = (
-            unprojected(frame.view, now, -frame.now[..., 2]),
-            unprojected(before.view, then, -frame.then[..., 2]),
-        )
-        moved = (here - there) * (1, -1, 1)
+        moved = (now - then) * (1, -1, 1)
     else:
-        moved = (now - then) * {"ndc": (1, 1, 1), "uv": (0.5, 0.5, 1), "pixels": (SIZE[0] / 2, SIZE[1] / 2, 1)}[unit]
+        factor = {"ndc": (1, 1, 1), "uv": (0.5, 0.5, 1), "pixels": (SIZE[0] / 2, SIZE[1] / 2, 1)}[unit]
+        moved = (ndc(frame.view, now) - ndc(before.view, then)) * factor
     return moved * (1, -1 if y == "up" else 1, 1) * (-1 if sign == "previous - current" else 1)
 
 
