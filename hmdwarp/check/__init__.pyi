@@ -11,9 +11,12 @@ from .motion_verdict import Verdict as Verdict
 from .motion_verdict import check_motion as check_motion
 from .motion_verdict import motion_mismatch as motion_mismatch
 from .options import CheckOptions as CheckOptions
+from .options import SynthesisOptions as SynthesisOptions
 from .stated_frames import LEFT as LEFT
 from .stated_frames import RIGHT as RIGHT
 from .stated_frames import Reading as Reading
 from .stated_frames import Stated as Stated
 from .stated_frames import StatedFrame as StatedFrame
 from .stated_frames import read_stated as read_stated
+from .synthesis import Synthesised as Synthesised
+from .synthesis import synthesise as synthesise

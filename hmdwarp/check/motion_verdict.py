@@ -51,8 +51,7 @@ class Contradictions:
         """Return what is more than a right convention leaves."""
         if self.judged < _LEAST_BLOCKS:
             return [f"only {self.judged} of its blocks have detail that can be compared"]
-        shares = {name: getattr(self, name) for name in _MOST}
-        return [text.format(shares[name]) for name, (most, text) in _MOST.items() if shares[name] > most]
+        return [text.format(getattr(self, name)) for name, (most, text) in _MOST.items() if getattr(self, name) > most]
 
 
 @attrs.frozen(eq=False)
@@ -229,9 +228,8 @@ def _contradictions(found: list[Found]) -> Contradictions:
     parts = [_shifts(one) for one in found]
     shift, matrix, known, off, way = (np.concatenate([part[k] for part in parts]) for k in range(5))
     judged = int((known | off).sum())
-    two = np.ones((2, 2))  # pixels: less is the edge of something
     elsewhere, missed = (
-        float(np.mean([ndimage.binary_opening(getattr(one, name), two).mean() for one in found]))
+        float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
         for name in ("elsewhere", "missed")
     )
     factors = [_factor(way[known, k], shift[known, k], matrix[known, k, k]) for k in (0, 1)]

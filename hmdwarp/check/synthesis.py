@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -11,34 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ..errors import InputError
 from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
 from ..metrics import psnr_db
-from ..options import Declared, force_field, option, out_field
 from ..pipeline.feed_layers import velocity_of
 from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
 from .motion_places import Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
-
-
-@attrs.frozen
-class SynthesisOptions(Declared):
-    """Frames with motion vectors, and which frame to make of each."""
-
-    frames: Path = option(
-        attrs.NOTHING, "A folder with motion.json, as docs/motion.md has it.", positional=True, names_files=True
-    )
-    out: Path = out_field(attrs.NOTHING, "Folder for a PNG of each frame, and synthesis.json.")
-    at: float = option(
-        1.0, "Where, in intervals after each frame: 1 the next frame, 0.5 half way to it, -0.5 half way back."
-    )
-    force: bool = force_field()
-
-    def __attrs_post_init__(self) -> None:
-        if not -1 <= self.at <= 2:
-            raise InputError(f"--at {self.at:g}: expected -1 to 2 intervals")
 
 
 @attrs.frozen(eq=False)

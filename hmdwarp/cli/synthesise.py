@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from ..check.synthesis import SynthesisOptions
+from ..check.options import SynthesisOptions
 from ._options import Said, takes
 
 
@@ -16,7 +16,7 @@ def synthesise(said: Said) -> None:
     --motion` says whether they are in its convention.
     """
     from ..check import read_motion
-    from ..check.synthesis import synthesise as made
+    from ..check import synthesise as made
     from ..report import OutputFolder
 
     options = SynthesisOptions.of(said)
