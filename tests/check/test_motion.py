@@ -6,12 +6,14 @@ import json
 import re
 
 import attrs
+import motion_frames as made
 import numpy as np
 import pytest
-import reference.motion_frames as made
 from commands import hmdwarp
+from motion_frames import CONVENTIONS, LOW, SIZE, TrueFrame, ndc
 from PIL import Image
-from reference.motion_frames import CONVENTIONS, LOW, SIZE, TrueFrame, ndc
+from scenes.glb import Glb
+from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.check import Convention, MotionFrame, MotionFrames, check_motion, motion_mismatch, read_motion, synthesise
@@ -27,11 +29,36 @@ SCENES = {"playroom": ((0.0, 1.4, 0.2), 250), "parade": ((0.2, 1.5, 0.2), 250), 
 EXTENSION, PLANES = CONVENTIONS[0], DepthLayer(0, 1, made.NEAR, made.FAR)
 
 
+def skinned_glb() -> Glb:
+    """A sheet that a joint swings, before a wall and a floor, all of coarse noise."""
+
+    def noise(seed: int, tint: tuple[float, float, float]) -> np.ndarray:
+        values = ndimage.gaussian_filter(np.random.default_rng(seed).random((128, 128, 3)), (1.2, 1.2, 0), mode="wrap")
+        return np.uint8(255 * (values - values.min()) / np.ptp(values) * tint)
+
+    made = Glb()
+    kinds = [{"baseColorTexture": made.texture(noise(*of))} for of in ((1, (1, 0.6, 0.4)), (2, (0.5, 0.8, 1)))]
+    made.material(pbrMetallicRoughness=kinds[0], doubleSided=True)
+    made.header["materials"].append({"pbrMetallicRoughness": kinds[1], "doubleSided": True})
+    made.skin(weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 0, 0)))
+    made.header["nodes"][1]["translation"] = [0, 1, -3]
+    made.animate("rotation", [0, 1], [(0, 0, np.sin(half), np.cos(half)) for half in (-0.4, 0.4)], node=2)
+    uv = np.array([(0, 3), (3, 3), (3, 0), (0, 0)], np.float32)
+    wall = [(-8, -3, -3), (8, -3, -3), (8, 6, -3), (-8, 6, -3)]
+    for corners in (wall, [(-8, -1.2, 6), (8, -1.2, 6), (8, -1.2, -3), (-8, -1.2, -3)]):
+        attributes = {"POSITION": made.numbers(np.array(corners, np.float32)), "TEXCOORD_0": made.numbers(uv)}
+        primitive = {"attributes": attributes, "indices": made.primitive["indices"], "material": 1}
+        made.header["meshes"].append({"primitives": [primitive]})
+        made.header["nodes"].append({"mesh": len(made.header["meshes"]) - 1, "translation": [0, 1, -3]})
+        made.header["scenes"][0]["nodes"].append(len(made.header["nodes"]) - 1)
+    return made
+
+
 @pytest.fixture(scope="module")
 def true(gpu, tmp_path_factory) -> dict[str, list[TrueFrame]]:
     found = {}
     for name, (at, start) in SCENES.items():
-        scene = made.skinned_glb().load(tmp_path_factory.mktemp("skin")) if name == "skinned" else load_scene(name)
+        scene = skinned_glb().load(tmp_path_factory.mktemp("skin")) if name == "skinned" else load_scene(name)
         for thing, way in (("ball", (-0.6, 0, -1)), ("door", (1, 0, 0))) if name == "playroom" else ():
             scene.inputs.add(InputEvent(0, "push", thing, direction=way))
         server = Server(gpu, scene)
@@ -180,8 +207,7 @@ def test_the_command_says_what_is_wrong_and_that_what_is_stated_is_right(true, t
 def changed(folder, change):
     """A folder whose frames `change` alters, by number."""
     data = json.loads((folder / "motion.json").read_text())
-    for number, row in enumerate(data["frames"]):
-        row |= change(number)
+    data["frames"] = [row | change(number) for number, row in enumerate(data["frames"])]
     (folder / "motion.json").write_text(json.dumps(data))
     return folder
 
@@ -216,8 +242,9 @@ def test_blender_s_layers_are_read_as_they_are(true, tmp_path):
     def write(number):
         passes = dict(zip(("Combined.R", "Combined.G", "Combined.B"),
                           np.moveaxis(linear_from_srgb(frames[number].colour), 2, 0), strict=True))  # fmt: skip
-        low = {"Depth.Z": 1 / frames[number].inverse_depth, "Vector.X": vectors[number][..., 0],
-               "Vector.Y": vectors[number][..., 1], "Vector.Z": np.zeros(LOW[::-1]), "Vector.W": np.zeros(LOW[::-1])}  # fmt: skip
+        x, y, none = (*vectors[number][..., :2].transpose(2, 0, 1), np.zeros(LOW[::-1]))
+        vector = {"Vector.X": x, "Vector.Y": y, "Vector.Z": none, "Vector.W": none}
+        low = vector | {"Depth.Z": 1 / frames[number].inverse_depth}
         passes |= {name: one.repeat(2, 0).repeat(2, 1) for name, one in low.items()}
         layers = {f"ViewLayer.{name}": np.ascontiguousarray(one, np.float32) for name, one in passes.items()}
         head = {"compression": exr.ZIP_COMPRESSION, "type": exr.scanlineimage}

@@ -1,4 +1,4 @@
-"""Frames with exact motion vectors of the shipped scenes, in every convention, in float64.
+"""Write frames of a scene with exact motion vectors in any convention, to compare an engine with.
 
 Each pixel's ray meets the triangles themselves: a triangle's three corners in the eye, inverted,
 give the weights of the place that a ray meets, and the same weights the place it had in the frame
@@ -7,6 +7,7 @@ before. No matrix of a projection, no rasteriser and no code of what is tested.
 
 from __future__ import annotations
 
+import argparse
 import json
 from itertools import product
 from pathlib import Path
@@ -15,13 +16,12 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scenes.glb import Glb
-from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Scene
+from hmdwarp.gpu import Gpu
+from hmdwarp.scenes import Scene, load_scene
 from hmdwarp.sources.server import Server
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class TrueFrame:
 
 
 def jittered(view: View, jitter: Array) -> View:
-    """The view that draws everything so many pixels further right and down."""
+    """Return the view that draws everything so many pixels further right and down."""
     left, right, down, up = view.fov.tangents
     across, high = jitter * ((right - left) / SIZE[0], (up - down) / SIZE[1])
     return View(view.pose, Fov.from_tangents((left - across, right - across, down + high, up + high)))
@@ -108,7 +108,7 @@ def met(corners: Array, view: View, size: tuple[int, int]) -> tuple[Array, NDArr
 
 
 def true_frames(server: Server, views: list[View], times_ns: list[int], jitter: Array = HALTON) -> list[TrueFrame]:
-    """The frames; `then` of the first is that of itself."""
+    """Return the frames; `then` of the first is that of itself."""
     found: list[TrueFrame] = []
     for number, (view, time_ns) in enumerate(zip(views, times_ns, strict=True)):
         seen_by, before = jittered(view, jitter[number]), max(number - 1, 0)
@@ -129,7 +129,7 @@ def true_frames(server: Server, views: list[View], times_ns: list[int], jitter: 
 
 
 def ndc(view: View, points: Array) -> Array:
-    """x and y from -1 to 1, y down; z of a depth buffer, 0 at NEAR and 1 at FAR."""
+    """X and y from -1 to 1, y down; z of a depth buffer, 0 at NEAR and 1 at FAR."""
     left, right, down, up = view.fov.tangents
     inverse = -1 / points[..., 2]
     x = 2 * (points[..., 0] * inverse - left) / (right - left) - 1
@@ -138,7 +138,7 @@ def ndc(view: View, points: Array) -> Array:
 
 
 def shifted(view: View, points: Array, jitter: Array) -> Array:
-    """The points that a picture shows where a jittered one shows these."""
+    """Return the points that a picture shows where a jittered one shows these."""
     left, right, down, up = view.fov.tangents
     across, high = jitter * ((right - left) / SIZE[0], (down - up) / SIZE[1])
     return points - points[..., 2:] * (across, high, 0)
@@ -159,23 +159,17 @@ def vectors_of(frame: TrueFrame, before: TrueFrame, convention: tuple[str, str, 
 
 
 def depth_of(frame: TrueFrame) -> Array:
-    """What a depth buffer has: 0 at NEAR, 1 at FAR and beyond."""
+    """Return what a depth buffer has: 0 at NEAR, 1 at FAR and beyond."""
     return np.clip((1 / NEAR - frame.inverse_depth) / (1 / NEAR - 1 / FAR), 0, 1)
 
 
-def arrays_of(
-    frames: list[TrueFrame], convention: tuple[str, str, str, str], kind: type = np.float16
-) -> list[NDArray[np.floating]]:
-    """The vectors of each frame, none of the first, as half floats."""
-    pairs = zip(frames, frames[1:], strict=False)
-    return [
-        np.zeros((*LOW[::-1], 3), kind),
-        *(vectors_of(now, before, convention).astype(kind) for before, now in pairs),
-    ]
+def arrays_of(frames: list[TrueFrame], convention: tuple[str, str, str, str]) -> list[NDArray[np.float16]]:
+    """Return the vectors of each frame as half floats; those of the first lead to itself."""
+    return [vectors_of(now, frames[max(k - 1, 0)], convention).astype(np.float16) for k, now in enumerate(frames)]
 
 
 def write_folder(folder: Path, frames: list[TrueFrame], read: tuple[str, str, str, str], **stated) -> Path:
-    """A folder as an engine may write it: PNG, NPY, and one motion.json."""
+    """Write a folder as an engine may: PNG, NPY, and one motion.json."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = []
     for number, (frame, vectors) in enumerate(zip(frames, arrays_of(frames, read), strict=True)):
@@ -194,7 +188,7 @@ def write_folder(folder: Path, frames: list[TrueFrame], read: tuple[str, str, st
 
 
 def walking_head(at: tuple[float, float, float], count: int = 4, step_s: float = 0.05) -> list[View]:
-    """A head that turns, nods, rolls and walks."""
+    """Return a head that turns, nods, rolls and walks."""
     found = []
     for seconds in np.arange(count) * step_s:
         turn = Rotation.from_euler("yxz", (0.6 * seconds, -0.12 + 0.4 * seconds, 0.12 * seconds))
@@ -203,26 +197,23 @@ def walking_head(at: tuple[float, float, float], count: int = 4, step_s: float =
     return found
 
 
-def skinned_glb() -> Glb:
-    """A sheet that a joint swings, before a wall and a floor, all of coarse noise."""
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("out", type=Path, help="folder for motion.json and the files of four frames")
+    parser.add_argument("--scene", default="parade", help="a scene of the library, or a file")
+    parser.add_argument("--at", default="0.2,1.5,0.2", help="where the head begins to walk: x,y,z in metres")
+    parser.add_argument("--start", type=float, default=0.25, help="seconds on the scene's clock")
+    names = zip(("unit", "y", "sign", "jitter"), zip(*CONVENTIONS, strict=True), strict=True)
+    for name, values in names:
+        parser.add_argument(f"--{name}", choices=sorted({*values}), default=values[0])
+    asked = parser.parse_args()
+    convention = (asked.unit, asked.y, asked.sign, asked.jitter)
+    x, y, z = map(float, asked.at.split(","))
+    with Gpu() as gpu:
+        times = [round((asked.start + step) * 1e9) for step in (0, 0.05, 0.1, 0.15)]
+        frames = true_frames(Server(gpu, load_scene(asked.scene)), walking_head((x, y, z)), times)
+    print(write_folder(asked.out, frames, convention))
 
-    def noise(seed: int, tint: tuple[float, float, float]) -> NDArray[np.uint8]:
-        values = ndimage.gaussian_filter(np.random.default_rng(seed).random((128, 128, 3)), (1.2, 1.2, 0), mode="wrap")
-        return np.uint8(255 * (values - values.min()) / np.ptp(values) * tint)
 
-    made = Glb()
-    kinds = [{"baseColorTexture": made.texture(noise(*of))} for of in ((1, (1, 0.6, 0.4)), (2, (0.5, 0.8, 1)))]
-    made.material(pbrMetallicRoughness=kinds[0], doubleSided=True)
-    made.header["materials"].append({"pbrMetallicRoughness": kinds[1], "doubleSided": True})
-    made.skin(weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 1, 0, 0)))
-    made.header["nodes"][1]["translation"] = [0, 1, -3]
-    made.animate("rotation", [0, 1], [(0, 0, np.sin(half), np.cos(half)) for half in (-0.4, 0.4)], node=2)
-    uv = np.array([(0, 3), (3, 3), (3, 0), (0, 0)], np.float32)
-    wall = [(-8, -3, -3), (8, -3, -3), (8, 6, -3), (-8, 6, -3)]
-    for corners in (wall, [(-8, -1.2, 6), (8, -1.2, 6), (8, -1.2, -3), (-8, -1.2, -3)]):
-        attributes = {"POSITION": made.numbers(np.array(corners, np.float32)), "TEXCOORD_0": made.numbers(uv)}
-        primitive = {"attributes": attributes, "indices": made.primitive["indices"], "material": 1}
-        made.header["meshes"].append({"primitives": [primitive]})
-        made.header["nodes"].append({"mesh": len(made.header["meshes"]) - 1, "translation": [0, 1, -3]})
-        made.header["scenes"][0]["nodes"].append(len(made.header["nodes"]) - 1)
-    return made
+if __name__ == "__main__":
+    main()
