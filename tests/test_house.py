@@ -188,7 +188,7 @@ ROOMS = {
     "poses": (6535, 4500),
     "pipeline": (5124, 3700),
     "link frames": (3943, 3100),
-    "image check": (4583, 3200),
+    "image check": (4581, 3200),
     "gpu geometry headsets": (3753, 3100),
     "report": (5380, 4200),
     "experiments": (4046, 3200),
@@ -198,8 +198,8 @@ ROOMS = {
     "study": (11691, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (91739, 58000)
-DOC_WORDS = (55698, 55000)  # of docs/*.md as `wc -w` counts them
+TEST_LINES = (91747, 58000)
+DOC_WORDS = (55702, 55000)  # of docs/*.md as `wc -w` counts them
 
 
 def lines_of(paths: list[Path]) -> int:
