@@ -72,6 +72,9 @@ class Answer:
     # Empty where the cause is not known.
     code: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"<Answer {self.headline}>"
+
     @property
     def reading(self) -> Reading:
         """The reading under which the frames agree best."""
@@ -92,15 +95,19 @@ class Answer:
             return "no agreement"
         return "wrong" if differences(self.reading) or self.decision.besides else "right"
 
+    @property
     def headline(self) -> str:
-        """Return the verdict in one sentence."""
+        """The verdict in one sentence."""
         frames = f"{len(self.decision.search.stated.frames)} frames"
         share = f"{100 * self.agreement:.0f} %"
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
+            cause = f", and the cause cannot be told: {untold(self.decision)}"
+            if self.decision.is_told:
+                cause = f": {_labels(differences(self.reading))}"
             return (
-                f"wrong{self._cause()}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
@@ -112,11 +119,6 @@ class Answer:
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
             "expected a scene that stands still, seen from places nearby"
         )
-
-    def _cause(self) -> str:
-        if self.decision.is_told:
-            return f": {_labels(differences(self.reading))}"
-        return f", and the cause cannot be told: {untold(self.decision)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -181,14 +183,12 @@ def _finding(decision: Decision, name: str) -> Finding:
         sure = min(margins, default=0.0)
         return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
     finding = Finding(name, label, value(best, stated, name), True, True)
-    return _of_number(decision, finding) if CONVENTIONS[name].numbers and name != RAY else _as_stated(decision, finding)
-
-
-def _of_number(decision: Decision, finding: Finding) -> Finding:
-    known = {finding.name, *differences(decision.best.reading)}
-    if {PIXEL, CENTRE} <= known or (ENCODING in known and finding.name in (SCALE, PLANES)):
+    if not CONVENTIONS[name].numbers or name == RAY:
+        return _as_stated(decision, finding)
+    known = {name, *differences(best)}
+    if {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES)):
         return finding  # part of what is found
-    why = _vague(decision.search, decision.best.reading, finding.name)
+    why = _vague(decision.search, best, name)
     return _unknown(finding, why) if why else finding
 
 

@@ -290,9 +290,8 @@ class NumberSearch:
         """Return which numbers differ: none, one convention, or two where one leaves too much."""
         nothing = self._candidate(self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
-        singles = [
-            model for model in self._of(1) if self._is_known(model, needed) and self._gains(nothing, model, needed)
-        ]
+        gain = -_NO_WORSE if not nothing.changes else needed / 4
+        singles = [one for one in self._of(1) if self._is_known(one, needed) and margin(nothing, one) > gain]
         best, rivals = self._least(nothing, singles)
         besides = self._besides(best)
         if besides and not nothing.changes:
@@ -357,9 +356,6 @@ class NumberSearch:
             if name not in taken and matters(self.search, name, every.reading) and self._sureness(every, name) > SURE
         )
 
-    def _gains(self, nothing: Candidate, one: Candidate, needed: float) -> bool:
-        return margin(nothing, one) > (-_NO_WORSE if not nothing.changes else needed / 4)
-
     def _is_known(self, one: Candidate, needed: float) -> bool:
         names = numbered(one.reading)
         return bool(names) and all(
@@ -370,12 +366,12 @@ class NumberSearch:
         """Return by how many standard errors a convention is not as stated."""
         assert one.fitted is not None
         error = dict(zip(one.fitted.names, one.fitted.error, strict=True))
-        each = [self._off(one.reading, number) / float(error[number]) for number in _DECIDES[FITTED[name]]]
+        each = []
+        for number in _DECIDES[FITTED[name]]:
+            now, then = (getattr(which, number) for which in (one.reading, self.base))
+            off = abs(math.log(now / then)) if number in LOGARITHMS else abs(now - then)
+            each.append(off / float(error[number]))
         return min(each) if name == CENTRE and is_half_a_pixel(one.reading) else max(each)
-
-    def _off(self, reading: Reading, number: str) -> float:
-        now, then = (getattr(which, number) for which in (reading, self.base))
-        return abs(math.log(now / then)) if number in LOGARITHMS else abs(now - then)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
         """Return the reading in which these conventions differ, from the best known start."""

@@ -11,10 +11,6 @@ from ..options import Declared, force_field, group, option, out_field
 from ..sources.sequences.options import SequenceOptions
 
 
-def _paths(texts: list[str]) -> tuple[Path, ...]:
-    return tuple(map(Path, texts))
-
-
 @attrs.frozen
 class CheckOptions(Declared):
     """Frames, and what to write."""
@@ -26,7 +22,7 @@ class CheckOptions(Declared):
         metavar="FRAMES",
         positional=True,
         names_files=True,
-        parse=_paths,
+        parse=lambda texts: tuple(map(Path, texts)),
     )
     reading: SequenceOptions = group(SequenceOptions)
     out: Path | None = out_field(None, "OUT.png: two frames moved onto each other, as stated and as found.")

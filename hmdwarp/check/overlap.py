@@ -83,19 +83,27 @@ class Overlap:
         across = np.einsum("pij,pj->pi", back, place[one] - place[other])
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
         row = self._height - 1 - self.row if reading.depth_rows_up else self.row
-        x, y = self._tangent(self.column, row, self._from, reading)
+        left, right, down, up = self.stated.tangents[self._from].transpose(2, 0, 1)
+        x = left + (self.column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
+        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
+        x, y = x * reading.wide_x, y * reading.wide_y
         inverse = reading.inverse_depth(base[self._from, self.row, self.column], np.sqrt(1 + x * x + y * y))
         ahead = np.stack([x, y, -np.ones_like(x)], axis=-1)
         moved = ahead @ (back @ turn[one]).transpose(0, 2, 1) + inverse[..., None] * across[:, None]
         w = -moved[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
-        column, line = self._pixel(x, y, self._to, reading)
+        left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
+        column = (x / reading.wide_x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
+        line = (up - y / reading.wide_y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         with np.errstate(invalid="ignore"):
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
-        sampled = self._depth_at(base, column, self._height - 1 - line if reading.depth_rows_up else line)
+        at = self._height - 1 - line if reading.depth_rows_up else line
+        sampled = self._picture_at(base, column, at)
+        if self._between:
+            sampled = np.where(self.sheet.smooth[self._to, at.astype(int), column.astype(int)], sampled, np.nan)
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
@@ -116,25 +124,6 @@ class Overlap:
         with np.errstate(invalid="ignore"):
             score = 1 / ((1 + (found.depth / _DEPTH) ** 2) * (1 + (found.colour / _COLOUR) ** 2))
         return np.where(found.seen, score, 0)
-
-    def _tangent(self, column: Indices, row: Indices, frame: Indices, reading: Reading) -> tuple[Array, Array]:
-        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
-        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        return x * reading.wide_x, y * reading.wide_y
-
-    def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
-        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x, y = x / reading.wide_x, y / reading.wide_y
-        column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
-        line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
-        return column, line
-
-    def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
-        found = self._picture_at(base, column, line)
-        if not self._between:
-            return found
-        return np.where(self.sheet.smooth[self._to, line.astype(int), column.astype(int)], found, np.nan)
 
     def _picture_at(self, pictures: Array, column: Array, line: Array) -> Array:
         """Return the values at those places: of the nearest pixel, or between pixels."""

@@ -13,11 +13,21 @@ from .reading.file_head import Head, read_head
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
-    """Read a head trace.
+    """Read a head trace: its `track` has the poses, `notes` what was repaired or assumed.
 
-    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording. options:
-    overrides facts of the file, or adds missing ones. Errors: TraceError naming file and line;
-    UnknownNameError with the nearest known recording or format.
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A file, or a bare name (no folder, no ending) of a shipped recording.
+    options : TraceOptions, optional
+        Facts in place of the file's own, or missing ones.
+
+    Raises
+    ------
+    TraceError
+        Naming file and line.
+    UnknownNameError
+        With the nearest known recording or format.
     """
     options = TraceOptions.checked(options, optional=True)
     path = trace_path(name_or_path)

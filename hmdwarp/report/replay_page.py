@@ -399,12 +399,11 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
 
 def summary_html(summary: Summary, *baselines: Summary) -> str:
     """Return that table as HTML, for a notebook."""
-    cell, head = Markup("<td style='text-align: right'>{}{}</td>").format, Markup("<th>{}</th>").format
-    lines = [Markup().join(head(name) for name in ("", *column_names(summary, *baselines)))]
-    for row in comparison_rows(summary, *baselines):
-        cells = [cell(main, " *" if row.best == column else "") for column, (main, _) in enumerate(row.cells)]
-        lines.append(Markup().join((head(_table_head(row.figure)), *cells)))
-    return str(Markup("<table>{}</table>").format(Markup().join(Markup("<tr>{}</tr>").format(line) for line in lines)))
+    lines = [
+        (_table_head(row.figure), *(f"{main} *" if row.best == at else main for at, (main, _) in enumerate(row.cells)))
+        for row in comparison_rows(summary, *baselines)
+    ]
+    return Table.of("", [("", ""), *((name, "") for name in column_names(summary, *baselines))], lines).html()
 
 
 def _table_head(figure: Figure) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
+from markupsafe import Markup
 
 from .. import errors
 from ..metrics import STAGES, Figure, metrics, metrics_in_order
@@ -138,6 +139,18 @@ class Table:
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
         return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
+
+    def html(self) -> str:
+        """Return the table as HTML, for a notebook: words at the left, numbers at the right."""
+        cell = Markup('<{0} style="text-align: {1}">{2}</{0}>').format
+        sides = ["left" if self.style_of(column) == "word" else "right" for column in range(len(self.heads))]
+        heads = [cell("th", side, f"{n} [{u}]" if u else n) for side, (n, u) in zip(sides, self.heads, strict=True)]
+        rows = [
+            Markup().join(cell("td", *pair) for pair in zip(sides, (one.text for one in line.cells), strict=True))
+            for line in self.lines
+        ]
+        row = Markup("<tr>{}</tr>").format
+        return str(Markup("<table>{}</table>").format(Markup().join(map(row, [Markup().join(heads), *rows]))))
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:

@@ -33,13 +33,39 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
         figure = empty_figure(*_SIZE_IN, layout="constrained")
         figure.suptitle(f"{track.name}\nfile's axes: {axes_said}", fontsize=10, x=0.01, ha="left")
         grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.25))
-        _draw_path(figure.add_subplot(grid[:2, 0]), place, gaze)
-        _draw_sphere(figure.add_subplot(grid[2, 0], projection="mollweide"), gaze, crown)
+        way = figure.add_subplot(grid[:2, 0])  # from above, -z up on the page, with arrows where the head looks
+        way.plot(place[:, 0], -place[:, 2], color=_LINE, lw=1)
+        some = np.unique(np.linspace(0, len(place) - 1, _ARROWS).astype(int))
+        way.quiver(
+            place[some, 0], -place[some, 2], gaze[some, 0], -gaze[some, 2], color=_GAZE, width=0.004, scale=20, zorder=3
+        )
+        way.plot(*(place[0, [0, 2]] * (1, -1)), "o", color=_LINE, ms=5)
+        way.set_aspect("equal", adjustable="datalim")
+        way.set(title="from above: way, and where the head looks (dot: start)", xlabel="x [m]", ylabel="-z [m]")
+        sphere = figure.add_subplot(grid[2, 0], projection="mollweide")
+        for vectors, colour, label in ((gaze, _GAZE, "gaze"), (crown, _CROWN, "crown")):
+            azimuth, elevation = np.arctan2(vectors[:, 0], -vectors[:, 2]), np.arcsin(np.clip(vectors[:, 1], -1, 1))
+            sphere.plot(azimuth, elevation, ".", ms=2, color=colour, label=label)
+        sphere.grid(True, lw=0.3)
+        sphere.set_title("view sphere: upright heads have the crown on top")
+        sphere.tick_params(labelsize=6)
+        sphere.legend(loc="lower right", markerscale=4, fontsize=7)
         over_time = [figure.add_subplot(grid[row, 1]) for row in range(3)]
         _draw_angles(over_time[0], seconds, gaze, crown, right)
         over_time[1].plot(seconds, place[:, 1], color=_LINE, lw=1)
         over_time[1].set_ylabel("height [m]")
-        _draw_speeds(over_time[2], track)
+        # Turning and moving speeds between samples; nothing over gaps and jumps.
+        apart_s = np.diff(track.time_ns) * 1e-9
+        whole = ~track.broken & (apart_s > 0)
+        at = np.flatnonzero(whole)[:: max(1, int(whole.sum()) // _MOST_POINTS)]
+        angle = quaternions.angle_between(track.orientation_xyzw[at], track.orientation_xyzw[at + 1])
+        moved_m = np.linalg.norm(track.position_m[at + 1] - track.position_m[at], axis=1)
+        since = (track.time_ns[at] - track.time_ns[0]) * 1e-9
+        over_time[2].plot(since, np.degrees(angle) / apart_s[at], color=_LINE, lw=0.7)
+        over_time[2].set_ylabel("turning [deg/s]")
+        speeds = over_time[2].twinx()
+        speeds.plot(since, moved_m / apart_s[at], color=_GAZE, lw=0.7)
+        speeds.set_ylabel("moving [m/s]", color=_GAZE)
         for axes in over_time:
             steps = np.diff(track.time_ns)
             for i in np.flatnonzero(steps > track.max_gap_ns)[:200]:
@@ -48,29 +74,6 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
             axes.set_xlim(0, max(float(seconds[-1]), 1e-9))
         over_time[2].set_xlabel("time [s], gaps shaded")
         return png_of(figure, _DPI)
-
-
-def _draw_path(axes: Axes, place: NDArray[Any], gaze: NDArray[Any]) -> None:
-    """Draw the way from above, -z up on the page, with arrows where the head looks."""
-    axes.plot(place[:, 0], -place[:, 2], color=_LINE, lw=1)
-    some = np.unique(np.linspace(0, len(place) - 1, _ARROWS).astype(int))
-    axes.quiver(
-        place[some, 0], -place[some, 2], gaze[some, 0], -gaze[some, 2], color=_GAZE, width=0.004, scale=20, zorder=3
-    )
-    axes.plot(*(place[0, [0, 2]] * (1, -1)), "o", color=_LINE, ms=5)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(title="from above: way, and where the head looks (dot: start)", xlabel="x [m]", ylabel="-z [m]")
-
-
-def _draw_sphere(axes: Axes, gaze: NDArray[Any], crown: NDArray[Any]) -> None:
-    """Draw where gaze and crown point: the crown of an upright head stays at the top."""
-    for vectors, colour, label in ((gaze, _GAZE, "gaze"), (crown, _CROWN, "crown")):
-        azimuth, elevation = np.arctan2(vectors[:, 0], -vectors[:, 2]), np.arcsin(np.clip(vectors[:, 1], -1, 1))
-        axes.plot(azimuth, elevation, ".", ms=2, color=colour, label=label)
-    axes.grid(True, lw=0.3)
-    axes.set_title("view sphere: upright heads have the crown on top")
-    axes.tick_params(labelsize=6)
-    axes.legend(loc="lower right", markerscale=4, fontsize=7)
 
 
 def _draw_angles(
@@ -83,21 +86,6 @@ def _draw_angles(
         axes.plot(seconds, values, color=colour, lw=1, label=label)
     axes.set_ylabel("angle [deg]")
     axes.legend(loc="upper right", ncols=3, fontsize=7)
-
-
-def _draw_speeds(axes: Axes, track: PoseTrack) -> None:
-    """Draw turning and moving speeds between samples; nothing is drawn over gaps and jumps."""
-    seconds = np.diff(track.time_ns) * 1e-9
-    whole = ~track.broken & (seconds > 0)
-    at = np.flatnonzero(whole)[:: max(1, int(whole.sum()) // _MOST_POINTS)]
-    angle = quaternions.angle_between(track.orientation_xyzw[at], track.orientation_xyzw[at + 1])
-    way = np.linalg.norm(track.position_m[at + 1] - track.position_m[at], axis=1)
-    since = (track.time_ns[at] - track.time_ns[0]) * 1e-9
-    axes.plot(since, np.degrees(angle) / seconds[at], color=_LINE, lw=0.7)
-    axes.set_ylabel("turning [deg/s]")
-    speeds = axes.twinx()
-    speeds.plot(since, way / seconds[at], color=_GAZE, lw=0.7)
-    speeds.set_ylabel("moving [m/s]", color=_GAZE)
 
 
 _HEADSET_IN, _ALONE_IN = (11.0, 9.5), (9.0, 6.0)

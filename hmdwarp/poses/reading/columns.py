@@ -134,6 +134,10 @@ def find_columns(names: list[str]) -> Columns:
     def xyz(key: tuple[str, ...] | None) -> tuple[int, int, int] | None:
         return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
 
+    euler = [names[i] for i, parts in enumerate(split) if set(parts) & (_EULER | {*_BARE_TURNS})]
+    for key, axes in groups.items():
+        if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:
+            euler += [names[i] for i in axes.values()]
     return Columns(
         clocks=_find_clocks(told),
         pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
@@ -141,7 +145,7 @@ def find_columns(names: list[str]) -> Columns:
         orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
         position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), vector=_find_vector(groups, split),
+        euler=tuple(dict.fromkeys(euler)), angles=_find_angles(split, groups), vector=_find_vector(groups, split),
         gravity=xyz(down),
     )  # fmt: skip
 
@@ -206,16 +210,6 @@ def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str,
     key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
     at = found if len(found) == 3 else bare if len(bare) == 3 else {} if key is None else groups[key]
     return (at["x"], at["y"], at["z"]) if at else None
-
-
-def _find_euler(
-    names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]
-) -> tuple[str, ...]:
-    found = [names[i] for i, parts in enumerate(split) if set(parts) & (_EULER | {*_BARE_TURNS})]
-    for key, axes in groups.items():
-        if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:
-            found += [names[i] for i in axes.values()]
-    return tuple(dict.fromkeys(found))
 
 
 @attrs.frozen

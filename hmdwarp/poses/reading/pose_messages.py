@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+import contextlib
 import operator
 import os
 import re
@@ -179,8 +180,12 @@ class McapPoses(PoseMessages):
             at += _RECORD.size + length
             if code == _CHUNK:
                 head = self.stream.read(_CHUNK_HEAD)
-                how, data = _packed_in(head)
-                left -= max(int.from_bytes(head[16:24], "little"), _frame_bytes(data) if how == b"zstd" else 0)
+                end, holds = 32 + int.from_bytes(head[28:32], "little"), 0
+                if head[32:end] == b"zstd":  # whose frames may say how much they hold
+                    zstandard = import_extra("zstandard", "zstandard", EXTRA)
+                    with contextlib.suppress(zstandard.ZstdError):  # damaged, as its reader will say
+                        holds = int(zstandard.frame_content_size(head[end + 8 :]))
+                left -= max(int.from_bytes(head[16:24], "little"), holds)
             if left < 0:
                 what = f"its chunks are more than {most_unpacked(size)} bytes, unpacked: expected a shorter recording"
                 raise TraceError(f"{self.path}: {what}")
@@ -229,21 +234,6 @@ class McapPoses(PoseMessages):
 _RECORD, _CHUNK, _CHUNK_HEAD = struct.Struct("<BQ"), 6, 32 + 8 + 8 + 18
 
 
-def _packed_in(head: bytes) -> tuple[bytes, bytes]:
-    """Return how a chunk is packed, and the first of its data."""
-    end = 32 + int.from_bytes(head[28:32], "little")
-    return head[32:end], head[end + 8 :]
-
-
-def _frame_bytes(data: bytes) -> int:
-    """Return how many bytes a frame of Zstandard says that it holds; 0 where it does not say."""
-    zstandard = import_extra("zstandard", "zstandard", EXTRA)
-    try:
-        return max(0, int(zstandard.frame_content_size(data)))
-    except zstandard.ZstdError:
-        return 0  # damaged, as its reader will say
-
-
 def _by_name(value: Any) -> Any:
     """Return JSON with attributes in place of keys."""
     if isinstance(value, dict):
@@ -277,7 +267,11 @@ class Bag:
         self.path, self._lock = path, threading.Lock()
         highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
         types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
-        _check_plain(path)
+        if path.is_dir():  # what rosbags would wait for is refused: SQLite opens a .db3 by its name
+            opened(path / _METADATA, TABLE).close()
+        for file in path.iterdir() if path.is_dir() else (path,):
+            if file.suffix in ENDINGS or file == path:
+                opened(file, BAG).close()
         _bound_unpacking()
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
@@ -375,15 +369,6 @@ def _bound_unpacking() -> None:
     vars(second)["zstd"] = SimpleNamespace(
         decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
     )
-
-
-def _check_plain(path: Path) -> None:
-    """Refuse what rosbags would wait for: SQLite opens a .db3 by its name."""
-    if path.is_dir():
-        opened(path / _METADATA, TABLE).close()
-    for file in path.iterdir() if path.is_dir() else (path,):
-        if file.suffix in ENDINGS or file == path:
-            opened(file, BAG).close()
 
 
 def stamp_ns(stamp: Any) -> int:

@@ -83,7 +83,14 @@ class RowReader:
 
     def read(self) -> Rows:
         """Return all rows. Errors: TraceError naming file, line and field."""
-        self._check_width()
+        names, head = self.head.names, self.head
+        ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
+        if not (names is None or self._width == len(names) or (self._width == len(names) + 1 and ended)):
+            where = f"{head.path}: line {head.first_line}"
+            if len(head.rows) == 1 and self._width < len(names):
+                cut = f"the only row ends after {self._width} of {len(names)} fields; it was cut off"
+                raise TraceError(f"{where}: {cut}")
+            raise self._wrong_width(where, self._width, len(names))
         parts: list[Rows] = []
         left = MOST_ROWS
         for chunk in self._chunks():
@@ -110,16 +117,6 @@ class RowReader:
         reason = str(error).removeprefix(f"{self.head.path}: line {line}: ").removesuffix(_REPAIR)
         what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason})"
         self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
-
-    def _check_width(self) -> None:
-        names, head = self.head.names, self.head
-        ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
-        if names is None or self._width == len(names) or (self._width == len(names) + 1 and ended):
-            return
-        where = f"{head.path}: line {head.first_line}"
-        if len(head.rows) == 1 and self._width < len(names):
-            raise TraceError(f"{where}: the only row ends after {self._width} of {len(names)} fields; it was cut off")
-        raise self._wrong_width(where, self._width, len(names))
 
     def _wrong_width(self, where: str, found: int, wanted: int) -> TraceError:
         message = (
