@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
-from ..metrics import psnr_db
+from ..metrics import psnr
 from ..pipeline.feed_layers import velocity_of
 from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
 from .motion_places import Pair, grid, nearest_at
@@ -62,7 +62,7 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
             found = Synthesised(f"{number:04}", time_ns, made.colour)
             if truth is not None:
                 others = still.warp(**arguments).colour, now.colour
-                errors = [psnr_db(one, truth.colour) for one in (made.colour, *others)]
+                errors = [psnr(one, truth.colour) for one in (made.colour, *others)]
                 found = Synthesised(found.name, time_ns, made.colour, truth.name, *errors)
             yield found
 

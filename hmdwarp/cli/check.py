@@ -51,7 +51,7 @@ def check(said: Said) -> None:
 def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
-    paragraph(answer.headline())
+    paragraph(answer.headline)
     if answer.agree:
         _print_findings(answer)
     stated = answer.decision.search.stated
