@@ -199,7 +199,7 @@ ROOMS = {
     "": (601, 500),  # the modules beside the packages
 }
 TEST_LINES = (91747, 58000)
-DOC_WORDS = (55702, 55000)  # of docs/*.md as `wc -w` counts them
+DOC_WORDS = (55705, 55000)  # of docs/*.md as `wc -w` counts them
 
 
 def lines_of(paths: list[Path]) -> int:
