@@ -597,7 +597,7 @@ def test_clients_share_the_time_of_a_server_so_that_cheap_requests_have_more_tur
         turns.clear()
         for _ in range(24):
             turn()
-        # Six for one of each other in turn, so 14 or 15 of 24; one of five if turns only went round.
+        # Six for one of each other in turn: 14 or 15 of 24; of five if turns only went round.
         assert 12 <= turns.count(4) <= 16 and {*turns} == {*number}
         silent = 0
         for _ in range(48):
