@@ -106,10 +106,10 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     rows: list[Row] = list(data["rows"])
     count, groups = len(data["strategies"]), cases(rows, OF_COMPARE)
     picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}
-    folds = [
-        Fold(group.label, [_table(group), Group("panels", _strip(group, picture_of))], is_open=number == 0)
-        for number, group in enumerate(groups)
-    ]
+    folds = []
+    for number, group in enumerate(groups):
+        table = table_of(f"{group.label}, least FLIP first", columns_of(group.rows), _ordered(group.rows))
+        folds.append(Fold(group.label, [table, Group("panels", _strip(group, picture_of))], is_open=number == 0))
     drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
     clients = [_client(client, groups, numbers, drawn) for client in data["clients"]]
@@ -218,10 +218,6 @@ def ran_text(rows: Sequence[Row]) -> str:
         f"{refreshes / rows[0]['rate_hz']:.1f} s, {refreshes} refreshes, {counted(pictures, 'picture')} measured, of "
         f"{counted(people, 'recorded head')} in {counted(scenes, 'scene')}; {knows}"
     )
-
-
-def _table(group: Case) -> Table:
-    return table_of(f"{group.label}, least FLIP first", columns_of(group.rows), _ordered(group.rows))
 
 
 def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[Picture]:

@@ -298,12 +298,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
 def summary_html(summary: Summary, *baselines: Summary) -> str:
     """Return that table as HTML, for a notebook."""
     table = comparison_table(summary, *baselines)
-    cell, head = Markup("<td style='text-align: right'>{}{}</td>").format, Markup("<th>{}</th>").format
-    lines = [Markup().join(head(label) for label, _ in (table.heads[0], *table.heads[1::2]))]
-    for first, *cells in (line.cells for line in table.lines):
-        made = [cell(one.text, " *" if one.style == "best" else "") for one in cells[::2]]
-        lines.append(Markup().join((head(first.text), *made)))
-    return str(Markup("<table>{}</table>").format(Markup().join(Markup("<tr>{}</tr>").format(line) for line in lines)))
+    return table.html([0, *range(1, len(table.heads), 2)])
 
 
 Column = Callable[[str], NDArray[np.float64]]
@@ -320,9 +315,10 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     linear_speed_m_s, hole_share/0, hole_share/1. command: as the user typed it.
     """
     live = summary["live"]
-    changes = [
-        (f"{change['time_s']:.2f} s", f"{_changed(change['what'])} ({change['reason']})") for change in live["changes"]
-    ]
+    changes = []
+    for change in live["changes"]:
+        what = ", ".join(f"{name} {_value(old)} → {_value(new)}" for name, (old, new) in change["what"].items())
+        changes.append((f"{change['time_s']:.2f} s", f"{what} ({change['reason']})"))
     charts = [Group("charts", _live_charts(summary, column)), Text(texts("live")["notes"]["charts"])]
     collector = live["garbage_collector"]
     when = "between the pictures" if collector["between"] else "at any time"
@@ -402,10 +398,6 @@ def _refresh(summary: Summary) -> Section:
         rate=f"{round(summary['rate_hz'], 2):g}", budget=budget, over=f"{live['over'] / max(1, live['timed']):.1%}"
     )
     return Section("Time per refresh", [Table("", heads, lines, label="Time per refresh"), Text(note)])
-
-
-def _changed(what: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {_value(before)} → {_value(after)}" for name, (before, after) in what.items())
 
 
 def _value(value: object) -> str:

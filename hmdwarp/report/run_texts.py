@@ -174,17 +174,16 @@ class Table:
         sides = [f"{'<' if self.style_of(n) == 'word' else '>'}{wide}" for n, wide in enumerate(widths)]
         return "\n".join("  ".join(map(format, line, sides)).rstrip() for line in lines)
 
-    def html(self) -> str:
-        """Return the table as HTML, for a notebook: words at the left, numbers at the right."""
-        cell = Markup('<{0} style="text-align: {1}">{2}</{0}>').format
-        sides = ["left" if self.style_of(column) == "word" else "right" for column in range(len(self.heads))]
-        heads = [cell("th", side, f"{n} [{u}]" if u else n) for side, (n, u) in zip(sides, self.heads, strict=True)]
-        rows = [
-            Markup().join(cell("td", *pair) for pair in zip(sides, (one.text for one in line.cells), strict=True))
-            for line in self.lines
-        ]
-        row = Markup("<tr>{}</tr>").format
-        return str(Markup("<table>{}</table>").format(Markup().join(map(row, [Markup().join(heads), *rows]))))
+    def html(self, columns: Sequence[int] | None = None) -> str:
+        """Return these columns, or all, as HTML for a notebook; the best of a line has a star."""
+        chosen = range(len(self.heads)) if columns is None else columns
+        sides = ["left" if self.style_of(n) == "word" else "right" for n in chosen]
+        lines = [("th", [f"{label} [{unit}]" if unit else label for label, unit in (self.heads[n] for n in chosen)])]
+        for cells in (line.cells for line in self.lines):
+            lines.append(("td", [cells[n].text + " *" * (cells[n].style == "best") for n in chosen]))
+        cell, row = Markup('<{0} style="text-align: {1}">{2}</{0}>').format, Markup("<tr>{}</tr>").format
+        rows = (Markup().join(map(functools.partial(cell, tag), sides, texts)) for tag, texts in lines)
+        return str(Markup("<table>{}</table>").format(Markup().join(map(row, rows))))
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:

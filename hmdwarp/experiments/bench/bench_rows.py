@@ -28,7 +28,7 @@ from ...metrics import (
 )
 from ...report.bench.rows import COLUMNS, Columns, cases, row_name, table_of
 from ...resources import __version__, import_extra
-from ...run.combinations import ORACLE, Case, Combination
+from ...run.combinations import ORACLE, Case
 from ...run.replay_setup import ReplayRun
 from ...run.run_summary import summary_of_rows
 from ...run.side_by_side import Measured
@@ -60,13 +60,14 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
     base = summary_of_rows(setup, passes, [*measured.times, *pictures])
+    lacks = ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
     return {
         **base,
         "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
         **({"strategy": combination.strategy} if combination.strategy else {}),
         "frames": len(pictures),
         "client": client.name,
-        "lacks": _lacks(combination, client),
+        "lacks": lacks if combination.is_outside else lacking(combination.plan, client),
         "baseline": baselines().get(combination.warp, ""),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
@@ -76,12 +77,6 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
         **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
     }
-
-
-def _lacks(combination: Combination, client: Client) -> str:
-    if combination.is_outside:
-        return ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
-    return lacking(combination.plan, client)
 
 
 def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
@@ -108,11 +103,6 @@ def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
         f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
     ]
-
-
-def check_parquet() -> None:
-    """Check that Parquet can be written, before a long run. Errors: MachineError."""
-    import_extra("pyarrow.parquet", "pyarrow", "study")
 
 
 def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:

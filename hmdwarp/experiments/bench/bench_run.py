@@ -49,6 +49,7 @@ from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, cases, first_cases, row_name
+from ...resources import import_extra
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, instants_of
 from ...run.options import refuse_one_name
 from ...run.replay_setup import set_up_replay
@@ -62,7 +63,6 @@ from .bench_rows import (
     OF_NOTEBOOK,
     Rows,
     about_rating,
-    check_parquet,
     flat,
     left_out_notes,
     row_of,
@@ -283,7 +283,7 @@ def bench(
     """
     options = BenchOptions.checked(options)
     if options.parquet:
-        check_parquet()
+        import_extra("pyarrow.parquet", "pyarrow", "study")  # before a long run
     if options.jod_s and options.sweep.cluster is None:
         check_rating()
     source = source_of(options, options.scenes[0])
@@ -420,7 +420,7 @@ def merge(options: MergeOptions) -> ExperimentResult:
     instants; MachineError where two machines showed different pictures.
     """
     if options.parquet:
-        check_parquet()
+        import_extra("pyarrow.parquet", "pyarrow", "study")
     try:
         benches = [_read(folder) for folder in options.folders]
         folders = options.folders
@@ -440,10 +440,14 @@ def merge(options: MergeOptions) -> ExperimentResult:
                 machine["host"] += f" ({machine['gl_renderer']})"
         rows = _joined([row for bench in benches for row in bench["rows"]])
         machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
+        notes = list(dict.fromkeys(note for bench in benches for note in bench["notes"]))
+        for host, each in machines.items() if len(machines) > 1 else ():
+            timed = f"{each['machine']['cpu_count']} cores, timed by the {each['clock']} clock."
+            notes.append(f"{host}: {each['machine']['gl_renderer']}, {timed}")
         data = {
             **benches[0],
             "command": options.command,
-            "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
+            "notes": notes,
             "rows": rows,
             "choice": None,
             "seconds": sum(bench["seconds"] for bench in benches),
@@ -518,13 +522,3 @@ def _differs(one: Row, other: Row) -> str:
         return ""
     where = " and ".join(f"{row['machine']['host']} ({row['machine']['gl_renderer']})" for row in (one, other))
     return f"{name}: a part of the picture is {levels:.1f} levels of 255 apart on {where}"
-
-
-def _about(machines: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    if len(machines) == 1:
-        return []
-    return [
-        f"{host}: {about['machine']['gl_renderer']}, {about['machine']['cpu_count']} cores, timed by the "
-        f"{about['clock']} clock."
-        for host, about in machines.items()
-    ]

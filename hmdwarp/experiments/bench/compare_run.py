@@ -77,11 +77,16 @@ def compare(
     with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
+        about = []
+        for name in dict.fromkeys(row["strategy"] for row in rows):
+            strategy = strategies.get(name.partition(":")[0])
+            facts = {key: getattr(strategy, key) for key in ("summary", "crosses", "client", "late", "source")}
+            about.append({"name": name, **facts, "classes": [f"class-{number}" for number in strategy.classes]})
         data = described(
             {
                 **{key: rows[0][key] for key in ("machine", "clock")},
                 "clients": [{"name": client.name, "summary": client.summary} for client in clients],
-                "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
+                "strategies": about,
                 "left_out": [*left_out, *failed],
                 **compared_entry(options.suite, rows),
                 "rows": rows,
@@ -168,13 +173,6 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
         workers=options.sweep.measuring(options.workers),
         images=1,
     )
-
-
-def _described(text: str) -> dict[str, Any]:
-    strategy = strategies.get(text.partition(":")[0])
-    about = {name: getattr(strategy, name) for name in ("summary", "crosses", "client", "late")}
-    classes = [f"class-{number}" for number in strategy.classes]
-    return {"name": text, **about, "classes": classes, "source": strategy.source}
 
 
 def _write(

@@ -268,7 +268,9 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
     """
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
-    title = _title(rows, groups)
+    warps, fills = len(_unique(rows, "warp")), len(_unique(rows, "fill"))
+    methods = counted(warps, "warp") + (f" × {counted(fills, 'fill')}" if fills > 1 else "")
+    title = methods, f"in {counted(len(groups), 'case')}"
     clock_note = (data.get("clocks") or {}).get("note")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
@@ -359,12 +361,6 @@ def _with_interval(figure: Figure, entry: Mapping[str, Any] | None, which: str) 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
     return list(dict.fromkeys(row[key] for row in rows))
-
-
-def _title(rows: Sequence[Row], groups: Sequence[Case]) -> tuple[str, str]:
-    warps, fills = len(_unique(rows, "warp")), len(_unique(rows, "fill"))
-    methods = counted(warps, "warp") + (f" × {counted(fills, 'fill')}" if fills > 1 else "")
-    return methods, f"in {counted(len(groups), 'case')}"
 
 
 def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[str]:

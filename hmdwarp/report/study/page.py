@@ -214,7 +214,8 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
             _join(axes, x, row, by_name, shifts)
         for x, name in enumerate(names):
             _points(axes, x, by_name[name], shifts[name])
-        axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names])
+        labels = [f"{_wrapped(condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
+        axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
         lines = bool(pairs)
@@ -339,10 +340,6 @@ def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
     if row["median"] is not None:
         axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
         axes.plot(x - 0.36, row["mean"], ">", markersize=6, color=ink, zorder=4)
-
-
-def _label(row: Row) -> str:
-    return _wrapped(condition_text(row)) + f"\nn = {row['n']}"
 
 
 def _wrapped(name: str) -> str:
