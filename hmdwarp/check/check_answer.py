@@ -17,13 +17,12 @@ from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
 from . import conventions
 from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
-from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
+from .decide import AGREE, ALIKE, WELL, Decision, agreement, decide, likeness
 from .faults import EXPLAINED, FAULTS
 from .overlap import LATE, OFFSET, Overlap
 from .search import SURE, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
 
-_AGREE = 0.5  # share of the depths: below it, frames do not agree
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
 
 
@@ -67,7 +66,7 @@ class Answer:
     @property
     def agree(self) -> bool:
         """Whether the frames agree under it."""
-        return self.agreement >= _AGREE and self.likeness >= ALIKE
+        return self.agreement >= AGREE and self.likeness >= ALIKE
 
     @property
     def verdict(self) -> str:

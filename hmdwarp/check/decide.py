@@ -18,6 +18,7 @@ from .stated_frames import Reading
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
 WELL, _ENOUGH = 0.85, 0.6
+AGREE = 0.5  # share of the depths: below it, frames do not agree
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _MOST_CHANGES = 2  # that are named
 _KEPT = 6  # readings of the coarse pictures that are looked at closely
@@ -130,7 +131,7 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
     shares, faults = (explained(search, best.reading), explained(search, Reading())), ()
-    if explains(search, best.reading):
+    if agreement(search, best.reading) >= AGREE:
         own, base = _numbers_of(best.reading), without_numbers(best.reading)
         faults = standing_faults(search, found.noise, best, own, base)
     return Decision(search, found.noise, best, rivals, besides, faults, shares)
