@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
-from .faults import EXPLAINED, explained, standing_faults
+from .faults import EXPLAINED, explained, standing
 from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
@@ -133,7 +133,7 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
     shares, faults = (explained(search, best.reading), explained(search, Reading())), ()
     if agreement(search, best.reading) >= AGREE:
         own, base = _numbers_of(best.reading), without_numbers(best.reading)
-        faults = standing_faults(search, found.noise, best, own, base)
+        faults = standing(search, found.noise, best, own, base)
     return Decision(search, found.noise, best, rivals, besides, faults, shares)
 
 

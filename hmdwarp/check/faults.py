@@ -39,9 +39,7 @@ def explained(search: Search, reading: Reading) -> float:
     return agree / max(agree + behind, 1)
 
 
-def standing_faults(
-    search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading
-) -> tuple[str, ...]:
+def standing(search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading) -> tuple[str, ...]:
     """Return those of FAULTS that explain what a reading leaves, or the frames as well as it.
 
     own, base: the numbers of the reading, and the reading with them as stated.
