@@ -130,7 +130,8 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
         rivals += tuple(as_good)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    shares, faults = (explained(search, best.reading), explained(search, Reading())), ()
+    shares = explained(search, best.reading), explained(search, Reading())
+    faults: tuple[str, ...] = ()
     if agreement(search, best.reading) >= AGREE:
         own, base = _numbers_of(best.reading), without_numbers(best.reading)
         faults = standing(search, found.noise, best, own, base)
