@@ -118,5 +118,4 @@ FAULTS = {
     **{f"turned by {turn}": Fault(stated=turned(*turn)) for turn in TURNS},
     **{f"late by {late} s": Fault(late_s=late) for late in (-0.3, -0.2, -0.1, 0.1, 0.15, 0.2, 0.3)},
     "tracked 12 cm beside": Fault(stated=Pose((0.08, -0.05, 0.07))),
-    "20 cm more depth": Fault(depth=lambda z, k, rng: z + 0.2),
 }

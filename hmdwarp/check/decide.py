@@ -25,6 +25,7 @@ _KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 _LESS = 0.005  # of what is explained: an answer that explains less than what is stated is none
+_LEFT = 0.2  # of what is not, as stated: what an answer may leave of a noisy sensor's frames
 _LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
 
 
@@ -48,7 +49,7 @@ class Decision:
     def is_told(self) -> bool:
         """Whether the best reading is the only one that explains the frames, and nearly all."""
         share, stated = self.explained
-        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS)
+        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS) or 1 - share < _LEFT * (1 - stated)
         return not self.rivals and not self.besides and not self.faults and enough
 
     @property
@@ -118,7 +119,7 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
         rivals, besides = (rivals, besides) if best is found.best else ((), ())
     if best.changes:
         most = agreement(search, best.reading)
-        as_good = (
+        rivals += tuple(
             other
             for other in others
             if 0 < other.changes <= best.changes
@@ -127,7 +128,6 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
             and margin(other, best) < SURE
             and agreement(search, other.reading) >= _AS_GOOD * most
         )
-        rivals += tuple(as_good)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
     shares = explained(search, best.reading), explained(search, Reading())

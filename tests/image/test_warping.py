@@ -240,15 +240,6 @@ def test_a_fill_closes_a_crack_and_is_timed():
     )
 
 
-def test_twice_is_the_same():
-    rng = np.random.default_rng(13)
-    colour, depth = rng.random((60, 80, 3)), rng.uniform(0.3, 8, (60, 80))
-    there = view(position=(0.2, -0.1, 0.05), turn=(3, -5, 2))
-    for warp in PICTURE_WARPS:
-        first, again = (warp_image(colour, depth, view(), there, warp, "interpolate") for _ in range(2))
-        assert np.array_equal(first.colour, again.colour) and np.array_equal(first.coverage, again.coverage)
-
-
 @pytest.mark.filterwarnings("ignore:Depth goes from")  # such depth may look like a depth buffer
 @settings(max_examples=40)
 @given(data=st.data())
