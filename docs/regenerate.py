@@ -16,6 +16,7 @@ import itertools
 import json
 import math
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -116,8 +117,6 @@ def read(paths: Iterable[str]) -> list[dict[str, Any]]:
 
 def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
-    from hmdwarp.report.bench.page import pareto_plot_png
-
     later = "--latency 400,600,800 --instants 3 --rounds 1"
     plain = "bench --predict none --size 800x500"
     runs = {"200": plain, "later": f"{plain} {later}"}
@@ -126,8 +125,45 @@ def bench(folder: Path, *ready: str) -> None:
     replace("machine", gpu_tables.machine_line(made[0]))
     replace("warps", warps_table([row for row in rows if row["latency_ms"] == 200]))
     replace("warps later", later_table([row for row in rows if row["latency_ms"] > 200]))
-    pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
+    pareto(folder)
     replace("results", front_page())
+
+
+def pareto(_: Path) -> None:
+    """Draw pareto.png: error against time of the table of warps, on `walk` at 200 ms."""
+    from hmdwarp.report import paper_bytes
+    from hmdwarp.report.bench.page import pareto_chart
+    from hmdwarp.report.bench.rows import cases
+
+    rows = []
+    for line in rows_of("warps"):
+        warp, system = re.fullmatch(r"`(.+?)`(?: \((.+)\))?", line["warp"]).groups("")
+        quality = {"flip": {"mean": float(line["walk: FLIP"])}}
+        times = {"total": {"median": float(line["walk: ms"])}}
+        named = {"warp": warp, "fill": line["fill"].strip("`"), "baseline": system}
+        rows.append({"trace": "walk", "latency_ms": 200.0, **named, "quality": quality, "time_ms": times})
+    (case,) = cases(rows)
+    (DOCS / "pareto.png").write_bytes(paper_bytes(pareto_chart(case, width_in=7.0), "png"))
+
+
+def averaging(folder: Path, *ready: str) -> None:
+    """Time the default warp by steps: cubic samples, then each older frame."""
+    steps = ("iterative:frames=1,resample=bilinear", *(f"iterative:frames={count}" for count in (1, 2, 3)))
+    asked = " ".join(f"--warp {warp}" for warp in steps)
+    plain = f"bench walk --scene room --latency 200 --size 1280x800 --instants 4 --rounds 2 {asked}"
+    fills = ("none", "memory+pyramid")
+    made = read(ready) or [hmdwarp(f"{plain} --fill {fill}", folder / fill, "bench.json") for fill in fills]
+    alone, filled = ([row["time_ms"]["total"]["median"] for row in _in_order(data["rows"])] for data in made)
+    rows = [
+        [f"`{warp}`", *(f"{times[at]:.1f} ({times[at] / times[0]:.2f})" for times in (alone, filled))]
+        for at, warp in enumerate(steps)
+    ]
+    replace("averaging", markdown(["", "ms alone", "ms with `memory+pyramid`"], rows))
+
+
+def _in_order(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return rows of one warp from one bilinear frame to the default."""
+    return sorted(rows, key=lambda row: ("resample" not in row["warp"], "frames" not in row["warp"], row["warp"]))
 
 
 def _flip(row: Mapping[str, Any]) -> float:
@@ -250,11 +286,12 @@ def strategies_suite(folder: Path, *ready: str) -> None:
 
 def strategies(folder: Path, *ready: str) -> None:
     """Compare all strategies: what each is, which for whom, and figures, at 400 ms."""
-    from hmdwarp.client.classes import client_names
-    from hmdwarp.client.strategies import strategies as every
-    from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, ran_text
+    from report_tables import chosen_markdown, compare_markdown
 
-    command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
+    from hmdwarp.client.strategies import strategies as every
+    from hmdwarp.report.compare_page import ran_text
+
+    command = "compare --client class-1,class-2,class-3,picture --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     told = "{0.crosses}. The client {0.client}. Late: {0.late}."
     replace(
@@ -282,7 +319,7 @@ def rgbd(_: Path, *ready: str) -> None:
 
 def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
     """Run the experiments of the thesis; what several runs have is taken from the last."""
-    from hmdwarp.report import summary_markdown
+    from report_tables import summary_markdown
 
     replace(marker, summary_markdown(read(ready) or [hmdwarp("thesis", folder / "thesis", "results.json")]))
 
@@ -414,6 +451,8 @@ def pictures(folder: Path) -> None:
 
 OWN: Mapping[str, Callable[..., None]] = {
     "bench": bench,
+    "pareto": pareto,
+    "averaging": averaging,
     "strategies": strategies,
     "strategies-suite": strategies_suite,
     "rgbd": rgbd,

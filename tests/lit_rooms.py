@@ -9,8 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Pose, RigidState
-from hmdwarp.scenes import ATLAS, Background, Body, Lamp, Pendulum, Quad, Scene, Waving
-from hmdwarp.scenes.library._models import textures
+from hmdwarp.scenes import ATLAS, Background, Body, Lamp, Pendulum, Quad, Scene, Waving, load_scene
 
 BORDER = 1  # texels around each chart, so that light never blends with another's
 
@@ -120,4 +119,5 @@ def moving_room() -> Scene:
     lamp = Lamp(Pendulum((0.2, 2.5, -0.4), 0.6, 0.9, 0.9), (1.6, 1.4, 1.2))
     swing = Body("box", Pendulum((-0.3, 3.2, -1.0), 1.9, 0.35, 0.8))
     bounds = ((-1.0, 0.8, -0.2), (1.0, 2.2, 1.2))
-    return Scene("moving", "for tests", [*meshes, flag], textures(), DARK, [swing], walk_bounds_m=bounds, lamps=[lamp])
+    textures = load_scene("lantern").textures
+    return Scene("moving", "for tests", [*meshes, flag], textures, DARK, [swing], walk_bounds_m=bounds, lamps=[lamp])

@@ -5,12 +5,15 @@ An uneven floor, a wall mirror, a chrome ball, and plain things before them.
 
 from __future__ import annotations
 
+import tomllib
+from importlib.resources import files
+
 import attrs
 import numpy as np
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import Background, Ball, Material, Quad, Scene, Texture, checker
-from hmdwarp.scenes.library._models import textures_named
+from hmdwarp.scenes import Background, Ball, Material, Quad, Scene, Texture
+from hmdwarp.scenes.library import textures_named
 
 # Plain by themselves, so that what is wrong in them is wrong in what they show.
 FLOOR = Quad((0.0, 0.0, -3.0), (3.0, 0, 0), (0, 0, -3.0), -1, (0.3, 0.3, 0.32), (4, 4))
@@ -23,11 +26,16 @@ PLAIN_SHAPES = (*BALLS, BACK)
 VIEW = View(Pose((0.05, 1.5, 0.3)), Fov(-0.7, 0.75, -0.75, 0.6))
 
 
+def shapes_of(scene: str, kind: type) -> list:
+    """The Quads or Balls of an analytic scene of the library."""
+    table = tomllib.loads(files("hmdwarp.scenes.library").joinpath(f"{scene}.toml").read_text("utf-8"))
+    return [kind(**said) for said in table[f"{kind.__name__.lower()}s"].values()]
+
+
 def mirrored_scene(*, uneven: bool = True, curved: bool = True) -> Scene:
     """uneven: the floor has a normal map. curved: the ball is chrome, else not there."""
     textures = (
-        Texture("checker", checker(8, 32, (60, 60, 70), (235, 230, 225), 3)),
-        Texture("checker-fine", checker(16, 16, (110, 100, 95), (240, 238, 230), 4)),
+        *textures_named("grey-checker", "sand-checker"),
         Texture("ripples", textures_named("floor-normals")[0].image[::4, ::4], srgb=False),
     )
     floor = Material(reflectivity=0.3, normal_map=2, normal_scale=0.08) if uneven else Material(reflectivity=0.3)

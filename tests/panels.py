@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
-from reference.picture import ReferencePicture
 from worlds import World, read
 
 from hmdwarp.client import parse_warp
@@ -86,12 +85,3 @@ def in_two_passes(
     shown.release()
     panel.release()
     return out
-
-
-def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture, least_decided: float) -> None:
-    decided = ~wanted.undecided
-    if decided.size > 1000:
-        assert decided.mean() > least_decided
-    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
-    assert (difference <= wanted.tolerance)[decided].all(), f"worst {(difference - wanted.tolerance)[decided].max()}"

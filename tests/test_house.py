@@ -184,7 +184,7 @@ ROOMS = {
     "run": (6973, 5400),
     "client": (7925, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (6069, 4600),
+    "scenes": (5424, 4600),
     "poses": (6535, 4500),
     "pipeline": (5124, 3700),
     "link frames": (3943, 3100),
@@ -266,7 +266,6 @@ SAME_NAME = {
     "options": "those of each package; the package that declares them",
     "page": "each kind of page",
     "parts": "of a server; of a message of the feed",
-    "rows": "of a trace file; of an export",
     "run": "the package and its class",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
@@ -463,8 +462,8 @@ def files_imported(path: Path) -> set[Path]:
 
 
 # What stands before a library that loads late: commands, for help; glfw, whose windowing system
-# start() chooses first; Dear ImGui and OpenXR, which a machine may lack; SciPy, for files alone.
-LATE = ("cli/", "display/desktop/", "display/openxr/", "scenes/_load.py", "report/image_result.py")
+# start() chooses first; Dear ImGui and OpenXR, which a machine may lack; SciPy, for files, skins.
+LATE = ("cli/", "display/desktop/", "display/openxr/", "scenes/_load.py", "scenes/library/", "report/image_result.py")
 
 
 def late_imports(source: str, *, functions: bool = True) -> list[int]:

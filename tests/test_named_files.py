@@ -33,9 +33,8 @@ from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.reading import file_head
 from hmdwarp.poses.reading import pose_messages as bags
-from hmdwarp.poses.reading import rows as reading_rows
+from hmdwarp.poses.reading import text_table
 from hmdwarp.resources import folder as shipped
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
@@ -166,7 +165,7 @@ def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
     rows = "time_ns,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(60_000))
     (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows.encode()))
     assert len(load_trace(tmp_path / "head.csv.gz").track) == 60_000
-    monkeypatch.setattr(file_head, "TRACE", attrs.evolve(file_head.TRACE, most_bytes=len(rows) - 1))
+    monkeypatch.setattr(text_table, "TRACE", attrs.evolve(text_table.TRACE, most_bytes=len(rows) - 1))
     refused(lambda: load_trace(tmp_path / "head.csv.gz"), f"more than {len(rows) - 1} bytes, unpacked")
     monkeypatch.undo()
     (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows[:27].encode() + b"0,0,0,0,0,0,0,1\n" * (1 << 21)))
@@ -175,7 +174,7 @@ def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
 
 def test_a_trace_has_so_many_rows_at_most(tmp_path, monkeypatch):
     lines = ["time_ns,x,y,z,qx,qy,qz,qw\n", *(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(101))]
-    monkeypatch.setattr(reading_rows, "MOST_ROWS", 100)
+    monkeypatch.setattr(text_table, "MOST_ROWS", 100)
     (tmp_path / "head.csv").write_text("".join(lines[:-1]))
     assert len(load_trace(tmp_path / "head.csv").track) == 100
     (tmp_path / "head.csv").write_text("".join(lines))

@@ -9,7 +9,7 @@ import typing
 import attrs
 import numpy as np
 import reference
-from reference.picture import GPU_SAMPLER_PIXELS, RenderedPicture, TwinInputs
+from reference.picture import GPU_SAMPLER_PIXELS, ReferencePicture, RenderedPicture, TwinInputs
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_baseline, every_warp, parse_warp
@@ -245,3 +245,13 @@ class World:
         """What the twin makes of it; after warp(), which brings what the warp reads."""
         choice = parse_warp(spec)
         return twin_of(choice.entry.name)(self.asked(choice.settings))
+
+
+def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture, least_decided: float = 0.9) -> None:
+    """Rounding may decide near borders between pixels and near equal depths, a few of a hundred."""
+    decided = ~wanted.undecided
+    if decided.size > 1000:
+        assert decided.mean() > least_decided
+    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
+    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
+    assert (difference <= wanted.tolerance)[decided].all(), f"worst {(difference - wanted.tolerance)[decided].max()}"

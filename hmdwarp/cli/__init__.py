@@ -39,11 +39,9 @@ def main() -> None:
         )  # hands back the status of a typer.Exit instead of raising it
         if sys.stdout is not None:
             sys.stdout.flush()  # here, where a full disk still gets its line
-    except RequirementError as error:
-        *before, last = str(error).splitlines()
-        for line in before:
-            _complain(line)
-        _leave(last, error.exit_status)
+    except RequirementError as error:  # lines and tables
+        print(f"hmdwarp: {error}", file=sys.stderr, flush=True)
+        sys.exit(error.exit_status)
     except HmdwarpError as error:
         _leave((error.exit_status == 2 and instead_of(sys.argv[1:])) or str(error), error.exit_status)
     except KeyboardInterrupt:

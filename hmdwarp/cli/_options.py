@@ -159,6 +159,19 @@ def as_json(data: Any) -> str:
     return json.dumps(known(data), indent=2, ensure_ascii=False, allow_nan=False)
 
 
+def print_results(said: Said, data: Any, as_text: Callable[[], None], report: Path | None = None) -> None:
+    """Print results as text, as one JSON object by --json, or not at all by --quiet.
+
+    report: the page that has them.
+    """
+    if said["json"]:
+        typer.echo(as_json(data))
+    elif not said["quiet"]:
+        as_text()
+    if report is not None and not said["quiet"]:
+        typer.echo(f"report: {report}", err=said["json"])
+
+
 def command_line() -> str:
     """Return what was typed, for a page or a summary."""
     return shlex.join(["hmdwarp", *sys.argv[1:]])

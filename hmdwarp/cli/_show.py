@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..errors import InputError
-from ..run.requirements import Requirements, hold
+from ..run.requirements import Requirements
+from ._options import Said, print_results
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -52,16 +53,14 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     screen = console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    bar, lines = (
-        Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal),
-        _Lines(what),
-    )
+    bar = Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal)
+    lines = _Lines(what)
     with bar, lines.printed(screen) if bar.disable and not quiet else nullcontext():
         task = bar.add_task(what, total=None)
 
         def progress(done: int, total: int) -> None:
             end_if_asked()
-            bar.update(task, completed=done, total=total)
+            bar.update(task, completed=done, total=total or None)
             lines.update(done, total, time.monotonic())
 
         yield progress, screen
@@ -87,11 +86,12 @@ class _Lines:
         if self._began is None or self._now is None:
             return f"{self._what}: still preparing"
         (began_s, first), (now_s, done, total) = self._began, self._now
-        line = f"{self._what}: {done} of {total}"
+        line = f"{self._what}: {done}" + (f" of {total}" if total else "")
         if done == total:
             return f"{line}; the last pictures are measured, then the results are written"
-        if first < done:
-            line += f", about {_duration((now_s - began_s) / (done - first) * (total - done))} to go"
+        if first < done < total:
+            whole = max(1, round((now_s - began_s) / (done - first) * (total - done)))
+            line += f", about {f'{whole} s' if whole < 120 else f'{round(whole / 60)} min'} to go"
         return line
 
     @contextmanager
@@ -116,11 +116,6 @@ class _Lines:
             thread.join()
 
 
-def _duration(seconds: float) -> str:
-    whole = max(1, round(seconds))
-    return f"{whole} s" if whole < 120 else f"{round(whole / 60)} min"
-
-
 def sayer(quiet: bool) -> Callable[[str], None]:
     """Return what prints a sentence on stderr, or drops it."""
     return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
@@ -131,7 +126,7 @@ def run_experiment(
     what: str,
     tell: Callable[[Any], None],
     *options: Any,
-    quiet: bool,
+    said: Said,
     required: Requirements | None = None,
 ) -> None:
     """Run an experiment with its progress, tell what was found, then raise what failed.
@@ -140,16 +135,14 @@ def run_experiment(
     """
     if required is not None:
         required.prepare(force=options[0].force)
-    with steps(what, quiet=quiet) as (progress, _):
-        result = run(*options, progress, sayer(quiet))
-    if not quiet:
-        tell(result)
-        typer.echo(f"report: {result.report}")
+    with steps(what, quiet=said["quiet"]) as (progress, _):
+        result = run(*options, progress, sayer(said["quiet"]))
+    print_results(said, result.data, lambda: tell(result), result.report)
     result.raise_failures()
     if result.refused:  # after the results are written: they are good, the budget was not
         raise InputError(result.refused)
     if required is not None:
-        hold(required.missed(result.data["rows"]))
+        required.end(required.judge(result.data["rows"]))
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

@@ -77,11 +77,12 @@ def _baselines() -> list[Row]:
 def _client(client: Any) -> Row:
     limits = {"budget": (client.budget_ms, "ms an eye"), "decoder": (client.decoder_mpx_s, "Mpx/s")}
     limits["download"] = (client.download_mbit_s, "Mbit/s")
+    limits |= {"memory": (client.memory_gb_s, "GB/s"), "arithmetic": (client.compute_tflops, "TFLOPS")}
     return {
         "scene": client.scene,
         "compute_shaders": "yes" if client.compute_shaders else "no",
         "layers": "all" if client.more_layers else "colour and depth",
-        **{key: f"{most:g} {unit}" if math.isfinite(most) else "no limit" for key, (most, unit) in limits.items()},
+        **{key: f"{most:g} {unit}" if math.isfinite(most) else "not stated" for key, (most, unit) in limits.items()},
         "source": client.source or "none",
     }
 
@@ -281,7 +282,7 @@ KINDS = {
     "layouts": Kind("Layouts of recorded frames.", "sources.sequences:readers", _layout),
     "layers": Kind("What a frame holds beside its picture.", "frames.layers:layers", _layer),
     "predictors": Kind(
-        "Foretell the head's pose.", "poses.predictors:predictors",
+        "Predict the head pose.", "poses.predictors:predictors",
         lambda e: {"horizon": f"{e.horizon_ns / 1e6:g} ms", "same_as": e.alias_of or "none", "source": e.source},
     ),
     "codecs": Kind(

@@ -8,8 +8,9 @@ import attrs
 import typer
 
 from .. import report
+from ..errors import RequirementError
 from ..options import Declared, force_field, option, out_field
-from ..run.requirements import Tolerance, hold, tolerance_field
+from ..run.requirements import Tolerance, tolerance_field
 from ._options import JSON, Said, as_json, command_line, takes
 
 
@@ -40,6 +41,7 @@ def diff(said: Said) -> None:
         typer.echo(as_json(found.entry()))
     for note in [] if said["json"] else found.notes:
         typer.echo(f"note: {note}")
-    hold(found.lines())
+    if not found.is_equal:
+        raise RequirementError("\n".join([found.told(), *found.lines()]))
     if not said["json"]:
-        typer.echo("equal, but for times")
+        typer.echo(found.told())

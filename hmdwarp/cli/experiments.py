@@ -12,10 +12,10 @@ from ..experiments.bench import BenchOptions, MergeOptions
 from ..experiments.bench.options import CompareOptions
 from ..experiments.thesis.experiment import ThesisOptions
 from ..run.requirements import Requirements
-from ._options import QUIET, Said, command_line, takes
+from ._options import JSON, QUIET, Said, command_line, print_results, takes
 
 
-@takes(BenchOptions, Requirements, QUIET)
+@takes(BenchOptions, Requirements, JSON, QUIET)
 def bench(said: Said) -> None:
     """Run every combination of warps, fills, latencies, scenes, traces and sizes.
 
@@ -25,10 +25,10 @@ def bench(said: Said) -> None:
     from ._show import run_experiment
 
     required, options = Requirements.of(said), BenchOptions.of(said, command=command_line())
-    run_experiment(run, "instants", _tell_bench, options, quiet=said["quiet"], required=required)
+    run_experiment(run, "instants", _tell_bench, options, said=said, required=required)
 
 
-@takes(MergeOptions, QUIET)
+@takes(MergeOptions, JSON, QUIET)
 def merge(said: Said) -> None:
     """Join benches of several machines or parts: quality once, times for each machine.
 
@@ -37,15 +37,12 @@ def merge(said: Said) -> None:
     from ..experiments.bench import merge as run
 
     result = run(MergeOptions.of(said, command=command_line()))
-    if not said["quiet"]:
-        _tell_bench(result)
-        typer.echo(f"report: {result.report}")
+    print_results(said, result.data, lambda: _tell_bench(result), result.report)
 
 
 def _tell_bench(result: sweep.ExperimentResult) -> None:
-    from ..experiments.bench.bench_rows import answer
     from ..report import axes_of_traces
-    from ..report.bench.rows import OF_BENCH, bench_table
+    from ..report.bench.rows import OF_BENCH, bench_table, choice_text, verdict_text
     from ._show import console, paragraph
 
     screen, rows = console(), result.data["rows"]
@@ -56,7 +53,7 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
     of_rows = (note for row in rows for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
         paragraph(f"note: {note}")
-    for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
+    for sentence in (*map(verdict_text, result.data["winners"]), *choice_text(result.data["choice"])):
         paragraph(sentence)
 
 
@@ -72,7 +69,7 @@ def _tell_cases(rows: Iterable[Any], name: str, conditions: Any, table: Callable
         paragraph(f"These are the first {MOST_SHOWN} of {count} cases; {name}.csv and {name}.json have all.")
 
 
-@takes(CompareOptions, Requirements, QUIET)
+@takes(CompareOptions, Requirements, JSON, QUIET)
 def compare(said: Said) -> None:
     """Run every strategy of remote rendering on the same heads, over the same coded link.
 
@@ -82,7 +79,7 @@ def compare(said: Said) -> None:
     from ._show import run_experiment
 
     required, options = Requirements.of(said), CompareOptions.of(said, command=command_line())
-    run_experiment(run, "runs", _tell_compare, options, quiet=said["quiet"], required=required)
+    run_experiment(run, "runs", _tell_compare, options, said=said, required=required)
 
 
 def _tell_compare(result: sweep.ExperimentResult) -> None:
@@ -94,7 +91,7 @@ def _tell_compare(result: sweep.ExperimentResult) -> None:
         paragraph(f"note: {entry['strategy']} is left out: {entry['why']}")
 
 
-@takes(ThesisOptions, QUIET)
+@takes(ThesisOptions, JSON, QUIET)
 def thesis(said: Said) -> None:
     """Run the thesis's figures, times and claims again, each with its number and a verdict.
 
@@ -105,7 +102,7 @@ def thesis(said: Said) -> None:
     from ._show import run_experiment
 
     options = ThesisOptions.of(said, command=command_line())
-    run_experiment(run_thesis, "runs", _tell_thesis, options, published_ratings, quiet=said["quiet"])
+    run_experiment(run_thesis, "runs", _tell_thesis, options, published_ratings, said=said)
 
 
 def _tell_thesis(result: sweep.ExperimentResult) -> None:

@@ -11,32 +11,40 @@ import typer
 from .. import run
 from ..errors import InputError
 from ..options import AUTO
-from ..run.options import LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
-from ..run.requirements import Baseline, Requirements, hold
-from ._options import JSON, QUIET, Said, as_json, command_line, takes
+from ..run.options import OFFSCREEN, LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
+from ..run.requirements import Gate
+from ._options import JSON, QUIET, Said, command_line, print_results, takes
 from ._show import sayer
 
 
-@takes(RunOptions, Requirements, Baseline, QUIET)
+@takes(RunOptions, Gate, JSON, QUIET)
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     from ..report import axes_of_traces, summary_table, transit_lines
     from ._show import console, steps
 
-    options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
-    required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
-    stored, quiet = baseline.stored(options.out), said["quiet"]
+    options, gate, quiet = RunOptions.of(said, command=command_line()), Gate.of(said), said["quiet"]
+    gate.prepare(force=options.force)
+    judge = gate.judge_of(options.out)
     if AUTO in (options.warp, options.guard):
-        options = _told(run.choose(options, sayer(quiet)), quiet=quiet)
+        choice = run.choose(options, sayer(quiet))
+        if not quiet and not said["json"]:
+            _print_choice(choice)
+        options = attrs.evolve(choice.options, command=choice.command(sys.argv[2:]))
     with steps("refreshes", quiet=quiet) as (progress, screen):
-        result = run.replay(options, progress, *([] if quiet else [partial(screen.print, soft_wrap=True)]))
-    if not quiet:
+        result = run.replay(options, progress, sayer(True) if quiet else partial(screen.print, soft_wrap=True), judge)
+
+    def as_text() -> None:
         console().print(summary_table(result.summary, *result.against))
         lines = [f"axes of {trace}: {axes}" for trace, axes in axes_of_traces([result.summary]).items()]
         lines += [*transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
-        typer.echo("\n".join([*lines, f"report: {result.report}"]))
-    differences = baseline.differences(stored, result.folder, options.command)
-    hold(required.missed([result.summary], result.against, differences))
+        typer.echo("\n".join(lines))
+
+    print_results(said, result.summary, as_text, result.report)
+    if result.verdict is not None:
+        gate.store(result.verdict, result.folder)
+        gate.end(result.verdict)
+        sayer(quiet)(result.verdict.headline)
 
 
 @takes(RunOptions, JSON, QUIET)
@@ -53,53 +61,40 @@ def choose(said: Said) -> None:
         said["guard"] = AUTO
     options = RunOptions.of(said)
     choice = run.choose(options, sayer(said["quiet"] or said["json"]))
-    if said["json"]:
-        level, *_ = levels = [
-            {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
-            for one in (choice.level, *choice.levels)
-            if one is not None
-        ]
-        typer.echo(
-            as_json(
-                {
-                    "command": choice.command(sys.argv[2:]),
-                    "budget_ms": options.budget_ms,
-                    "guard": choice.options.guard,
-                    **level,
-                    "levels": levels[1:],
-                    "notes": choice.notes,
-                }
-            )
-        )
-    else:
-        _told(choice)
+    level, *_ = levels = [
+        {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
+        for one in (choice.level, *choice.levels)
+        if one is not None
+    ]
+    data = {
+        "command": choice.command(sys.argv[2:]),
+        "budget_ms": options.budget_ms,
+        "guard": choice.options.guard,
+        **level,
+        "range_ms": choice.range_ms,
+        "levels": levels[1:],
+        "notes": choice.notes,
+    }
+    print_results(said, data, lambda: _print_choice(choice))
 
 
-def _told(choice: run.Choice, *, quiet: bool = False) -> RunOptions:
-    """Print what was chosen and why; return the options that name it."""
-    command = choice.command(sys.argv[2:])
-    if not quiet:
-        typer.echo("\n".join((command, *choice.notes)))
-    return attrs.evolve(choice.options, command=command)
+def _print_choice(choice: run.Choice) -> None:
+    typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes)))
 
 
-@takes(LiveOptions, QUIET)
+@takes(LiveOptions, JSON, QUIET)
 def live(said: Said) -> None:
     """Show late frames live, each warped to the newest pose.
 
     In the headset, or in a window (h shows its keys).
     """
-    run_live(LiveOptions.of(said, command=command_line()), said["quiet"])
-
-
-def run_live(options: LiveOptions, quiet: bool) -> None:
-    """Run it and print what came out."""
     from ..run import live as go
+    from ._show import steps
 
-    result = go(options, sayer(quiet))
-    if not quiet:
-        for line in result.describe():
-            typer.echo(line)
+    options = LiveOptions.of(said, command=command_line())
+    with steps("pictures", quiet=said["quiet"] or options.source != OFFSCREEN) as (progress, _):
+        result = go(options, sayer(said["quiet"]), lambda number: progress(number, options.pictures or 0))
+    print_results(said, result.summary, lambda: typer.echo("\n".join(result.describe())))
 
 
 @takes(RecordOptions, QUIET)

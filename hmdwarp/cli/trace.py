@@ -148,20 +148,20 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
     table.add_column(overflow="fold")
     gaps = "none"
     if figures.gaps:
-        longest = max(figures.gaps, key=lambda g: g.length_ns)
+        longest = max(figures.gaps, key=lambda gap: gap["length_s"])
         gaps = (
             f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
-            f"{longest.length_ns / 1e9:.3f} s from {longest.start_ns / 1e9:.3f} s"
+            f"{longest['length_s']:.3f} s from {longest['start_s']:.3f} s"
         )
     rows = {
         "trace": str(loaded.path),
         "format": loaded.format,
-        "origin": loaded.track.origin or "not told by the file",
+        "origin": loaded.track.origin or "not stated in the file",
         "axes": loaded.axes,
         "columns": loaded.columns,
         "samples": f"{figures.samples}, {100 * figures.repeated_share:.3g} % of them repeated poses",
         "duration": f"{figures.duration_s:.3f} s",
-        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz in the mean",
+        "rate": f"{figures.rate_hz:.2f} Hz (one over the median step), {figures.mean_rate_hz:.2f} Hz on average",
         "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
         "gaps": gaps,
         "jumps": str(figures.jumps or "none"),
@@ -183,7 +183,7 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     yield terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
     costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
         ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
-        ("Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees", _lead),
+        ("Signed error along the motion: % of the time leading, p95 of the lead / of the lag, degrees", _lead),
     )
     heads = ("latency", *figures.errors[0].errors)
     for title, cell in costs:

@@ -35,7 +35,7 @@ TRUTH_JOD = 10.0
 # Mehrfard et al. 2019, arXiv:1912.02913.
 PEAK_CD_M2, BLACK_CD_M2 = 133.3, 0.1
 # How the columns of a table are called, where clips were rated.
-JOD = Figure("jod", "JOD", "", 2)
+JOD = Figure("jod", "JOD", "", 2, higher_is_better=True)
 TRUTH_PREFERRED = Figure("truth_preferred", "truth preferred", "% of people", 0, 100)
 _OF_ONE_JOD = statistics.NormalDist().inv_cdf(0.75)
 

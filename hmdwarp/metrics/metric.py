@@ -22,6 +22,7 @@ class Figure:
     unit: str
     digits: int
     scale: float = 1.0  # turns the stored number into `unit`
+    higher_is_better: bool | None = None  # None where neither is
 
     def text(self, value: float | None) -> str:
         """Return the rounded number, or a dash where nothing was measured."""
@@ -90,7 +91,8 @@ class Metric:
     @property
     def figure(self) -> Figure:
         """Its format in reports."""
-        return Figure(self.name, self.label, "%" if self.percent_of else self.unit, self.digits, self.scale)
+        unit = "%" if self.percent_of else self.unit
+        return Figure(self.name, self.label, unit, self.digits, self.scale, self.higher_is_better)
 
     @property
     def short_figure(self) -> Figure:

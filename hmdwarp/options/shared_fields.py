@@ -249,6 +249,7 @@ class PaperOptions(Declared):
 
     tables: tuple[str, ...] = _kinds(tuple(PAPER_TABLES), "tables")
     plots: tuple[str, ...] = _kinds(PLOTS, "plots")
+    columns: int = option(1, "Columns of the paper that a plot spans: 1 or 2.", valid=Number(1, 2), name="plot_columns")
 
     @property
     def is_wanted(self) -> bool:

@@ -7,7 +7,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from statistics import median
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import attrs
 import numpy as np
@@ -34,6 +34,7 @@ from ..link.codec import (
     Undecodable,
     VectorDecoder,
     VectorEncoder,
+    codecs,
     depth_step,
     pack,
     unpack,
@@ -186,6 +187,11 @@ class Coder:
         self._last_size = (0, 0)
         self._encoded = 0
         self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
+
+    @classmethod
+    def of(cls, coding: Coding, rate_hz: float, age_ns: int) -> Self | None:
+        """Return what codes frames that are seen at that age; None where they go as they are."""
+        return None if codecs.get(coding.codec).is_none else cls(coding, rate_hz, age_ns * 1e-9)
 
     def encode(self, frame: Frame, reads: Reads, beside: Reads | None = None, *, wants_key: bool) -> CodedFrame:
         """Encode what is read of a frame; its time is entered in the frame's timings.

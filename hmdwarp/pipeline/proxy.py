@@ -9,16 +9,18 @@ from typing import Any
 
 import moderngl
 
+from ..client.client_scene import ClientScene
 from ..client.compensator import Compensator, EyeResult
 from ..client.effects import effects
-from ..client.inputs import History
 from ..client.lens import lenses
+from ..client.plan import Plan
 from ..client.variants import parse_fills, parse_indirect, parse_warp
 from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
+from ..link import LinkOptions
 from ..link.codec import check_codec
 from ..metrics import middle_and_tail
 from ..options import AUTO
@@ -28,7 +30,7 @@ from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from .channel import Channel, ChannelSetup
-from .frame_coder import Reads
+from .frame_coder import Coder
 from .loop import Loop, Refresh
 from .options import PipelineOptions
 from .planning import proxy_plan_for
@@ -36,7 +38,7 @@ from .proxy_options import PROXY, RECORDING, REMOTE
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
-from .source import PoseRequest, ServerFrames, Source, Target, client_scene, settling
+from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15
@@ -80,22 +82,37 @@ class Proxy:
     Its frames are finished pictures without depth. There are none until the server's first frame
     has arrived.
 
-    loop: over the frames from the server; its display shows `known`, its eyes are GuardedEyes.
-    channel: the link that they come through. size: (w, h) of the pictures that it makes. about:
-    what summary.json says of it beside what it measures.
+    requested: of the pictures that it makes; its source is a KnownHead. eyes: with the client's
+    guard band. rendered: (w, h) of the frames. link: what they come through, as of joined. about:
+    what summary.json says of it beside what it measures. All of it is freed with the stack.
     """
 
     def __init__(
-        self, loop: Loop, known: KnownHead, channel: Channel, size: tuple[int, int], about: Mapping[str, Any]
+        self,
+        frames: FrameSource,
+        geometry: ClientScene,
+        requested: PoseRequest,
+        plan: Plan,
+        eyes: Eyes,
+        rendered: tuple[int, int],
+        link: tuple[LinkOptions, int, float, Coder | None],
+        about: Mapping[str, Any],
+        stack: ExitStack,
     ) -> None:
-        self._loop, self._known, self._channel, self._size, self._about = loop, known, channel, size, about
-        self._gpu = loop.compensator.gpu
-        self._no_depth = allocate(self._gpu.gl, size, SCALAR)
+        self._gpu, self._size, self._about = geometry.gpu, requested.size, about
+        assert isinstance(requested.source, KnownHead)
+        self._known = requested.source
+        compensator = Compensator(self._gpu, plan, None, rendered, requested.size, geometry)
+        stack.callback(compensator.close)
+        self._channel, history = joined(frames, geometry, requested, [plan], link, stack)
+        self._loop = Loop(requested, frames, self._channel, history, compensator, eyes)
+        self._no_depth = allocate(self._gpu.gl, requested.size, SCALAR)
+        self._free: list[Canvas] = []
+        self._out: dict[moderngl.Texture, Canvas] = {}
+        stack.callback(self.close)
         framebuffer = self._gpu.gl.framebuffer([self._no_depth])
         framebuffer.clear(-1.0)
         framebuffer.release()
-        self._free: list[Canvas] = []
-        self._out: dict[moderngl.Texture, Canvas] = {}
         # What it showed for the last head; None before the server's first frame.
         self.shown: Refresh | None = None
         self._recorded = True
@@ -202,7 +219,7 @@ class ProxySource(Source):
         """
         asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
         (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)
-        eyes, known = GuardedEyes(target.eyes, requested.guard, requested.size), KnownHead()
+        eyes = GuardedEyes(target.eyes, requested.guard, requested.size)
         if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
             raise InputError(f"--proxy-warp {asked.warp} looks into the other eye's picture, and there is one eye")
         made = eye_sizes(asked.guard, eyes, guarded_size(requested.guard, target.eyes, requested.size))
@@ -220,25 +237,18 @@ class ProxySource(Source):
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
             latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
         age_ns = age_over_ns(first, asked.latency_ms, round(refresh_ns), rate_hz)
-        history = History(plan.needs.others, server.recycle)
-        stack.callback(history.close)
         geometry = client_scene(options, server.scene, server, stack)
-        compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
-        stack.callback(compensator.close)
         # What it shows is for the requested head; what the server draws is seen later.
         request = PoseRequest(
-            known,
+            KnownHead(),
             requested.for_server,
             made.shown,
             asked.guard,
             plan.needs,
             age_ns=age_ns,
         )
-        frames, coder = ServerFrames(server, request, eyes), self.coder(asked.coding, rate_hz, age_ns)
-        ends = (coder, Reads.of([plan]), history.offer, settling(frames, geometry))
-        channel = frames.channel(ChannelSetup(first, latency_ns, rate_hz, *ends))
-        stack.callback(channel.close)
-        loop = Loop(request, frames, channel, history, compensator, eyes)
+        frames, coder = ServerFrames(server, request, eyes), Coder.of(asked.coding, rate_hz, age_ns)
+        link = (first, latency_ns, rate_hz, coder)
         about = {
             "latency_ms": asked.latency_ms,
             "total_latency_ms": options.total_latency_ms,
@@ -247,9 +257,7 @@ class ProxySource(Source):
             "effects": list(plan.effects),
             "rendered": rendered_entry(asked.guard, made, plan.needs),
         }
-        proxy = Proxy(loop, known, channel, made.shown, about)
-        stack.callback(proxy.close)
-        return proxy
+        return Proxy(frames, geometry, request, plan, eyes, made.rendered, link, about, stack)
 
 
 def source_of(options: PipelineOptions) -> Source:
@@ -277,13 +285,13 @@ def check_names(options: PipelineOptions) -> None:
     if options.warp != AUTO:
         parse_warp(options.warp)
     parse_fills(options.fill)
+    parse_indirect(options.indirect)
     if options.lens != AUTO:
         lenses.get(options.lens)
     effects.forced(options.effects)
     predictors.get(options.predict)
     check_codec(options.coding.codec)
-    if options.mirrors not in MIRRORS:
-        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
-    parse_indirect(options.indirect)
     check_codec(options.proxy.codec)
     options.client_link.check(round(options.latency_ms * 1e6))
+    if options.mirrors not in MIRRORS:
+        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))

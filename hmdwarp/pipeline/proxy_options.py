@@ -35,6 +35,8 @@ class SourceKind:
     sets: tuple[str, ...] = ()
     # Appended to the reason why a plan cannot run on its frames.
     limits: str = ""
+    # Whether its latency is only known once it is measured.
+    is_timed: bool = False
 
     def refuse_change(self, name: str) -> None:
         """Raise InputError for a control that cannot change while it runs."""
@@ -55,7 +57,7 @@ RECORDING = SourceKind(
 # The scene's name where a server elsewhere shows its own, whatever it is.
 SERVER_SCENE = "server"
 # A server elsewhere.
-REMOTE = SourceKind("remote")
+REMOTE = SourceKind("remote", is_timed=True)
 # A machine near the client that warps for it, and sends the finished picture.
 PROXY = SourceKind("proxy", _PICTURE[:1])
 

@@ -12,12 +12,11 @@ import attrs
 import numpy as np
 
 from ..errors import InputError
-from ..frames import Needs
 from ..geometry import Fov, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
-from ..poses.assumptions import Assumption, unstated
+from ..poses.assumptions import unstated
 from ..poses.quaternions import multiply, rotate
 from ..poses.track import Moment
 from ..sources import sequences
@@ -50,6 +49,16 @@ class RecordingSource(Source):
         summary = f"recorded frames ({sequence.layout})"
         self.scene = nothing(sequence.name, summary, viewpoint=first, notes=sequence.notes)
         self.instants_ns = tuple(frame.time_ns for frame in sequence.frames)
+        self.assumptions = sequence.assumptions
+        self.entry = {
+            "folder": str(sequence.path),
+            "layout": sequence.layout,
+            "frames": len(sequence.frames),
+            "size": list(sequence.frames[0].size),
+            "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
+            "eye_distance_mm": eye_distance_mm,
+            "noise_floor_db": sequence.noise_floor_db,
+        }
 
     @classmethod
     def opened(cls, options: PipelineOptions) -> Self:
@@ -70,11 +79,6 @@ class RecordingSource(Source):
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
     @property
-    def display(self) -> CameraDisplay:
-        """The camera's display."""
-        return self.headset
-
-    @property
     def title(self) -> str:
         """Its kind and name, for messages."""
         return f"recorded frames '{self.scene.name}'"
@@ -87,25 +91,6 @@ class RecordingSource(Source):
     @cached_property
     def _suggested(self) -> list[str]:
         return [*_about_rim(self.sequence), *sequences.depth_notes(self.sequence)]
-
-    @property
-    def assumptions(self) -> tuple[Assumption, ...]:
-        """Facts by which its frames are read, with who says so."""
-        return self.sequence.assumptions
-
-    @property
-    def entry(self) -> dict[str, Any]:
-        """The `recorded` of summary.json."""
-        sequence = self.sequence
-        return {
-            "folder": str(sequence.path),
-            "layout": sequence.layout,
-            "frames": len(sequence.frames),
-            "size": list(sequence.frames[0].size),
-            "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
-            "eye_distance_mm": self._eye_distance_mm,
-            "noise_floor_db": sequence.noise_floor_db,
-        }
 
     @property
     def about(self) -> str:
@@ -146,11 +131,6 @@ class RecordingSource(Source):
         if trace is not None:
             return _beside(trace, sequence)
         return LoadedTrace(sequence.track, sequence.path, sequence.layout, [], [], "", "", axes_assumed=False)
-
-    def check_eyes(self, needs: Needs, eyes: int) -> None:
-        """Check that the passes get by with one eye. Errors: InputError."""
-        if needs.others.other_eye:
-            self._refuse_one_eye("recorded frames have one eye", "multi:eye=own looks into older frames alone")
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> RecordedRenderer:
         """Return what gives the frames; mirrors and edges are as they were recorded."""

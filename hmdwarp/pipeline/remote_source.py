@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -17,7 +17,6 @@ from ..geometry import Eyes, Pose, View, guarded_eyes, looking
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR
 from ..link import CHANGES, TransitStats
-from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import InputEvent, Scene
@@ -29,7 +28,6 @@ from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
 from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
 from .feed_layers import made
-from .frame_coder import Coder
 from .options import PipelineOptions
 from .proxy_options import REMOTE, SERVER_SCENE
 from .recorded_renderer import MomentOf
@@ -67,20 +65,14 @@ class RemoteSource(Source):
             options.network.check(self._added_ns)
         except InputError as error:
             raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
-        self._remote: Remote | None = None
-
-    @property
-    def remote(self) -> Remote:
-        """The session with the server."""
-        assert self._remote is not None, "measured() connects"
-        return self._remote
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the server in place of a scene, where there is none here."""
         return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
 
-    def check(self, plans: Sequence[Plan], needs: Needs) -> None:
+    def check(self, plans: Sequence[Plan], needs: Needs, eyes: int = 2) -> None:
         """Check that plans get by with what frames of another process have. Errors: InputError."""
+        super().check(plans, needs, eyes)
         steps = [step for plan in plans for step in plan.steps]
         if not self._is_here and any(
             name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
@@ -90,21 +82,18 @@ class RemoteSource(Source):
                 "use another one, or name that scene by --scene, too"
             )
 
-    def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
-        """Check that latency and scene stay. Errors: InputError."""
-        if (after.latency_ms, after.scene) != (before.latency_ms, before.scene):
-            raise InputError("latency and scene are the server's, where frames come from one: they stay")
-
     def measured(self, options: Options, first: FirstRequest) -> Options:
-        """Connect, and return the options with the latency that is measured, in place of theirs."""
+        """Connect, send what people do, and return the options with the measured latency."""
         assert options.size is not None
-        remote = self._remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
+        remote = self.remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
         remote.pictures = first.pictures
         wanted = (RAW[self.feed.raw], options.coding, first.rate_hz, first.views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
         longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
         longest_ns += self._added_ns
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
+        if self.scene.inputs is not None:
+            remote.act(self.scene.inputs)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
     def act(self, event: InputEvent) -> InputEvent | None:
@@ -113,28 +102,9 @@ class RemoteSource(Source):
         Errors: as Source.act, and as Remote.act.
         """
         done = super().act(event) if self._is_here else event
-        if done is not None:
+        if done is not None and self.remote is not None:
             self.remote.act([done])
         return done
-
-    def pass_on(self, events: Iterable[InputEvent]) -> None:
-        """Send what people do. Errors: as Remote.act."""
-        self.remote.act(events)
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether its latency is only known once it is measured: it is."""
-        return True
-
-    @property
-    def notice(self) -> str:
-        """What is to be shown over the picture: that frames do not come; "" while they do."""
-        return self._remote.notice if self._remote is not None else ""
-
-    @property
-    def delays_ns(self) -> list[int]:
-        """The measured delay of each frame, in the order of drawing."""
-        return [delay_ns for _, delay_ns in self.remote.delays_ns]
 
     def frames(
         self,
@@ -145,13 +115,11 @@ class RemoteSource(Source):
         stack: ExitStack,
     ) -> RemoteFrames:
         """Return the frames that the server elsewhere draws."""
-        self.remote.pictures = requested.pictures
-        self.remote.only_changes = options.network.send == CHANGES
-        return RemoteFrames(self.remote, server, requested, target.eyes, self._added_ns)
-
-    def coder(self, coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
-        """Return None: the server codes them."""
-        return None
+        remote = self.remote
+        assert remote is not None, "measured() connects"
+        remote.pictures = requested.pictures
+        remote.only_changes = options.network.send == CHANGES
+        return RemoteFrames(remote, server, requested, target.eyes, self._added_ns)
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the truth, and has textures for the frames."""
@@ -161,9 +129,9 @@ class RemoteSource(Source):
 
     def close(self) -> None:
         """Hang up."""
-        if self._remote is not None:
-            self._remote.close()
-            self._remote = None
+        if self.remote is not None:
+            self.remote.close()
+            self.remote = None
 
 
 class RemoteRenderer(Renderer):
@@ -292,7 +260,7 @@ class RemoteChannel(Channel):
 
     def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
         self._remote, self._frames_of = frames.remote, frames
-        super().__init__(setup, frames.recycle)
+        super().__init__(attrs.evolve(setup, coder=None), frames.recycle)  # the server codes them
         self._measured_ns = self._sent_ns = 0
         self._shown: _Sent | None = None
         self._unanswered = self._remote.unanswered

@@ -7,7 +7,7 @@ whose head they are for, and in which format.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from typing import Any, Protocol, TypeVar
@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 
 from ..client.client_scene import ClientScene
+from ..client.inputs import History
 from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
@@ -23,8 +24,7 @@ from ..frames.layers import PICTURE
 from ..geometry import Eyes, Guard, GuardBand, Pose, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
-from ..link import scaled_size
-from ..link.codec import Coding, codecs
+from ..link import LinkOptions, scaled_size
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
@@ -43,10 +43,11 @@ from ..scenes import (
 )
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
-from .frame_coder import Coder
+from .frame_coder import Coder, Reads
 from .options import PipelineOptions
 from .proxy_options import SCENE, SourceKind
 from .recorded_renderer import MomentOf
+from .remote import Remote
 
 
 @attrs.define(eq=False)
@@ -188,6 +189,25 @@ def settling(frames: FrameSource, geometry: ClientScene) -> Settled:
     return settled
 
 
+def joined(
+    frames: FrameSource,
+    geometry: ClientScene,
+    requested: PoseRequest,
+    plans: Sequence[Plan],
+    link: tuple[LinkOptions, int, float, Coder | None],
+    stack: ExitStack,
+) -> tuple[Channel, History]:
+    """Return the channel of the frames, and the older ones that these plans keep.
+
+    link: its options, latency in ns, refresh rate and coder. Both are freed with the stack.
+    """
+    history = History(requested.needs.others, frames.recycle)
+    stack.callback(history.close)
+    channel = frames.channel(ChannelSetup(*link, Reads.of(plans), history.offer, settling(frames, geometry)))
+    stack.callback(channel.close)
+    return channel, history
+
+
 def client_scene(options: PipelineOptions, scene: Scene, server: Renderer, stack: ExitStack) -> ClientScene:
     """Return the scene as the client has it, freed with the stack.
 
@@ -248,6 +268,12 @@ class Source:
     kind: SourceKind = SCENE
     # Instants of its frames, where it has frames at some alone.
     instants_ns: tuple[int, ...] = ()
+    # Facts by which its frames are read, with who says so.
+    assumptions: tuple[Assumption, ...] = ()
+    # The `recorded` of summary.json; None where nothing is recorded.
+    entry: dict[str, Any] | None = None
+    # The session with a server elsewhere, once `measured` has connected.
+    remote: Remote | None = None
 
     def __init__(self, options: PipelineOptions, scene: Scene | None = None) -> None:
         self._options, self._scene = options, scene
@@ -264,11 +290,6 @@ class Source:
         return load_headset(self._options.headset)
 
     @property
-    def display(self) -> Headset | None:
-        """The display that belongs to the frames; None for any."""
-        return None
-
-    @property
     def title(self) -> str:
         """Its kind and name, for messages."""
         return f"scene '{self.scene.name}'"
@@ -278,16 +299,6 @@ class Source:
         """What a reader of the results must know of it before anything else."""
         return list(self.headset.notes)
 
-    @property
-    def assumptions(self) -> tuple[Assumption, ...]:
-        """Facts by which its frames are read, with who says so."""
-        return ()
-
-    @property
-    def entry(self) -> dict[str, Any] | None:
-        """The `recorded` of summary.json; None where nothing is recorded."""
-        return None
-
     def fitted(self, options: Options) -> Options:
         """Return the options with what the frames set."""
         return options
@@ -296,26 +307,16 @@ class Source:
         """Return a head's motion as it goes with the frames. trace: None for their own."""
         return trace
 
-    def check_eyes(self, needs: Needs, eyes: int) -> None:
-        """Check that an eye whose picture the passes need is there.
-
-        eyes: of the display. Errors: InputError.
-        """
-        if needs.others.other_eye and eyes < 2:
-            self._refuse_one_eye("the flat view has one eye", "use the view of both eyes")
-
-    @staticmethod
-    def _refuse_one_eye(why: str, remedy: str) -> None:
-        raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")
-
-    def check(self, plans: Sequence[Plan], needs: Needs) -> None:
+    def check(self, plans: Sequence[Plan], needs: Needs, eyes: int = 2) -> None:
         """Check that plans get by with what frames bring. Errors: InputError.
 
-        needs: of all of them, and of others on the same frames.
+        needs: of all of them, and of others on the same frames. eyes: of the display.
         """
-
-    def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
-        """Check that a run can go on with these options. Errors: InputError."""
+        if needs.others.other_eye and min(eyes, self.kind.eyes) < 2:
+            why, remedy = "the flat view has one eye", "use the view of both eyes"
+            if self.kind.eyes < 2:
+                why, remedy = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
+            raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")
 
     def measured(self, options: Options, first: FirstRequest) -> Options:
         """Connect where frames come from elsewhere, and return the options with the way's latency.
@@ -339,24 +340,6 @@ class Source:
         """
         return self.inputs.add(event)
 
-    def pass_on(self, events: Iterable[InputEvent]) -> None:
-        """Tell a server elsewhere what people do, each from its own instant on."""
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether its latency is only known once it is measured."""
-        return False
-
-    @property
-    def notice(self) -> str:
-        """What is to be shown over the picture about where it comes from, "" for nothing."""
-        return ""
-
-    @property
-    def delays_ns(self) -> list[int]:
-        """The measured delay of each frame, in the order of drawing, where it is measured."""
-        return []
-
     def frames(
         self,
         options: PipelineOptions,
@@ -367,10 +350,6 @@ class Source:
     ) -> FrameSource:
         """Return where the frames of a loop come from; what it needs is freed with the stack."""
         return ServerFrames(server, requested, target.eyes)
-
-    def coder(self, coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
-        """Return what codes frames on their way; None for frames that arrive as they are."""
-        return None if codecs.get(coding.codec).is_none else Coder(coding, rate_hz, age_ns * 1e-9)
 
     def close(self) -> None:
         """Hang up, where frames come from elsewhere."""

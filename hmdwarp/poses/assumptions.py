@@ -20,7 +20,11 @@ class By(StrEnum):
     FILE = "file"
     FORMAT = "format"  # the documents of the format, layout or data set
     MOTION = "motion"
-    NOBODY = "nobody"
+    NOBODY = "default"
+
+
+Fact = StrEnum("Fact", "COLUMNS ORIENTATION POSE LENGTH AXES UP CLOCK")  # what is assumed of a trace
+DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones
 
 
 @attrs.frozen
@@ -34,9 +38,9 @@ class Assumption:
 
     @property
     def source(self) -> str:
-        """Return who says it, in words, with the option where that is nobody."""
-        remedy = f"; {self.option} states it" if self.option and self.by in (By.NOBODY, By.MOTION) else ""
-        return f"{'nobody says so' if self.by is By.NOBODY else f'by the {self.by}'}{remedy}"
+        """Return who says it, in words, with the option where it is a default."""
+        remedy = f"; set with {self.option}" if self.option and self.by in (By.NOBODY, By.MOTION) else ""
+        return f"{'default' if self.by is By.NOBODY else f'by the {self.by}'}{remedy}"
 
     def __str__(self) -> str:
         return f"{self.what}: {self.value} ({self.source})"
@@ -48,13 +52,13 @@ def assumption_rows(assumptions: Iterable[Assumption]) -> list[dict[str, str]]:
 
 
 def unstated(assumptions: Iterable[Assumption]) -> list[str]:
-    """Return a note on the facts that nobody says; none where there are none."""
+    """Return a note on the facts that are assumed; none where there are none."""
     found = [
-        f"{assumption.what} {assumption.value}{assumption.option and f' ({assumption.option} states it)'}"
+        f"{assumption.what} {assumption.value}{assumption.option and f' (override with {assumption.option})'}"
         for assumption in assumptions
         if assumption.by is By.NOBODY
     ]
-    return [f"Assumed, as nobody says it: {'; '.join(found)}."] if found else []
+    return [f"Assumed (not stated in the files): {'; '.join(found)}."] if found else []
 
 
 def first_stated(*values: T | None) -> tuple[T | None, By]:

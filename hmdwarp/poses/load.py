@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import TraceError, unknown_name
@@ -9,50 +10,33 @@ from ..resources import folder, recording_names
 from .formats import StatedColumns, TraceFormat, formats
 from .options import TraceOptions
 from .reading.cleaning import LoadedTrace
-from .reading.file_head import Head, read_head
+from .reading.text_table import Head, read_head
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
     """Read a head trace.
 
-    name_or_path: a file, or a bare name (no folder, no ending) of a shipped recording. options:
-    overrides facts of the file, or adds missing ones. Errors: TraceError naming file and line;
-    UnknownNameError with the nearest known recording or format.
+    name_or_path: a file, or a bare name (no folder, no ending), which is looked up among the
+    shipped recordings first. options: overrides facts of the file, or adds missing ones. Errors:
+    TraceError naming file and line; UnknownNameError with the nearest known recording or format.
     """
     options = TraceOptions.checked(options, optional=True)
-    path = trace_path(name_or_path)
-    if not path.exists() and path.stem in _recordings():
-        raise TraceError(
-            f"{path}: no such file; the shipped recording is called '{path.stem}', with no folder or ending"
-        )
-    head = read_head(path)
-    return find_format(head, options).read(head, options)
-
-
-def trace_path(name_or_path: str | Path) -> Path:
-    """Return the path of a trace; a bare name is looked up among the shipped recordings first.
-
-    Errors: TraceError, UnknownNameError.
-    """
     text = str(name_or_path)
     if not text or "\x00" in text:
         raise TraceError(f"{text!r} is no file name")
-    path = Path(text)
-    if isinstance(name_or_path, Path) or path.name != text or path.suffix:
-        return path
-    names = _recordings()
-    if text in names:
-        return folder("recordings") / f"{text}.csv"
-    if path.exists() or not names:
-        return path
-    raise unknown_name("recording", text, names)
-
-
-def _recordings() -> list[str]:
-    try:
-        return recording_names()
-    except FileNotFoundError:
-        return []
+    path, names = Path(text), []
+    with suppress(FileNotFoundError):
+        names = recording_names()
+    if not (isinstance(name_or_path, Path) or path.name != text or path.suffix):
+        if text in names:
+            path = folder("recordings") / f"{text}.csv"
+        elif names and not path.exists():
+            raise unknown_name("recording", text, names)
+    elif not path.exists() and path.stem in names:
+        recording = f"the shipped recording is called '{path.stem}', with no folder or ending"
+        raise TraceError(f"{path}: no such file; {recording}")
+    head = read_head(path)
+    return find_format(head, options).read(head, options)
 
 
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:

@@ -5,6 +5,7 @@ And where the eyes look: known late like the head, held or predicted.
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Sequence
 from typing import Any
@@ -20,6 +21,8 @@ from .assumptions import assumption_rows
 from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
 from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
+
+Array = NDArray[np.float64]
 
 KNOWN_NS = 50_000_000  # of motion before a prediction, as of the head's predictor constant_velocity
 _HORIZON_NS = 100_000_000  # beyond it a pursuit has long been corrected by a leap
@@ -48,18 +51,18 @@ def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose |
     return x, y, z
 
 
-def _in_world(track: PoseTrack, time_ns: int) -> NDArray[np.float64] | None:
+def _in_world(track: PoseTrack, time_ns: int) -> Array | None:
     sample = track.at(time_ns)
     return None if sample.gaze is None else sample.pose.rotation_matrix @ np.array(sample.gaze)
 
 
-def _speeds(gaze: NDArray[np.float64], time_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+def _speeds(gaze: Array, time_ns: NDArray[np.int64]) -> Array:
     """Return degrees a second from each direction to the next, (n - 1,); NaN where not known."""
     turned = np.arccos(np.clip(np.einsum("ij,ij->i", gaze[1:], gaze[:-1]), -1, 1))
     return np.asarray(np.degrees(turned) / (np.diff(time_ns) * 1e-9))
 
 
-def gaze_of(samples: Sequence[PoseSample]) -> NDArray[np.float64] | None:
+def gaze_of(samples: Sequence[PoseSample]) -> Array | None:
     """Return the gaze of poses, (n, 3), NaN where it is not known; None where it never is."""
     if all(sample.gaze is None for sample in samples):
         return None
@@ -93,8 +96,6 @@ def gaze_facts(track: PoseTrack) -> GazeFacts | None:
     middle, far = (float(np.percentile(aside, at)) for at in (50, 95))
     return GazeFacts(float(known.mean()), (middle, far), leaps / max(track.duration_ns * 1e-9, 1e-9))
 
-
-Array = NDArray[np.float64]
 
 ERROR_PERCENTILES = (50, 95, 99)
 # A head that has turned or moved less than this has no direction: trackers that write three
@@ -145,14 +146,12 @@ def turn_errors(known: Array, actual: Array, predicted: Array) -> PredictionErro
     Orientations (n, 4): known when predicting, the actual ones that were to be predicted, and the
     predicted ones.
     """
-    nothing = float("nan")
     missed, moved = (np.degrees(quaternions.vector_between(*pair)) for pair in ((actual, predicted), (known, actual)))
     if not len(missed):
-        return PredictionErrors(nothing, (nothing,) * len(ERROR_PERCENTILES), nothing, nothing, nothing)
+        return PredictionErrors(math.nan, (math.nan,) * len(ERROR_PERCENTILES), math.nan, math.nan, math.nan)
     lengths, lead = np.linalg.norm(missed, axis=-1), signed_lead(missed, moved, STILL_DEG)
     return PredictionErrors(
-        mean=float(lengths.mean()),
-        percentiles=tuple(float(value) for value in np.percentile(lengths, ERROR_PERCENTILES)),
+        mean=float(lengths.mean()), percentiles=_percentiles(lengths, ERROR_PERCENTILES),
         lead_share=float(np.mean(lead > STILL_DEG)), lead=max(0.0, float(np.percentile(lead, _FAR))),
         lag=max(0.0, float(np.percentile(-lead, _FAR))),
     )  # fmt: skip
@@ -181,14 +180,6 @@ SPEED_PERCENTILES = (50, 95, 99, 99.9)
 
 
 @attrs.frozen
-class Gap:
-    """A stretch without samples, from `start_ns`, lasting `length_ns`."""
-
-    start_ns: int
-    length_ns: int
-
-
-@attrs.frozen
 class ErrorRow:
     """Angles between the head and its predictions from `latency_ms` before.
 
@@ -209,7 +200,7 @@ class Analysis:
     rate_hz: float
     mean_rate_hz: float
     repeated_share: float
-    gaps: list[Gap]
+    gaps: list[dict[str, float]]  # stretches without samples: start_s, length_s
     jumps: int
     angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
     linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
@@ -227,14 +218,15 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
     return Analysis(
         samples=len(track), duration_s=duration_s, rate_hz=track.rate_hz,
         mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0, repeated_share=1 - len(motion) / len(track),
-        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps], jumps=len(track.jumps),
+        gaps=[{"start_s": int(track.time_ns[i]) / 1e9, "length_s": int(steps[i]) / 1e9} for i in gaps],
+        jumps=len(track.jumps),
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
         errors=[error_row(motion, latency) for latency in latencies_ms], gaze=gaze_facts(track),
     )  # fmt: skip
 
 
-def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def speeds(track: PoseTrack) -> tuple[Array, Array]:
     """Return angular (rad/s) and linear (m/s) speeds: differences over 10 ms, every 5 ms."""
     now = _instants(track, GRID_NS, GRID_NS)
     now = now[_joined(track, now - GRID_NS, now + GRID_NS)]
@@ -281,10 +273,8 @@ def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.in
     return np.asarray((track.run_of(start_ns) == track.run_of(end_ns)) & known)
 
 
-def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tuple[float, ...]:
-    if not len(values):
-        return tuple(float("nan") for _ in wanted)
-    return tuple(float(v) for v in np.percentile(values, wanted))
+def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(np.percentile(values, wanted).tolist()) if len(values) else (math.nan,) * len(wanted)
 
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
@@ -298,8 +288,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         **{"axes": loaded.axes, "columns": loaded.columns},
         **{name: getattr(figures, name) for name in rates},
         **{"clock": loaded.time_unit, "clock_starts_s": loaded.track.epoch_ns / 1e9},
-        "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
-        "jumps": figures.jumps,
+        **{"gaps": figures.gaps, "jumps": figures.jumps},
         "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),

@@ -15,7 +15,9 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import IO, Any
 
 import attrs
@@ -42,13 +44,8 @@ RATE_HZ = 90.0
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
 
 
-@attrs.frozen
-class Shift:
-    """A minimum-jerk change of one angle by `amount` degrees, from `start` for `length` seconds."""
-
-    start: float
-    length: float
-    amount: float
+# A minimum-jerk change of one angle: its start and length in seconds, by how many degrees.
+Shift = tuple[float, float, float]
 
 
 @attrs.frozen(eq=False)
@@ -80,7 +77,7 @@ class Glide:
 
     speed: float  # at most, in `unit` per second
     amplitude: float  # distance of the turning point from the start, in `unit`
-    direction: tuple[float, float, float] | None  # of the way out, as a unit vector; None turns to the left
+    direction: Sequence[float] | None = None  # of the way out, as a unit vector; None turns to the left
 
     @property
     def unit(self) -> str:
@@ -89,15 +86,13 @@ class Glide:
 
     def with_(self, speed: float | None, amplitude: float | None) -> Glide:
         """Return it with another speed or amplitude; None keeps its own."""
-        most_speed, most_amplitude = _MOST[self.unit]
-        for name, value, most, per in (
-            ("speed", speed, most_speed, " per second"),
-            ("amplitude", amplitude, most_amplitude, ""),
-        ):
-            if value is not None and not _LEAST <= value <= most:
+        given = {"speed": speed, "amplitude": amplitude}
+        changes: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+        for name, value in changes.items():
+            most, per = (_MOST[self.unit][0], " per second") if name == "speed" else (_MOST[self.unit][1], "")
+            if not _LEAST <= value <= most:
                 raise InputError(f"{name} {value:g} {self.unit}{per}: expected {_LEAST:g} to {most:g}")
-        changes: dict[str, Any] = {"speed": speed, "amplitude": amplitude}
-        return attrs.evolve(self, **{name: value for name, value in changes.items() if value is not None})
+        return attrs.evolve(self, **changes)
 
     @property
     def ease_s(self) -> float:
@@ -111,15 +106,15 @@ class Glide:
 
     def way(self, t: Array) -> Array:
         """Return the distance from the start at the seconds t: 0 to the amplitude and back."""
+
+        def eased(t: Array) -> Array:  # the integral of a minimum-jerk step from 0 to 1 that begins at 0
+            s = np.clip(t / self.ease_s, 0.0, 1.0)
+            return self.ease_s * (s**4 * (2.5 + s * (s - 3.0))) + np.maximum(t - self.ease_s, 0.0)
+
         leg_s = self.amplitude / self.speed + self.ease_s
         phase = np.mod(t, 2 * leg_s)
         out_s = np.minimum(phase, 2 * leg_s - phase)
-        return self.speed * (self._eased(out_s) - self._eased(out_s - self.amplitude / self.speed))
-
-    def _eased(self, t: Array) -> Array:
-        """Return the integral of a minimum-jerk step from 0 to 1 that begins at 0."""
-        s = np.clip(t / self.ease_s, 0.0, 1.0)
-        return self.ease_s * (s**4 * (2.5 + s * (s - 3.0))) + np.maximum(t - self.ease_s, 0.0)
+        return self.speed * (eased(out_s) - eased(out_s - self.amplitude / self.speed))
 
     def motion(self, t: Array) -> Motion:
         """Return it at the seconds t, of a head that turns about its eyes."""
@@ -135,9 +130,9 @@ class Kind:
     name: str
     summary: str
     seconds: float  # length of the shipped recording
-    seed: int | None  # of the shipped recording; None for a motion that has nothing random
     # (rng, seconds, t) -> the motion at the instants t; or a motion of known speed and amplitude.
     build: Callable[[random.Random, float, Array], Motion] | Glide
+    seed: int | None = None  # of the shipped recording; None for a motion that has nothing random
 
 
 def synthesise(
@@ -175,11 +170,8 @@ def synthesise(
             raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
         motion, flags = build(random.Random(seed), seconds, t), f"--seed {seed}"
     turns = []
-    for angle, axis in (
-        (motion.yaw, 1),
-        (motion.pitch, 0),
-        (motion.roll, 2),
-    ):  # each about the axis turned by the others
+    # Each about the axis turned by those before.
+    for angle, axis in zip((motion.yaw, motion.pitch, motion.roll), (1, 0, 2), strict=True):
         vector = np.zeros((len(angle), 3))
         vector[:, axis] = np.radians(angle)
         turns.append(quaternions.from_rotation_vector(vector))
@@ -187,7 +179,7 @@ def synthesise(
     quaternions.make_continuous(orientation)
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
     how = f"hmdwarp trace synth {kind} {flags} --seconds {seconds:g} --rate {rate_hz:g}"
-    made = f"made up by '{how}'; {KINDS[kind].summary}"
+    made = f"synthetic, generated by '{how}'; {KINDS[kind].summary}"
     return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
 
 
@@ -209,8 +201,8 @@ def minimum_jerk(share: Array) -> Array:
 
 def _sum_of(shifts: list[Shift], t: Array) -> Array:
     out = np.zeros_like(t)
-    for shift in shifts:
-        out += shift.amount * minimum_jerk((t - shift.start) / shift.length)
+    for start, length, amount in shifts:
+        out += amount * minimum_jerk((t - start) / length)
     return out
 
 
@@ -251,7 +243,7 @@ def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float,
         target = _between(rng, -span, span)
         length = max(abs(target - angle) / _between(rng, *speed), 0.4)
         # Each begins before the last has ended: a drifting head never quite stops.
-        shifts.append(Shift(now, length, target - angle))
+        shifts.append((now, length, target - angle))
         now, angle = now + 0.75 * length, target
     return shifts
 
@@ -290,8 +282,8 @@ def _look_around(rng: random.Random, seconds: float, t: Array) -> Motion:
         across, up = target - angle, height - tilt
         hurried = rng.random() < 0.1
         length = shift_seconds(math.hypot(across, up), _between(rng, 1.3, 1.6) if hurried else _between(rng, 0.7, 1.1))
-        yaw.append(Shift(now, length, across))
-        pitch.append(Shift(now + 0.03, length, up))
+        yaw.append((now, length, across))
+        pitch.append((now + 0.03, length, up))
         angle, tilt = target, height
         now += length + _between(rng, 0.4, 1.8)
     drift = _sum_of(_wander(rng, seconds, 17, (14, 34)), t)
@@ -309,7 +301,7 @@ def _reversals(rng: random.Random, seconds: float, t: Array) -> Motion:
         for _ in range(3 + int(4 * rng.random())):
             amount = side * reach - angle
             length = shift_seconds(amount, vigour)
-            yaw.append(Shift(now, length, amount))
+            yaw.append((now, length, amount))
             now, angle, side = now + length, side * reach, -side
         now += _between(rng, 0.3, 0.9)
     return Motion(_sum_of(yaw, t), _sines(rng, t, 3.0, 0.2, 1.2), _sines(rng, t, 1.5, 0.2, 1.0), _sway(rng, t))
@@ -321,7 +313,7 @@ def _fast_turns(rng: random.Random, seconds: float, t: Array) -> Motion:
     while now < seconds:
         target = next(targets)
         length = shift_seconds(target - angle, _between(rng, 1.1, 1.5))
-        yaw.append(Shift(now, length, target - angle))
+        yaw.append((now, length, target - angle))
         angle = target
         now += length + _between(rng, 0.5, 1.1)
     return Motion(_sum_of(yaw, t), _sines(rng, t, 4.0, 0.2, 1.0), _sines(rng, t, 2.0, 0.2, 1.0), _sway(rng, t))
@@ -354,7 +346,7 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
         amount = _between(rng, 15, 45) * (1 if rng.random() < 0.5 else -1)
         length = shift_seconds(amount, 0.9)
         stay = _between(rng, 0.3, 0.9)
-        shifts += [Shift(now, length, amount), Shift(now + length + stay, length, -amount)]
+        shifts += [(now, length, amount), (now + length + stay, length, -amount)]
         now += 2 * length + stay + _between(rng, 1.0, 2.5)
     glances = _sum_of(shifts, t)
     # The head nods against the bob and so keeps the gaze steady (Pozzo et al. 1990).
@@ -386,19 +378,16 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
     return place, turned
 
 
-_SHIFTS = "gaze shifts of 8 degrees and more with slow drift between, as in a virtual scene"
-_REVERSES = "the head turns back and forth without resting, the worst case for prediction"
-_STEADY = "at a steady speed and back, without turning"
-_AHEAD, _RIGHT = (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
-_KINDS = (
-    Kind("still", "standing still: sway only", 20.0, 1, _still), Kind("look-around", _SHIFTS, 30.0, 66, _look_around),
-    Kind("reversals", _REVERSES, 20.0, 1, _reversals),
-    Kind("walk", "walking two loops in a small room, with bob, sway and glances aside", 25.0, 1, _walk),
-    Kind("fast-turns", "large hurried turns of 60 to 240 degrees", 20.0, 1, _fast_turns),
-    Kind("forward", f"forward {_STEADY}", 8.0, None, Glide(0.5, 0.8, _AHEAD)),
-    Kind("backward", f"backward {_STEADY}", 8.0, None, Glide(0.5, 0.8, (0.0, 0.0, 1.0))),
-    Kind("sideways", f"to the right {_STEADY}", 8.0, None, Glide(0.5, 0.8, _RIGHT)),
-    Kind("rotate", "turning to the left at a steady speed and back, about the eyes", 8.0, None, Glide(60, 180, None)),
-)  # fmt: skip
-KINDS: dict[str, Kind] = {kind.name: kind for kind in _KINDS}
+_BUILDS = {
+    "still": _still,
+    "look-around": _look_around,
+    "reversals": _reversals,
+    "walk": _walk,
+    "fast-turns": _fast_turns,
+}
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+KINDS: dict[str, Kind] = {
+    name: Kind(name, build=Glide(**told.pop("glide")) if "glide" in told else _BUILDS[name], **told)
+    for name, told in _TABLE.items()
+}
 GLIDES: dict[str, Glide] = {name: kind.build for name, kind in KINDS.items() if isinstance(kind.build, Glide)}

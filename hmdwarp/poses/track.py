@@ -207,8 +207,21 @@ class PoseTrack:
         within a gap or jump (unless across_gaps): HELD at the nearest end or at the last sample
         before. Its gaze is that of gaze_at.
         """
-        sample = self._at(operator.index(time_ns), across_gaps)
-        return sample if self.gaze is None else attrs.evolve(sample, gaze=self.gaze_at(time_ns))
+        time_ns, gaze = operator.index(time_ns), None if self.gaze is None else self.gaze_at(time_ns)
+        i = self.index_at(time_ns)
+        if i < 0:
+            return PoseSample(time_ns, self.pose(0), Origin.HELD, gaze=gaze)
+        t0, *t1 = self.time_ns[i : i + 2].tolist()
+        if t0 == time_ns:
+            return PoseSample(time_ns, self.pose(i), Origin.MEASURED, gaze=gaze)
+        if not t1 or (self.broken[i] and not across_gaps):
+            return PoseSample(time_ns, self.pose(i), Origin.HELD, gaze=gaze)
+        share = (time_ns - t0) / (t1[0] - t0)
+        a, b = self.orientation_xyzw[i : i + 2].tolist()
+        (x, y, z), (u, v, w) = self.position_m[i : i + 2].tolist()
+        position = np.array((x + share * (u - x), y + share * (v - y), z + share * (w - z)))
+        pose = trusted_pose(position, quaternions.slerp(a, b, share))
+        return PoseSample(time_ns, pose, Origin.INTERPOLATED, gaze=gaze)
 
     def gaze_at(self, time_ns: int) -> Gaze | None:
         """Return where the eyes look: linear between two samples, else the last known.
@@ -230,22 +243,6 @@ class PoseTrack:
             a = self.gaze[i]
         x, y, z = (a / np.linalg.norm(a)).tolist()
         return x, y, z
-
-    def _at(self, time_ns: int, across_gaps: bool) -> PoseSample:
-        i = self.index_at(time_ns)
-        if i < 0:
-            return PoseSample(time_ns, self.pose(0), Origin.HELD)
-        t0, *t1 = self.time_ns[i : i + 2].tolist()
-        if t0 == time_ns:
-            return PoseSample(time_ns, self.pose(i), Origin.MEASURED)
-        if not t1 or (self.broken[i] and not across_gaps):
-            return PoseSample(time_ns, self.pose(i), Origin.HELD)
-        share = (time_ns - t0) / (t1[0] - t0)
-        a, b = self.orientation_xyzw[i : i + 2].tolist()
-        (x, y, z), (u, v, w) = self.position_m[i : i + 2].tolist()
-        position = (x + share * (u - x), y + share * (v - y), z + share * (w - z))
-        pose = trusted_pose(np.array(position), quaternions.slerp(a, b, share))
-        return PoseSample(time_ns, pose, Origin.INTERPOLATED)
 
     def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
         """Return `at` for many instants (n,) at once, by the same rules."""

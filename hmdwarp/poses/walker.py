@@ -51,8 +51,10 @@ class _State:
         seconds = (time_ns - self.time_ns) * 1e-9
         turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
         slowed = math.exp(-seconds / WALK_S)
-        wanted = _in_world(self.wish, self.yaw_goal + (self.yaw - self.yaw_goal) * half)
-        (x, y, z), (vx, vy, vz), (ux, uy, uz) = self.position, self.velocity, wanted
+        heading = self.yaw_goal + (self.yaw - self.yaw_goal) * half
+        sine, cosine, (right, uy, forward) = math.sin(heading), math.cos(heading), self.wish
+        ux, uz = right * cosine - forward * sine, -right * sine - forward * cosine
+        (x, y, z), (vx, vy, vz) = self.position, self.velocity
         velocity = ux + (vx - ux) * slowed, uy + (vy - uy) * slowed, uz + (vz - uz) * slowed
 
         def moved(x: float, v: float, u: float) -> float:
@@ -160,10 +162,3 @@ class Walker:
     def _place(self, time_ns: int) -> None:
         still = (0.0, 0.0, 0.0)
         self._states.append(_State(time_ns, (0.0, EYE_HEIGHT_M, 0.0), still, 0.0, 0.0, 0.0, 0.0, still))
-
-
-def _in_world(wish: tuple[float, float, float], yaw: float) -> tuple[float, float, float]:
-    """Return right, up, forward at that heading as x, y, z."""
-    right, up, forward = wish
-    sine, cosine = math.sin(yaw), math.cos(yaw)
-    return right * cosine - forward * sine, up, -right * sine - forward * cosine

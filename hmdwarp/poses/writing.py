@@ -18,7 +18,6 @@ COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 GAZE = ("gaze_x", "gaze_y", "gaze_z")
 TITLE = "hmdwarp head trace"
 AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forward, metres; quaternion x y z w"
-_EUROC = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 _BLOCK = 65536  # rows written at a time
 _LARGEST_NS = 2**62  # what the readers accept
 _SECOND_NS = 1_000_000_000
@@ -77,18 +76,17 @@ def row_text(time_ns: int, pose: Pose) -> str:
     return f"{time_ns},{','.join(map(repr, numbers))}\n"
 
 
-def _write_euroc(track: PoseTrack, stream: IO[str]) -> None:
-    stream.write(f"# axes: {OPENXR}\n{_EUROC}\n")
-    write_rows(track, stream, ",", "wxyz")
+def write_text(
+    track: PoseTrack, stream: IO[str], names: str, separator: str, order: str, seconds: bool = False
+) -> None:
+    """Write names of columns and rows. seconds: stamps are decimal seconds, else nanoseconds."""
 
-
-def _write_tum(track: PoseTrack, stream: IO[str]) -> None:
-    def seconds(time_ns: int) -> str:
+    def stamp(time_ns: int) -> str:
         whole, rest = divmod(abs(time_ns), _SECOND_NS)
-        return f"{'-' * (time_ns < 0)}{whole}.{rest:09d}"
+        return f"{'-' * (time_ns < 0)}{whole}.{rest:09d}" if seconds else str(time_ns)
 
-    stream.write(f"# axes: {OPENXR}\n# timestamp tx ty tz qx qy qz qw\n")
-    write_rows(track, stream, " ", stamp=seconds)
+    stream.write(f"# axes: {OPENXR}\n{names}\n")
+    write_rows(track, stream, separator, order, stamp)
 
 
 def _object(**properties: dict[str, Any]) -> dict[str, Any]:
@@ -120,6 +118,4 @@ def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
     writer.finish()
 
 
-WRITERS: dict[str, Callable[[PoseTrack, IO[Any]], None]] = {
-    **{"native": write_native, "euroc": _write_euroc, "tum": _write_tum, "mcap": _write_mcap}
-}
+WRITERS: dict[str, Callable[..., None]] = {"native": write_native, "text": write_text, "mcap": _write_mcap}

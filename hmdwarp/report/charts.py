@@ -6,7 +6,7 @@ import hashlib
 import io
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 from zlib import crc32
@@ -15,11 +15,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import CSS_VARIABLES, GRID, INK, PAGE, SERIES, Palette
+from .style import CSS_VARIABLES, GRID, INK, SERIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 
@@ -42,32 +42,34 @@ def drawing(content: object, font_size: float = 9) -> Iterator[None]:
         yield
 
 
-def dress(axes: Axes, palette: Palette = PAGE, *, grid: Literal["both", "x", "y"] = "both") -> None:
+def dress(axes: Axes, *, grid: Literal["both", "x", "y"] = "both") -> None:
     """Draw no box, a pale grid, everything else in ink; grid: the axis whose lines are drawn."""
     axes.patch.set_visible(False)
-    axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
+    axes.grid(True, axis=grid, color=GRID, linewidth=0.6)
     axes.set_axisbelow(True)
     for side, spine in axes.spines.items():
         spine.set_visible(side == "bottom")
-        spine.set_color(palette.ink)
-    axes.tick_params(colors=palette.ink, which="both", length=0)
+        spine.set_color(INK)
+    axes.tick_params(colors=INK, which="both", length=0)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.label.set_color(palette.ink)
+        axis.label.set_color(INK)
 
 
-def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
+def not_measured(axes: Axes) -> None:
     """Say in the middle of empty axes that there is nothing to draw."""
-    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
+    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=INK)
 
 
 class Drawn(str):
     """A chart as an <svg> element, and the figure that it was drawn as."""
 
     figure: Any
+    # Draws it as wide as a column of a paper, in inches, where it has a layout for that.
+    at_width: Callable[[float], Drawn] | None = None
 
 
 def svg_text(figure: Any) -> Drawn:
-    """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
+    """Return a figure drawn in stand-in colours as an <svg> element to stand in the page.
 
     It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
     """
@@ -105,12 +107,13 @@ def canvas(
     y: str = "",
     grid: Literal["both", "x", "y"] = "both",
     box: tuple[float, float, float, float] | None = None,
+    font_size: float = 9,
 ) -> Iterator[Axes]:
-    """Yield the axes of a chart of `content` in PAGE's colours, to be returned by svg_text.
+    """Yield the axes of a chart of `content` in stand-in colours, to be returned by svg_text.
 
     x, y: labels of the axes. box: their fixed place, as axes_in takes it, else as much as there is.
     """
-    with drawing(content):
+    with drawing(content, font_size):
         figure = empty_figure(*size_in, layout=None if box else "constrained")
         axes = axes_in(figure, box) if box else figure.add_subplot()
         dress(axes, grid=grid)
@@ -142,16 +145,16 @@ def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
 
 
-def legend(where: Axes | Figure, handles: Sequence[Any], palette: Palette = PAGE, **style: Any) -> None:
+def legend(where: Axes | FigureBase, handles: Sequence[Any], **style: Any) -> None:
     """Draw a legend without a frame. handles: as mark makes them."""
-    where.legend(handles=handles, frameon=False, labelcolor=palette.ink, **style)
+    where.legend(handles=handles, frameon=False, labelcolor=INK, **style)
 
 
 def mark(label: str = "", **style: Any) -> Any:
     """Return a line or marker for a legend, in ink unless the style has a colour."""
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], label=label, **{"color": PAGE.ink, **style})
+    return Line2D([], [], label=label, **{"color": INK, **style})
 
 
 def name_rows(axes: Axes, names: Sequence[str], above: float = 0.6) -> None:
@@ -298,9 +301,7 @@ _SIDES_PT = np.concatenate([9 * _SIDES, 15 * _SIDES])
 _FROM_POINT_PT, _FROM_NUMBER_PT = (8.0, 7.0), (13.0, 9.0)
 
 
-def draw_numbers(
-    axes: Axes, numbers: Mapping[int, int], points: np.ndarray, is_best: np.ndarray, palette: Palette
-) -> None:
+def draw_numbers(axes: Axes, numbers: Mapping[int, int], points: np.ndarray, is_best: np.ndarray) -> None:
     """Write numbers beside points, bold where the point is best; the legend has their names.
 
     numbers: by the index of the point. Each stands on the first side with room, or where most is.
@@ -318,11 +319,11 @@ def draw_numbers(
         placed.append(at[index] + _SIDES_PT[side])
         axes.annotate(
             str(number), points[index], _SIDES_PT[side], textcoords="offset points", ha="center", va="center",
-            weight="bold" if is_best[index] else "normal", color=palette.ink, zorder=6, annotation_clip=False,
+            weight="bold" if is_best[index] else "normal", color=INK, zorder=6, annotation_clip=False,
         )  # fmt: skip
 
 
-def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette, *, higher: bool) -> None:
+def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, *, higher: bool) -> None:
     """Draw the staircase that bounds these points, if there are any.
 
     higher: whether a higher error measure is better.
@@ -334,7 +335,7 @@ def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette
     worst = axes.get_ylim()[0 if higher else 1]
     x = np.concatenate([[cost[0]], cost, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
-    axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
+    axes.plot(x, y, drawstyle="steps-post", color=INK, linewidth=1.1, alpha=0.55, zorder=2)
 
 
 # (label, colour, opacity, hatch): the server's work, the network and the client's have a colour

@@ -1,11 +1,11 @@
-"""compare.html: strategies side by side; the same as Markdown and for the terminal."""
+"""compare.html: strategies side by side; and the table for the terminal."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,8 +45,8 @@ from .page import (
     reading_section,
     texts,
 )
-from .run_texts import Table, axes_of_traces, counted, markdown, source_facts, terminal_table
-from .style import PAGE
+from .run_texts import Table, axes_of_traces, counted, source_facts, terminal_table
+from .style import Look
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -73,10 +73,6 @@ def _named(row: Row) -> str:
     return f"{row['strategy']}: {row['nothing']}" if "nothing" in row else str(row["strategy"])
 
 
-def _unfit(row: Row) -> str:
-    return "; ".join(f"{client}: {why}" for client, why in row["unfit"].items() if why)
-
-
 def _columns() -> Iterator[Column]:
     text, number, mb = Column.of_text, Column.of_number, 1e-6
     yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
@@ -88,7 +84,7 @@ def _columns() -> Iterator[Column]:
     yield number("decoded_mpx_s")
     yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
     yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
-    yield text("unfit", value=_unfit)
+    yield text("unfit", value=lambda row: "; ".join(f"{who}: {why}" for who, why in row["unfit"].items() if why))
 
 
 COLUMNS = by_name(_columns())
@@ -192,72 +188,11 @@ def compare_table(rows: Iterable[Row]) -> TerminalTable:
     return table
 
 
-def _columns_of(rows: Iterable[Row]) -> list[Column]:
+def columns_of(rows: Iterable[Row]) -> list[Column]:
     """Return the columns of a table: those of a rating only where every row that showed has one."""
     shown = [row for row in rows if "nothing" not in row]
     rated = shown and all("jod" in row for row in shown)
     return [COLUMNS[name] for name in ("strategy", *_SHOWN, *(("jod", "truth_preferred") if rated else ()))]
-
-
-def compare_markdown(rows: Iterable[Row]) -> str:
-    """Return the rows as a Markdown table, case by case, the least error first."""
-    rows = list(rows)
-    groups, (_, *columns) = cases(rows, OF_COMPARE), _columns_of(rows)
-    label_of = {id(row): group.label for group in groups for row in group.rows}
-    case = Column.of_text("case", value=lambda row: label_of[id(row)])
-    quoted = Column.of_text(
-        "strategy", value=lambda row: _named(row).replace(row["strategy"], f"`{row['strategy']}`", 1)
-    )
-    ordered = (row for group in groups for row in _ordered(group.rows))
-    return table_of("", [case, quoted, *columns], ordered).markdown()
-
-
-def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
-    """Return which strategy is best for whom at each latency, as a Markdown table.
-
-    For each client of the comparison, over its own link and over links of these rates. Errors are
-    means over the recordings; a strategy counts where it suits on all of them. data: as
-    compare.json.
-    """
-    latencies = list(dict.fromkeys(row["latency_ms"] for row in data["rows"]))
-    recordings = len({row["trace"] for row in data["rows"]})
-    lines = [["for whom", *(f"{latency:g} ms" for latency in latencies)], ["---"] * (1 + len(latencies))]
-    for rate, client in itertools.product((None, *links_mbit_s), data["clients"]):
-        who = client["summary"] if rate is None else f"over a link of {rate:g} Mbit/s"
-        rows = [row for row in data["rows"] if not row["unfit"][client["name"]]]
-        cells = [
-            _best_of([row for row in rows if row["latency_ms"] == latency], rate, recordings) for latency in latencies
-        ]
-        lines.append([f"`{client['name']}`: {who}", *cells])
-    return markdown(lines)
-
-
-def _best_of(rows: Sequence[Row], link_mbit_s: float | None, recordings: int) -> str:
-    """Return the strategy of the least error, with what it takes, as text.
-
-    rows: of one latency. It is none where the link carries none on all recordings.
-    """
-    by_name: dict[str, list[Row]] = {}
-    for row in rows:
-        by_name.setdefault(row["strategy"], []).append(row)
-    suited = [group for group in by_name.values() if len(group) == recordings]
-    carried = [group for group in suited if link_mbit_s is None or max(map(_rate, group)) <= link_mbit_s]
-    if not carried:
-        least = min(suited, key=lambda group: max(map(_rate, group)), default=None)
-        return (
-            "none" if least is None else f"none; least: `{least[0]['strategy']}`, {max(map(_rate, least)):.1f} Mbit/s"
-        )
-    best = min(carried, key=lambda group: sum(map(_error, group)))
-    flip, rate = (sum(map(value, best)) / len(best) for value in (_error, _rate))
-    first_mb = max(row["start_bytes"] for row in best) * 1e-6
-    first = f", {first_mb:.1f} MB first" if first_mb >= 0.05 else ""
-    if first and link_mbit_s is not None:
-        first += f": {8 * first_mb / link_mbit_s:.0f} s"
-    return f"`{best[0]['strategy']}` (FLIP {flip:.3f}, {rate:.1f} Mbit/s{first})"
-
-
-def _rate(row: Row) -> float:
-    return float(row["mbit_s"])
 
 
 def _error(row: Row) -> float:
@@ -284,7 +219,7 @@ def ran_text(rows: Sequence[Row]) -> str:
 
 
 def _table(group: Case) -> Table:
-    return table_of(f"{group.label}, least FLIP first", _columns_of(group.rows), _ordered(group.rows))
+    return table_of(f"{group.label}, least FLIP first", columns_of(group.rows), _ordered(group.rows))
 
 
 def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[Picture]:
@@ -362,16 +297,16 @@ def _draw(
     is_best = np.array([any(row is best_row for best_row in best) for row in rows])
     spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
     error = scale_axis(axes.yaxis, np.array([row["quality"][PRIMARY]["mean"] for row in rows]), logarithmic=True)
-    draw_front(axes, spent[is_best], error[is_best], PAGE, higher=False)
+    draw_front(axes, spent[is_best], error[is_best], higher=False)
     for x, y, row, filled in zip(spent, error, rows, is_best, strict=True):
-        colours = {"color": PAGE.warp(row["warp"]), "markerfacecolor": PAGE.warp(row["warp"]) if filled else "none"}
-        axes.plot(x, y, marker="o", markersize=MARKER_PT, **colours, clip_on=False, zorder=3)
+        look = Look.of(numbers[row["strategy"]] - 1)
+        face = look.color if filled else "none"
+        axes.plot(x, y, **attrs.asdict(look), markerfacecolor=face, markersize=MARKER_PT, clip_on=False, zorder=3)
     beside = {index: numbers[row["strategy"]] for index, row in enumerate(rows)}
-    draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best, PAGE)
-    here = {row["strategy"]: row["warp"] for row in rows}
+    draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best)
     handles = [
-        mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
-        for name in sorted(here, key=numbers.__getitem__)
+        mark(f"{numbers[name]} {name}", **attrs.asdict(Look.of(numbers[name] - 1)), linestyle="none", markersize=5)
+        for name in sorted({row["strategy"] for row in rows}, key=numbers.__getitem__)
     ]
     legend(  # names of the numbers, below the chart
         axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,

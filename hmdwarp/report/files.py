@@ -279,15 +279,15 @@ def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
     write_bytes(path, png_bytes(picture))
 
 
-Picture = NDArray[np.uint8]
-Panel = tuple[str, Picture]
+Pixels = NDArray[np.uint8]
+Panel = tuple[str, Pixels]
 
 # Error maps are brightest here: the mean is near 0.1, and hardly a pixel has 1.
 ERROR_TOP = 0.5
 _PAPER, _INK, _GAP = (255, 255, 255), (60, 60, 60), 6
 
 
-def magma(error_map: NDArray[Any]) -> Picture:
+def magma(error_map: NDArray[Any]) -> Pixels:
     """Colour an error map as FLIP does, from dark (no error) to bright.
 
     error_map: (h, w) bytes, or floats 0..1; returns (h, w, 3).
@@ -295,22 +295,22 @@ def magma(error_map: NDArray[Any]) -> Picture:
     levels = np.asarray(error_map)
     if levels.dtype != np.uint8:
         levels = np.rint(np.clip(levels, 0, 1) * 255).astype(np.uint8)
-    coloured: Picture = _magma_table()[levels]
+    coloured: Pixels = _magma_table()[levels]
     return coloured
 
 
 @functools.cache
-def _magma_table() -> Picture:
+def _magma_table() -> Pixels:
     from matplotlib import colormaps
 
-    table: Picture = np.rint(np.asarray(colormaps["magma"](np.arange(256)))[:, :3] * 255).astype(np.uint8)
+    table: Pixels = np.rint(np.asarray(colormaps["magma"](np.arange(256)))[:, :3] * 255).astype(np.uint8)
     return table
 
 
 def comparison_panels(
-    rendered: Picture | None,
-    warped: Picture,
-    truth: Picture,
+    rendered: Pixels | None,
+    warped: Pixels,
+    truth: Pixels,
     error_map: NDArray[Any],
     beside: Sequence[Panel] = (),
 ) -> list[Panel]:
@@ -325,7 +325,7 @@ def comparison_panels(
     return [("truth", truth), *late, ("warped", warped), *beside, (f"error (FLIP 0 to {ERROR_TOP:g})", error)]
 
 
-def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Picture:
+def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pixels:
     """Lay panels side by side (or in rows of `columns`), each with its label above, on white.
 
     Panels may differ in size: smaller ones are enlarged by repeating pixels, or shrunk, to the
@@ -353,7 +353,13 @@ def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pi
     return np.asarray(strip)
 
 
-def _scaled(picture: Picture, height: int) -> Any:
+def panels_in(strip: Pixels, count: int, height: int) -> list[Pixels]:
+    """Return the panels of a labelled_strip of one row, the first of which is so high."""
+    cell = (strip.shape[1] + _GAP) // count
+    return [strip[-height:, at * cell : (at + 1) * cell - _GAP] for at in range(count)]
+
+
+def _scaled(picture: Pixels, height: int) -> Any:
     from PIL import Image
 
     image = Image.fromarray(np.ascontiguousarray(picture))

@@ -330,10 +330,6 @@ def _is_size(value: Any) -> bool:
     return len(sides) == 2 and all(_is_count(side, 1) and side <= _MOST_PIXELS for side in sides)
 
 
-def _is_machine(value: Any) -> bool:
-    return isinstance(value, Mapping) and set(MACHINE_KEYS) <= set(value) and _is_count(value["cpu_count"], 1)
-
-
 _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("schema", str(SCHEMA), lambda v: _is_count(v) and v == SCHEMA),
     *((key, "a text", _is_text) for key in _TEXTS),
@@ -341,7 +337,11 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("latency_ms", "a number from 0", lambda v: _is_number(v) and v >= 0),
     ("size", "[w, h] in pixels", _is_size),
     ("frames", "a count", _is_count),
-    ("machine", f"an object with {', '.join(MACHINE_KEYS)}", _is_machine),
+    (
+        "machine",
+        f"an object with {', '.join(MACHINE_KEYS)}",
+        lambda v: isinstance(v, Mapping) and {*MACHINE_KEYS} <= {*v} and _is_count(v["cpu_count"], 1),
+    ),
     ("clock", " or ".join(CLOCKS), lambda v: v in CLOCKS),
     # Optional, but read where they are.
     ("rate_hz", "a number above 0", lambda v: _is_number(v) and v > 0),

@@ -7,21 +7,19 @@ but for those made as Markup. The same content gives the same page.
 from __future__ import annotations
 
 import base64
-import functools
-import tomllib
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from typing import Any
 
 import attrs
 from markupsafe import Markup
 
-from .files import jpeg_bytes
-from .run_texts import name_pieces
+from . import run_texts
+from .files import jpeg_bytes, png_bytes
 from .style import css_variables
 
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 Pairs = list[tuple[str, str]]
+texts = run_texts.texts
 
 
 @attrs.frozen
@@ -98,11 +96,14 @@ class Picture:
     source: str  # data URI
     alt: str
     size: tuple[int, int] | None = None
+    # Data URI of another that takes its place in turn, where the section's choice says so.
+    over: str = ""
 
     @classmethod
-    def of(cls, caption: str, picture: Any, alt: str) -> Picture:
-        """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size."""
-        return cls(caption, data_uri(picture), alt, (picture.shape[1], picture.shape[0]))
+    def of(cls, caption: str, picture: Any, alt: str, over: Any = None, kind: str = "jpeg") -> Picture:
+        """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size. kind: as of data_uri."""
+        size = (picture.shape[1], picture.shape[0])
+        return cls(caption, data_uri(picture, kind), alt, size, "" if over is None else data_uri(over, kind))
 
 
 @attrs.frozen
@@ -112,6 +113,7 @@ class Choice:
     name: str
     # (measure, label)
     measures: Sequence[tuple[str, str]]
+    legend: str = "Error measured by"
 
 
 @attrs.frozen
@@ -178,7 +180,7 @@ class Page:
             loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
             lstrip_blocks=True,
         )  # fmt: skip
-        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else name_pieces(text)
+        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else run_texts.name_pieces(text)
         return environment.get_template("page.html").render(
             page=self,
             sections=[section for section in self.sections if section is not None and any(section.blocks)],
@@ -209,17 +211,10 @@ def minutes(seconds: float) -> str:
     return f"{seconds / 60:.1f} min"
 
 
-def data_uri(picture: Any) -> str:
-    """Return a picture as a data URI."""
-    return "data:image/jpeg;base64," + base64.b64encode(jpeg_bytes(picture)).decode("ascii")
-
-
-@functools.cache
-def texts(page: str) -> Mapping[str, Any]:
-    """Return the longer texts of a page: `notes` of its sections, and terms `to_read` it."""
-    content = resources.files(__package__).joinpath("templates/texts.toml").read_text(encoding="utf-8")
-    found: Mapping[str, Any] = tomllib.loads(content)[page]
-    return found
+def data_uri(picture: Any, kind: str = "jpeg") -> str:
+    """Return a picture as a data URI. kind: jpeg or png."""
+    content = jpeg_bytes(picture) if kind == "jpeg" else png_bytes(picture)
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 def reading_section(page: str, *more: tuple[str, str], **values: str) -> Section:

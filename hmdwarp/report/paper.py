@@ -1,4 +1,4 @@
-"""The tables and charts of a page as files for a paper: LaTeX, CSV, Markdown; SVG and PDF."""
+"""The tables and charts of a page as files for a paper: LaTeX, CSV, Markdown; SVG, PDF and PNG."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from ..options import PAPER_TABLES, PaperOptions
@@ -14,10 +15,14 @@ from ..resources import __version__
 from .charts import Drawn, drawing
 from .files import inert_text
 from .output import OutputFolder
-from .page import Chart, Page, Section
-from .run_texts import Line, Table
+from .page import Chart, Page
+from .run_texts import Cell, Table
 from .style import PAPER_COLOURS
 
+# Width of a column and the gap between two, as in the templates of IEEE and ACM; letters of
+# \footnotesize in a column.
+_COLUMN_IN, _GAP_IN, _COLUMN_CHARS = 3.35, 0.3, 58
+_MARKS = ". ±: 95 % interval of the mean. Bold: the best of its column, and those that tie with it. ★: on the front."
 _LATEX = {
     **{letter: f"\\{letter}" for letter in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}", "±": r"$\pm$", "–": "--", "−": "$-$", "×": r"$\times$", "★": r"$\star$",
@@ -32,6 +37,7 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
     """
     if not options.is_wanted:
         return
+    made = f"hmdwarp {__version__}: {' '.join(page.command.split())}"
     numbers: Counter[tuple[str, type]] = Counter()
     for section in filter(None, page.sections):
         where = section.id or re.sub(r"\W+", "-", section.heading.lower()).strip("-")
@@ -39,13 +45,24 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
             numbers[where, type(block)] += 1
             name = f"paper/{where}-{numbers[where, type(block)]}"
             if isinstance(block, Table):
+                about = ": ".join(filter(None, (section.heading, block.caption or block.label)))
+                about += _MARKS if block.has_marks else ""
+                texts = {"latex": _latex(block, about, Path(name).name, made), "csv": _csv(block)}
                 for kind in options.tables:
-                    out.write_text(f"{name}.{PAPER_TABLES[kind]}", _WRITERS[kind](block, section, page))
+                    out.write_text(f"{name}.{PAPER_TABLES[kind]}", texts.get(kind) or block.markdown())
                 continue
-            for measure, drawn, _ in block.versions:
+            for measure, drawn, words in block.versions:
+                assert isinstance(drawn, Drawn)
+                stem = f"{name}-{measure}" if measure else name
+                wide = options.columns * (_COLUMN_IN + _GAP_IN) - _GAP_IN
+                fitted = drawn.at_width(wide) if drawn.at_width else drawn
                 for kind in options.plots:
-                    assert isinstance(drawn, Drawn)
-                    _save(drawn, out, f"{name}{f'-{measure}' if measure else ''}.{kind}")
+                    out.path(f"{stem}.{kind}").write_bytes(paper_bytes(fitted, kind))
+                if "latex" in options.tables and "pdf" in options.plots:
+                    content = f"\\includegraphics[width=\\linewidth]{{{Path(stem).name}.pdf}}"
+                    spans = bool(fitted.figure.get_size_inches()[0] > _COLUMN_IN)
+                    floated = _float("figure", spans, words, Path(stem).name, content)
+                    out.write_text(f"{stem}-figure.tex", f"% {made}\n% \\graphicspath{{{{paper/}}}}\n{floated}")
 
 
 def _blocks(blocks: Sequence[Any]) -> Iterator[Table | Chart]:
@@ -66,41 +83,51 @@ def _heads(table: Table) -> list[str]:
     return found
 
 
-def _texts(line: Line) -> list[str]:
-    return [cell.text for cell in line.cells]
+def _latex(table: Table, about: str, name: str, made: str) -> str:
+    """Return a table in the manner of booktabs; bold is the best of a column.
 
-
-def _about(table: Table, section: Section, page: Page) -> str:
-    return ": ".join(filter(None, (section.heading, table.caption or table.label)))
-
-
-def _latex(table: Table, section: Section, page: Page) -> str:
-    """Return a tabular in the manner of booktabs; marked lines are bold."""
-    heads = _heads(table)
-    columns = "".join("l" if not table.lines or table.style_of(at) == "word" else "r" for at in range(len(heads)))
-    made = f"hmdwarp {__version__}: {' '.join(page.command.split())}"
-    lines = [f"% {_about(table, section, page)}".replace("\n", " "), f"% {made}", r"% \usepackage{booktabs}"]
-    lines += [f"\\begin{{tabular}}{{{columns}}}", r"\toprule"]
-    if any(heads):
-        lines += [_row(heads), r"\midrule"]
+    A column of intervals joins the one before it: "0.066 ± 0.003". A table too wide for a column of
+    the paper spans two, and one too wide for those is set smaller. A star marks the front.
+    """
+    joins = {at for at, (label, _) in enumerate(table.heads) if label.endswith(" ±")}
+    shown, heads = [at for at in range(len(table.heads)) if at not in joins], _heads(table)
+    lines, wide = [], 10 * len(joins)
+    for at in shown:
+        wide += 2 + max([len(heads[at]), *(len(line.cells[at].text) for line in table.lines)])
     for number, line in enumerate(table.lines):
         if line.group:
             lines += [r"\midrule"] * (number > 0)
-            lines += [f"\\multicolumn{{{len(heads)}}}{{l}}{{\\emph{{{_escaped(line.group)}}}}} \\\\"]
-        lines.append(_row(_texts(line), bold=line.is_marked))
-    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+            lines += [f"\\multicolumn{{{len(shown)}}}{{l}}{{\\emph{{{_escaped(line.group)}}}}} \\\\"]
+        cells = [_cell(line.cells[at], line.cells[at + 1] if at + 1 in joins else None) for at in shown]
+        lines.append(("$\\star$ " if line.is_marked else "") + " & ".join(cells) + r" \\")
+    columns = "".join("l" if not table.lines or table.style_of(at) == "word" else "r" for at in shown)
+    if any(heads):
+        lines = [" & ".join(_escaped(heads[at]) for at in shown) + r" \\", r"\midrule", *lines]
+    content = [f"\\begin{{tabular}}{{{columns}}}", r"\toprule", *lines, r"\bottomrule", r"\end{tabular}"]
+    if wide > 2 * _COLUMN_CHARS:
+        content = [r"\resizebox{\linewidth}{!}{%", *content[:-1], content[-1] + "}"]
+    floated = _float("table", wide > _COLUMN_CHARS, about, name, "\n".join([r"\footnotesize", *content]))
+    return f"% {made}\n% \\usepackage{{booktabs, graphicx}}\n{floated}"
 
 
-def _row(texts: Sequence[str], *, bold: bool = False) -> str:
-    cells = map(_escaped, texts)
-    return " & ".join(f"\\textbf{{{cell}}}" if bold and cell else cell for cell in cells) + r" \\"
+def _cell(cell: Cell, spread: Cell | None) -> str:
+    text = _escaped(cell.text)
+    text = f"\\textbf{{{text}}}" if cell.style == "best" else text
+    return text if spread is None or spread.text == "–" else f"{text} {_LATEX['±']} {spread.text}"
+
+
+def _float(kind: str, spans: bool, about: str, name: str, content: str) -> str:
+    """Return a figure or table of LaTeX. spans: whether it is as wide as two columns."""
+    kind, label = kind + "*" * spans, f"{kind[:3]}:{name}"
+    about = f"\\caption{{{_escaped(about)}}}\n\\label{{{label}}}"
+    return f"\\begin{{{kind}}}[t]\n\\centering\n{content}\n{about}\n\\end{{{kind}}}\n"
 
 
 def _escaped(text: str) -> str:
     return "".join(_LATEX.get(letter, letter) for letter in text)
 
 
-def _csv(table: Table, section: Section, page: Page) -> str:
+def _csv(table: Table) -> str:
     """Return the table as CSV: groups are a column of their own, what was not measured is empty."""
     grouped = any(line.group for line in table.lines)
     text, group = io.StringIO(), ""
@@ -108,33 +135,28 @@ def _csv(table: Table, section: Section, page: Page) -> str:
     writer.writerow([*(["group"] if grouped else []), *_heads(table)])
     for line in table.lines:
         group = line.group or group
-        cells = ["" if cell == "–" else inert_text(cell) for cell in _texts(line)]
+        cells = ["" if cell.text == "–" else inert_text(cell.text) for cell in line.cells]
         writer.writerow([*([inert_text(group)] if grouped else []), *cells])
     return text.getvalue()
 
 
-def _markdown(table: Table, section: Section, page: Page) -> str:
-    return table.markdown()
+def paper_bytes(drawn: Drawn, kind: str) -> bytes:
+    """Return a chart in the colours of white paper, as a file: "svg", "pdf" or "png".
 
-
-_WRITERS = {"latex": _latex, "csv": _csv, "markdown": _markdown}
-
-
-def _save(drawn: Drawn, out: OutputFolder, name: str) -> None:
-    """Write a chart in the colours of white paper, without a date: a run repeats byte for byte."""
-    figure = drawn.figure
-    data, kind = io.BytesIO(), name.rpartition(".")[2]
-    date: dict[str, None] = {"Date": None} if kind == "svg" else {"CreationDate": None}
-    with drawing(name):
-        figure.set_dpi(72)  # of both kinds: ticks are made while drawing, and must be there to be recoloured
+    It has no date: a run repeats byte for byte.
+    """
+    figure, data = drawn.figure, io.BytesIO()
+    no_date = {"svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None, "Creator": None}}
+    with drawing(str(drawn)):
+        figure.set_dpi(200 if kind == "png" else 72)  # ticks are made while drawing, and must be there to be recoloured
         figure.draw_without_rendering()
         for artist in figure.findobj():
             _recolour(artist)
             if getattr(artist, "arrow_patch", None) is not None:
                 _recolour(artist.arrow_patch)
         figure.patch.set(visible=True, facecolor="white")
-        figure.savefig(data, format=kind, metadata={"Creator": None, **date})
-    out.path(name).write_bytes(data.getvalue())
+        figure.savefig(data, format=kind, dpi=figure.dpi, metadata=no_date.get(kind, {"Software": None}))
+    return data.getvalue()
 
 
 def _recolour(artist: Any) -> None:

@@ -42,6 +42,7 @@ from .run_texts import (
     coding_rows,
     drawing_text,
     eyes_text,
+    figure_of,
     filled_rows,
     frame_rows,
     listed,
@@ -50,7 +51,6 @@ from .run_texts import (
     response_rows,
     source_facts,
     source_text,
-    terminal_table,
     waited_text,
 )
 
@@ -100,33 +100,74 @@ def render_report(
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
+    gate: Section | None = None,
 ) -> str:
     """Return the text of report.html; the same arguments give the same text.
 
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. command: as the user typed it. notes: the run's, one sentence each.
+    values. command: as the user typed it. notes: the run's, one sentence each. gate: its verdict.
     """
-    names = column_names(summary, *baselines)
-    truth = "the recorded frame nearest to that instant"
-    if "recorded" not in summary:
-        truth = "what a renderer without any delay would have shown at that instant"
-    charts = _charts(summary, names, rows, baselines_rows)
-    about_charts = texts("replay")["notes"]["charts"].format(eyes=eyes_text(summary))
+    names, notes_of = column_names(summary, *baselines), texts("replay")["notes"]
+    truth = "what a renderer without any delay would have shown at that instant"
+    truth = truth if "recorded" not in summary else "the recorded frame nearest to that instant"
+    axes = Markup(" in axes <b>{}</b>").format(summary["trace_axes"]) if summary.get("trace_axes") else ""
+    count, pictures = summary.get("measured", {}).get(PRIMARY), summary.get("eyes", 2) * summary["frames"]
+    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
+    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
+    tiles, others = [], [*zip(names[1:], baselines, strict=True)]
+    for label, figure, table, main, note in figures:
+        mine, *theirs = (figure.text(one[table][figure.name][main]) for one in (summary, *baselines))
+        beside = "; ".join(f"{name}: {text}" for name, text in zip(names[1:], theirs, strict=True))
+        tiles.append(Tile(label, figure.unit, mine, note, beside))
+    eyes, shown = EYES if summary.get("eyes", 2) == 2 else ("camera",), []
+    for frame in worst:
+        when = f"{frame.time_s:.2f} s, {eyes[frame.eye]}"
+        values = [
+            Markup("<span>{} <b>{}</b>{}</span> ").format(f.label, f.text(value), f" {f.unit}" if f.unit else "")
+            for f in QUALITY_FIGURES
+            if (value := frame.values.get(f.name)) is not None
+        ]
+        panels = Group("panels", [Picture.of(label, one, f"{label} at {when}") for label, one in frame.panels])
+        shown.append(Article([Heading(when), Text(Markup("").join(values), "figures"), panels], style="worst"))
+    about = notes_of["figures"].format(
+        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
+        sure=how_sure(summary, mark="★" if baselines else None),
+    ) + (notes_of["compared"] if baselines else "")
+    about += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in others)
+    regions: Mapping[str, Any] = summary.get("regions") or {}
+    is_parted, of_region = any(one["share"] for one in regions.values()), ("share", "psnr_db", PRIMARY)
+    parts = (
+        (part.replace("_", " "), *(figure_of(key).text(one[key]) for key in of_region)) for part, one in regions.items()
+    )
+    heads = [("", ""), *((figure_of(key).label, figure_of(key).unit) for key in of_region)]
+    by_region = [Table.of("", heads, parts, label="Error by region"), Text(texts("bench")["notes"]["regions"])]
+    charts = metric_charts(dict(zip(names, (rows, *baselines_rows), strict=True)))
+    charts += [
+        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
+        for heading, name, unit in _MOTION_CHARTS
+    ]
     return Page(
         kind="replay",
         title=f"hmdwarp: {summary['warp']} at {summary['latency_ms']:g} ms, {summary['trace']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
-        facts=_facts(summary),
+        facts=[
+            fact("head trace", summary["trace"], axes),
+            *(fact(*pair) for pair in source_facts(summary)),
+            *(fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
+            size_fact(summary),
+            f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
+        ],
         command=command,
         sections=(
-            Section("", _tiles(summary, baselines, names), style="tiles", label="Main figures"),
+            gate,
+            Section("", tiles, style="tiles", label="Main figures"),
             notes_section(notes),
-            _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),
-            _figures(summary, baselines, names),
-            _regions(summary),
+            Section("Worst frames", shown and [Text(notes_of["worst"]), *shown, Text(_SCALE, "scale")]),
+            Section("Figures", [comparison_table(summary, *baselines), Text(about)]),
+            Section("Where the error lies", by_region if is_parted else []),
             transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
                             ("On the client, uncompressed", model_rows(summary))),
-            Section("Over time", [Group("charts", charts), Text(about_charts)]),
+            Section("Over time", [Group("charts", charts), Text(notes_of["charts"].format(eyes=eyes_text(summary)))]),
             reading_section(
                 "replay", *((m.label, m.explanation) for m in metrics_in_order() if m.explanation), truth=truth
             ),
@@ -152,81 +193,6 @@ def size_fact(summary: Summary) -> Markup:
     return size + more.format("×".join(map(str, rendered["size"])), rendered["pixels"], across, down)
 
 
-def _facts(summary: Summary) -> list[str]:
-    axes = Markup(" in axes <b>{}</b>").format(summary["trace_axes"]) if summary.get("trace_axes") else ""
-    count = summary.get("measured", {}).get(PRIMARY)
-    pictures = summary.get("eyes", 2) * summary["frames"]
-    return [
-        fact("head trace", summary["trace"], axes),
-        *(fact(*pair) for pair in source_facts(summary)),
-        *(fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
-        size_fact(summary),
-        f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
-    ]
-
-
-def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> list[Tile]:
-    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
-    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
-    tiles = []
-    for label, figure, table, main, note in figures:
-        other = "; ".join(
-            f"{name}: {figure.text(one[table][figure.name][main])}"
-            for name, one in zip(names[1:], baselines, strict=True)
-        )
-        tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
-    return tiles
-
-
-def _figures(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> Section:
-    """Return the table of figures: picture and time."""
-    tables = {0: "Picture, mean", len(QUALITY_FIGURES): "Time per eye, median"}
-    lines = [
-        Line((Cell(_head(row.figure)), *_cells(row.cells, row.best)), group=tables.get(number, ""))
-        for number, row in enumerate(comparison_rows(summary, *baselines))
-    ]
-    heads = [("", ""), *(pair for name in names for pair in ((name, ""), ("p95", "")))]
-    notes = texts("replay")["notes"]
-    note = notes["figures"].format(
-        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
-        sure=how_sure(summary, mark="★" if baselines else None),
-    )
-    if baselines:
-        note += notes["compared"]
-        pairs = zip(names[1:], baselines, strict=True)
-        note += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in pairs)
-    return Section("Figures", [Table("", heads, lines, label="Figures"), Text(note)])
-
-
-def _regions(summary: Summary) -> Section | None:
-    """Return the table of the error by region; None where it was not measured."""
-    regions = summary.get("regions") or {}
-    if not any(entry["share"] for entry in regions.values()):
-        return None
-    figures = [Figure("share", "share", "%", 1, 100.0)]
-    figures += [metrics.get(name).figure for name in ("psnr_db", PRIMARY)]
-    lines = [
-        (name.replace("_", " "), *(figure.text(entry[figure.name]) for figure in figures))
-        for name, entry in regions.items()
-    ]
-    heads = [("", ""), *((figure.label, figure.unit) for figure in figures)]
-    table = Table.of("", heads, lines, label="Error by region")
-    return Section("Where the error lies", [table, Text(texts("bench")["notes"]["regions"])])
-
-
-def _head(figure: Figure) -> Markup:
-    unit = Markup(' <span class="unit">{}</span>').format(figure.unit) if figure.unit else ""
-    return Markup("{}{}").format(figure.label, unit)
-
-
-def _cells(cells: Sequence[tuple[str, str]], best: int | None) -> list[Cell]:
-    star = Markup('<span class="star" title="the best of the line">★ </span>')
-    made = []
-    for number, (main, tail) in enumerate(cells):
-        made += [Cell(star + main, "best") if number == best else Cell(main), Cell(tail, "tail")]
-    return made
-
-
 def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> Section | None:
     """Return the section on the frames in transit. more: heading and pairs of further tables."""
     response = response_rows(summary)
@@ -240,105 +206,54 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
     )
     pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
     frames = (summary.get("link") or {}).get("timeline") or ()
-    timeline = (
-        timeline_svg(frames)
-        if (len({tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}) > 1)
-        else ""
-    )
+    ways = {tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}
+    timeline = timeline_svg(frames) if len(ways) > 1 else ""
     title = "The last frames, part by part"
     drawn = [Heading(title), Chart.of("", timeline, title, "wide plain")] if timeline else []
     return Section("Frames in transit", [Group("pairs", pairs), *drawn, Text(texts("replay")["notes"]["transit"])])
 
 
-def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
-    """Return the charts over time: the primary metric, the others, then the head's motion."""
+def metric_charts(runs: Mapping[str, Rows]) -> list[Chart]:
+    """Return the charts over time of the metrics, the primary one first. runs: by name."""
     charts = []
     for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
-        if not metric.chart:
-            continue
-        drawn = zip(names, (rows, *baselines_rows), strict=True)
-        series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
-        svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
-        charts.append(Chart.over_time(metric.chart, svg))
-    return charts + [
-        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
-        for heading, name, unit in _MOTION_CHARTS
-    ]
+        series = [Series.of(name, rows, metric.name, metric.scale) for name, rows in runs.items()]
+        if metric.chart:
+            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
+            charts.append(Chart.over_time(metric.chart, svg))
+    return charts
 
 
-def _worst_frames(worst: Sequence[WorstFrame], eyes: Sequence[str]) -> Section | None:
-    if not worst:
-        return None
-    frames = [_worst(frame, f"{frame.time_s:.2f} s, {eyes[frame.eye]}") for frame in worst]
-    return Section("Worst frames", [Text(texts("replay")["notes"]["worst"]), *frames, Text(_SCALE, "scale")])
-
-
-def _worst(frame: WorstFrame, when: str) -> Article:
-    figures = [
-        Markup("<span>{} <b>{}</b>{}</span> ").format(f.label, f.text(value), f" {f.unit}" if f.unit else "")
-        for f in QUALITY_FIGURES
-        if (value := frame.values.get(f.name)) is not None
-    ]
-    pictures = [Picture.of(label, picture, f"{label} at {when}") for label, picture in frame.panels]
-    return Article([Heading(when), Text(Markup("").join(figures), "figures"), Group("panels", pictures)], style="worst")
-
-
-_CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_contest)
-
-
-@attrs.frozen
-class Row:
-    """One line of the comparison."""
-
-    figure: Figure
-    # (main figure with its interval, tail) of each run, as text.
-    cells: tuple[tuple[str, str], ...]
-    # Index of the better run, if any.
-    best: int | None
-
-
-def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
-    """Return the rows of quality, then of time per eye.
-
-    Each has a cell for the run and each baseline.
+def comparison_table(summary: Summary, *baselines: Summary) -> Table:
+    """Return quality, then time per eye, of the run and of each baseline, each beside its bad tail.
 
     The run is marked if it is better than each baseline, a baseline if it is better than the run
     and no other has a better mean: if the difference over the instants holds. Time and holes are no
     contest: a warp that does nothing is quick and leaves nothing empty.
     """
-    summaries = [summary, *baselines]
-    rows = [
-        Row(figure, tuple(_mean_cells(figure, s["quality"][figure.name]) for s in summaries), _best(figure, baselines))
-        for figure in QUALITY_FIGURES
-    ]
-    for figure in TIME_FIGURES:
-        times = [s["time_ms"][figure.name] for s in summaries]
-        rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
-    return rows
-
-
-def _mean_cells(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
-    mean, interval = figure.text(entry["mean"]), entry.get("interval")
-    if interval is not None:
-        low, high = (f"{end * figure.scale:.2g}" for end in interval)
-        is_cut = not math.isclose(interval[1] - entry["mean"], entry["mean"] - interval[0], abs_tol=1e-12)
-        mean += f" ({low} to {high})" if is_cut else f" ±{figure.text((interval[1] - interval[0]) / 2)}"
-    return mean, figure.text(entry["p95"])
-
-
-def _best(figure: Figure, baselines: Sequence[Summary]) -> int | None:
-    if figure.name not in _CONTESTS or not baselines:
-        return None
-    sign = 1 if metrics.get(figure.name).higher_is_better else -1
-    found = [baseline.get("difference", {}).get(figure.name) for baseline in baselines]
-    # How much better the run is than each, 0 where that is not sure.
-    gains = [
-        sign * difference["mean"] if difference and excludes_zero(difference["interval"]) else 0.0
-        for difference in found
-    ]
-    if min(gains) > 0:
-        return 0
-    return 1 + gains.index(min(gains)) if min(gains) < 0 else None
+    lines = []
+    for figure in (*QUALITY_FIGURES, *TIME_FIGURES):
+        is_time, best = figure in TIME_FIGURES, None
+        if baselines and not is_time and metrics.get(figure.name).is_contest:
+            sign = 1 if figure.higher_is_better else -1
+            found = [baseline.get("difference", {}).get(figure.name) for baseline in baselines]
+            # How much better the run is than each, 0 where that is not sure.
+            gains = [sign * one["mean"] if one and excludes_zero(one["interval"]) else 0.0 for one in found]
+            best = (0 if min(gains) > 0 else 1 + gains.index(min(gains))) if min(gains) else None
+        label = f"Time, {figure.label.lower()}" if is_time else figure.label
+        cells = [Cell(f"{label} [{figure.unit}]" if figure.unit else label)]
+        for number, one in enumerate((summary, *baselines)):
+            entry = one["time_ms" if is_time else "quality"][figure.name]
+            mean, interval = figure.text(entry["median" if is_time else "mean"]), entry.get("interval")
+            if interval is not None:
+                low, high = (f"{end * figure.scale:.2g}" for end in interval)
+                is_cut = not math.isclose(interval[1] - entry["mean"], entry["mean"] - interval[0], abs_tol=1e-12)
+                mean += f" ({low} to {high})" if is_cut else f" ±{figure.text((interval[1] - interval[0]) / 2)}"
+            cells += [Cell(mean, "best" if number == best else ""), Cell(figure.text(entry["p95"]), "tail")]
+        groups = {QUALITY_FIGURES[0]: "Picture, mean", TIME_FIGURES[0]: "Time per eye, median"}
+        lines.append(Line(tuple(cells), group=groups.get(figure, "")))
+    heads = [("", ""), *(pair for name in column_names(summary, *baselines) for pair in ((name, ""), ("p95", "")))]
+    return Table("", heads, lines, label="Figures")
 
 
 def how_sure(summary: Summary, *, mark: str | None) -> str:
@@ -367,49 +282,28 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     The best column of each quality line is bold and starred, so that it reads without colour too.
     Only the first baseline has its tail next to it, where a terminal has room for no more.
     """
-    from rich.text import Text
-
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
     lines[1] += "".join(
         f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
     )
-    table = terminal_table(
-        title=title, caption="\n".join([*lines, how_sure(summary, mark="*" if baselines else None)]), padding=(0, 1)
-    )
-    table.add_column("")
-    tails = 2 if len(baselines) < 2 else 1
-    for number, name in enumerate(column_names(summary, *baselines)):
-        table.add_column(name, justify="right")
-        if number < tails:
-            table.add_column("p95", justify="right", style="dim")
-    for number, row in enumerate(comparison_rows(summary, *baselines)):
-        if number == len(QUALITY_FIGURES):
-            table.add_section()
-        cells: list[Text] = [Text(_table_head(row.figure))]
-        for column, (main, tail) in enumerate(row.cells):
-            best = row.best == column
-            cells.append(Text(f"{main} *" if best else main, style="bold green" if best else ""))
-            if column < tails:
-                cells.append(Text(tail))
-        table.add_row(*cells)
-    return table
+    caption = "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])
+    table = comparison_table(summary, *baselines)
+    tails = range(2, 3 if len(baselines) > 1 else 5)
+    shown = [at for at in range(len(table.heads)) if at == 0 or at % 2 or at in tails]
+    return table.terminal(shown, title=title, caption=caption)
 
 
 def summary_html(summary: Summary, *baselines: Summary) -> str:
     """Return that table as HTML, for a notebook."""
+    table = comparison_table(summary, *baselines)
     cell, head = Markup("<td style='text-align: right'>{}{}</td>").format, Markup("<th>{}</th>").format
-    lines = [Markup().join(head(name) for name in ("", *column_names(summary, *baselines)))]
-    for row in comparison_rows(summary, *baselines):
-        cells = [cell(main, " *" if row.best == column else "") for column, (main, _) in enumerate(row.cells)]
-        lines.append(Markup().join((head(_table_head(row.figure)), *cells)))
+    lines = [Markup().join(head(label) for label, _ in (table.heads[0], *table.heads[1::2]))]
+    for first, *cells in (line.cells for line in table.lines):
+        made = [cell(one.text, " *" if one.style == "best" else "") for one in cells[::2]]
+        lines.append(Markup().join((head(first.text), *made)))
     return str(Markup("<table>{}</table>").format(Markup().join(Markup("<tr>{}</tr>").format(line) for line in lines)))
-
-
-def _table_head(figure: Figure) -> str:
-    label = f"Time, {figure.label.lower()}" if figure in TIME_FIGURES else figure.label
-    return f"{label} [{figure.unit}]" if figure.unit else label
 
 
 Column = Callable[[str], NDArray[np.float64]]
@@ -481,7 +375,7 @@ def _live_tiles(summary: Summary) -> list[Tile]:
     miss = Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
     return [
         _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
-        _tile("Pose age at hand-over", _SHORT_MS, live["pose_age_ms"], handed),
+        _tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
         Tile("Missed refreshes", "", "–", waits) if waits else miss,
         _tile("Time per eye", time, total, "all stages"),
         Tile(holes.label, holes.figure.unit, share, holes.tile_note),
@@ -529,8 +423,8 @@ def _live_charts(summary: Summary, column: Column) -> list[Chart]:
 
     charts = (
         ("Frame age at display", [line("age_ms")], "ms"),
-        ("Pose age at hand-over", [line("pose_age_ms")], "ms"),
-        ("From picture to picture", [line("period_ms", "from picture to picture"), limit], "ms"),
+        ("Pose age at frame submission", [line("pose_age_ms")], "ms"),
+        ("Frame interval", [line("period_ms", "frame interval"), limit], "ms"),
         (busy, [line("busy_ms", "drawing and passes"), limit], "ms"),
         (holes.chart, [Series("", np.concatenate([time_s, time_s]), both_eyes)], holes.chart_unit),
         ("Angular speed of the head", [line("angular_speed_deg_s")], "deg/s"),

@@ -6,39 +6,59 @@ import csv
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..metrics import QUALITY, Figure
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
+from .files import Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
-from .page import Page, Picture, Section, Sentences, Text, fact, machine_pairs
-from .run_texts import counted
+from .page import Article, Choice, Group, Heading, Page, Picture, Section, Sentences, fact, machine_pairs
+from .replay_page import metric_charts
+from .run_texts import Cell, Line, Table, counted, figure_of
 
-_FIGURES = ("quality", "regions", "filled", "against", "link", "coding", "second_eye", "gaze", "measured")
-_MAGNIFY = 16
 DIFF_PAGE = "diff.html"
-# Of what is not a metric: the same program on another machine may add in another order.
+# Keys of a summary that hold figures; ROWS: of frames.csv.
+SECTIONS = ("quality", "regions", "filled", "against", "link", "coding", "second_eye", "gaze", "jod", "hidden", "input")
+ROWS = "rows"
+# What other keys say already, and what equal runs may have otherwise.
+_LEFT_OUT = frozenset({*TIMED_KEYS, "gate", "interval", "difference", "timeline"})
+_MAGNIFY = 16
+# The same program on another machine may add in another order.
 _ROUNDING = 1e-9
+_WORDS = {True: "better", False: "worse", None: "changed"}
+_STYLES = {True: "word holds", False: "word fails", None: "word"}
 
 
-def digests(rows: Sequence[Mapping[str, Any]], pictures: Mapping[str, NDArray[Any]]) -> dict[str, str]:
+def digests(rows: Sequence[Mapping[str, Any]], pictures: Mapping[str, Sequence[Panel]]) -> dict[str, Any]:
     """Return the `digests` of summary.json: of frames.csv without its times, and of each picture.
 
-    rows: keyed as frames.csv. pictures: as written, by their path in the folder.
+    rows: keyed as frames.csv. pictures: the panels of each file, by its path in the folder. The
+    last panel has none: an error map in false colours, whose numbers are in the figures.
     """
     columns = [name for name in FRAME_COLUMNS if name not in TIMED_COLUMNS]
     found = hashlib.sha256()
     for row in rows:
         found.update(json.dumps([row.get(name) for name in columns], default=str).encode() + b"\n")
-    of_pictures = {name: hashlib.sha256(picture.tobytes()).hexdigest() for name, picture in pictures.items()}
-    return {"frames.csv": found.hexdigest(), **dict(sorted(of_pictures.items()))}
+    of_pictures = {
+        name: {label: hashlib.sha256(picture.tobytes()).hexdigest() for label, picture in panels[:-1]}
+        for name, panels in sorted(pictures.items())
+    }
+    return {"frames.csv": found.hexdigest(), **of_pictures}
+
+
+def is_same(key: str, stored: Any, now: Any, tolerance: float = 0.0) -> bool:
+    """Return whether two values are equal but for rounding, or this near."""
+    if not all(isinstance(value, int | float) for value in (stored, now)):
+        return bool(stored == now)
+    return math.isclose(stored, now, rel_tol=_ROUNDING, abs_tol=tolerance)
 
 
 @attrs.frozen(eq=False)
@@ -59,24 +79,91 @@ class StoredRun:
             validate_summary(summary)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        if "digests" not in summary:
-            raise InputError(f"{path}: no digests: expected a replay of hmdwarp 0.2 or newer; run it again")
+        digests = summary.get("digests", {"": ""})
+        if any(isinstance(one, str) != (name == "frames.csv") for name, one in digests.items()):
+            raise InputError(f"{path}: no digests of panels: expected a replay of this hmdwarp; run it again")
         return cls(path.parent, summary, place)
 
-    def rows(self) -> list[dict[str, str]]:
+    def rows(self) -> list[dict[str, Any]]:
         """Return the rows of frames.csv, none where the file is not kept."""
         path = self.place / "frames.csv"
-        return list(csv.DictReader(text_in(path, LIST).splitlines())) if path.exists() else []
+        lines = csv.DictReader(text_in(path, LIST).splitlines()) if path.exists() else ()
+        return [{name: _number(text) for name, text in line.items()} for line in lines]
 
-    def picture(self, name: str) -> NDArray[np.uint8] | None:
-        """Return a picture, None where it is not kept."""
+    def panels(self, name: str) -> dict[str, Pixels] | None:
+        """Return the panels of a picture but for its false colours, None where it is not kept."""
         from PIL import Image
 
-        path = self.place / name
+        path, labels = self.place / name, self.summary["digests"].get(name, {})
         if not path.exists():
             return None
         with opened(path, PICTURE_FILE, self.place) as file:
-            return np.asarray(Image.open(file).convert("RGB"))
+            strip = np.asarray(Image.open(file).convert("RGB"))
+        return dict(zip(labels, panels_in(strip, len(labels) + 1, self.summary["size"][1]), strict=False))
+
+
+def _number(text: str | None) -> float | str | None:
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text
+
+
+@attrs.frozen
+class FigureChange:
+    """A figure of both runs; None where a run lacks it."""
+
+    key: str
+    stored: float | None
+    now: float | None
+
+    @property
+    def figure(self) -> Figure:
+        """How it is written, and which way it gets better."""
+        return figure_of(self.key)
+
+    @property
+    def size(self) -> float:
+        """Change as a share of the larger value, 1 where a run lacks it."""
+        if self.stored is None or self.now is None:
+            return 1.0
+        return abs(self.now - self.stored) / max(abs(self.now), abs(self.stored), 1e-300)
+
+    @property
+    def is_better(self) -> bool | None:
+        """Whether it is better now, None where neither way is."""
+        higher = self.figure.higher_is_better
+        return None if None in (higher, self.stored, self.now) else (self.now > self.stored) == higher  # type: ignore[operator]
+
+    def texts(self) -> tuple[str, str, str]:
+        """Return stored, now and change, with as many digits as tell them apart."""
+        if self.stored is None or self.now is None:
+            return self.figure.text(self.stored), self.figure.text(self.now), "–"
+        change = (self.now - self.stored) * self.figure.scale
+        digits = max(self.figure.digits, 1 - math.floor(math.log10(abs(change)))) if change else self.figure.digits
+        written = attrs.evolve(self.figure, digits=min(digits, 15))
+        is_large = self.stored and self.size >= 5e-5
+        share = f" ({100 * (self.now - self.stored) / abs(self.stored):+.2f} %)" if is_large else ""
+        return written.text(self.stored), written.text(self.now), f"{change:+.{written.digits}f}{share}"
+
+    def entry(self) -> dict[str, Any]:
+        """Return it as plain data, for JSON."""
+        values = {"name": self.key, "first": self.stored, "second": self.now, "unit": self.figure.unit}
+        change = None if None in (self.stored, self.now) else self.now - self.stored  # type: ignore[operator]
+        return values | {"change": change, "verdict": _WORDS[self.is_better]}
+
+
+def figures_table(changes: Sequence[FigureChange]) -> Table:
+    """Return changes as the table of every output: terminal, page, step summary."""
+    lines = [
+        Line((
+            Cell(one.key.removeprefix("quality.") + f" [{one.figure.unit}]" * bool(one.figure.unit), "word"),
+            *map(Cell, one.texts()),
+            Cell(_WORDS[one.is_better], _STYLES[one.is_better]),
+        ))
+        for one in changes
+    ]  # fmt: skip
+    return Table("", [(head, "") for head in ("metric", "stored", "now", "change", "verdict")], lines, label="Figures")
 
 
 @attrs.frozen(eq=False)
@@ -84,11 +171,13 @@ class PictureDiff:
     """A picture of both runs that differs."""
 
     name: str
-    # "" where the pictures differ beyond the tolerance in what can be shown.
-    why: str = ""
+    # In what.
+    told: str
+    # Of the pixels, and levels of 255.
     share: float = 0.0
     largest: int = 0
-    pictures: tuple[NDArray[np.uint8], ...] = ()
+    # Stored, now, and the difference.
+    pictures: tuple[Pixels, ...] = ()
 
 
 @attrs.frozen(eq=False)
@@ -99,8 +188,13 @@ class RunDiff:
     second: StoredRun
     # (key, value of the first, value of the second)
     setup: list[tuple[str, Any, Any]]
-    figures: list[tuple[str, Any, Any]]
-    # Of frames.csv: what differs in its first row that differs, and how many do.
+    # Beyond the tolerances, the largest change first.
+    figures: list[FigureChange]
+    # All that were compared.
+    compared: list[str]
+    # How many figures differ, but no more than they may.
+    allowed: int
+    # Of frames.csv: how many rows differ, and what in the first that does.
     refreshes: list[str]
     pictures: list[PictureDiff]
     # What does not make them differ, but may explain it.
@@ -111,89 +205,122 @@ class RunDiff:
         """Whether nothing differs by more than the tolerances."""
         return not (self.setup or self.figures or self.refreshes or self.pictures)
 
-    def lines(self) -> list[str]:
-        """Return what differs, a sentence each."""
-        pairs = [f"{part}: {key} was {', is '.join(_texts(a, b))}" for part, key, a, b in self._entries()]
-        pictures = [
-            f"picture: {one.name} " + (one.why or f"differs in {100 * one.share:.2g} % of pixels, by at most "
-                                       f"{one.largest} of 255")
-            for one in self.pictures
-        ]  # fmt: skip
-        return [*pairs, *(f"refresh: {text}" for text in self.refreshes), *pictures]
+    def told(self) -> str:
+        """Return how much differs in one line: "4 figures worse, 1 better, 2 pictures"."""
+        if self.is_equal:
+            within = f"identical within the tolerances ({counted(self.allowed, 'figure')} changed)"
+            return within if self.allowed else "identical except for timings"
+        found = Counter(_WORDS[one.is_better] for one in self.figures)
+        counts = [(found[word], word) for word in ("worse", "better", "changed") if found[word]]
+        parts = [f"{count if at else counted(count, 'figure')} {word}" for at, (count, word) in enumerate(counts)]
+        parts += [counted(len(self.setup), "setting")] * bool(self.setup)
+        parts += [counted(len(self.pictures), "picture")] * bool(self.pictures)
+        return ", ".join([*parts, *(text.partition(" differ")[0] for text in self.refreshes)])
 
-    def _entries(self) -> Iterator[tuple[str, str, Any, Any]]:
-        yield from (("set-up", *entry) for entry in self.setup)
-        yield from (("figure", *entry) for entry in self.figures)
+    def lines(self, *, figures: bool = True) -> list[str]:
+        """Return what differs in lines: the set-up, the table of figures, refreshes, pictures."""
+        return [
+            *(f"{key}: {' -> '.join(_texts(a, b))}" for key, a, b in self.setup),
+            *(figures_table(self.figures).text().splitlines() if figures and self.figures else ()),
+            *self.refreshes,
+            *(f"{one.name}: {one.told}" for one in self.pictures),
+        ]
+
+    def blocks(self) -> list[Any]:
+        """Return the same as blocks of a page."""
+        lines = self.lines(figures=False)
+        return [*[figures_table(self.figures)] * bool(self.figures), *[Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
         """Return it as plain data, for JSON."""
-        keys = ("name", "first", "second")
         return {
             "equal": self.is_equal,
-            "setup": [dict(zip(keys, entry, strict=True)) for entry in self.setup],
-            "figures": [dict(zip(keys, entry, strict=True)) for entry in self.figures],
+            "setup": [dict(zip(("name", "first", "second"), entry, strict=True)) for entry in self.setup],
+            "figures": [one.entry() for one in self.figures],
             "refreshes": self.refreshes,
-            "pictures": [
-                {"name": one.name, "why": one.why, "share": one.share, "largest": one.largest} for one in self.pictures
-            ],
+            "pictures": [attrs.asdict(one, filter=lambda field, _: field.name != "pictures") for one in self.pictures],
             "notes": self.notes,
         }
 
     def page(self, command: str) -> str:
-        """Return the page: what differs in words, and each picture beside its difference."""
-        shown = [one for one in self.pictures if one.pictures]
-        labels = (str(self.first.named), str(self.second.named), f"difference, {_MAGNIFY} times as large")
-        blocks = [
-            Picture.of(f"{one.name}: {label}", picture, f"{label} of {one.name}")
-            for one in shown
-            for label, picture in zip(labels, one.pictures, strict=True)
-        ]
+        """Return the page: the figures, each picture beside its difference, both runs over time."""
+        count = len(self.setup) + len(self.figures) + len(self.refreshes) + len(self.pictures)
         summary = self.second.summary
+        labels = ("stored", "now", f"absolute difference, x{_MAGNIFY}")
+        shown = [one for one in self.pictures if one.pictures]
+        choice = Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
+        articles = [
+            Article([Heading(one.name, one.told), Group("panels", [
+                Picture.of(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png")
+                for label, picture in zip(labels, one.pictures, strict=True)
+            ])])
+            for one in shown
+        ]  # fmt: skip
         return Page(
             kind="diff",
-            title="hmdwarp: two runs",
-            heading=("Two runs", "equal" if self.is_equal else "they differ"),
-            facts=[fact("was", self.first.named), fact("is", self.second.named)],
+            title="hmdwarp: run comparison",
+            heading=("Run comparison:", counted(count, "difference")),
+            facts=[fact("stored", self.first.named), fact("now", self.second.named), self.told()],
             command=command,
             remarks=self.notes,
             sections=(
-                Section("What differs", [Sentences(self.lines()) if self.lines() else Text("Nothing but times.")]),
-                Section("Pictures", blocks),
+                Section("Differences", self.blocks()),
+                Section("Pictures", [choice, *articles] if articles else []),
+                Section(
+                    "Over time",
+                    [Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
+                ),
             ),
             made_with=machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"]),
         ).html()
 
 
-def diff_runs(first: StoredRun, second: StoredRun, tolerance: Mapping[str, float], levels: float = 0.0) -> RunDiff:
+Allows = Callable[[str, Any, Any], bool]
+
+
+def diff_runs(
+    first: StoredRun, second: StoredRun, allows: Allows = is_same, pixels: tuple[float, float] = (0.0, 0.0)
+) -> RunDiff:
     """Return what differs between two replays by more than the tolerances.
 
-    tolerance: of metrics in their units, by name. levels: of pictures, of 255.
+    allows(key, stored, now): of figures. pixels: levels of 255 by which a pixel may differ, and the
+    share of the pixels that may differ by more.
     Errors: InputError for files that cannot be read.
     """
     setup: list[tuple[str, Any, Any]] = []
-    figures: list[tuple[str, Any, Any]] = []
-    notes: list[str] = []
+    figures: list[FigureChange] = []
     for key, a, b in _leaves(first.summary, second.summary):
-        if not _is_close(a, b, next((tolerance[part] for part in key.split(".") if part in tolerance), 0.0)):
-            (figures if key.split(".")[0] in _FIGURES else setup).append((key, a, b))
-    for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer")):
-        a, b = (run.summary["machine"].get(key) for run in (first, second))
-        if a != b:
-            notes.append(f"another {name}: was {a}, is {b}; pictures may differ in their last digits")
-    if first.summary["hmdwarp"] != second.summary["hmdwarp"]:
-        notes.append(f"another version: was {first.summary['hmdwarp']}, is {second.summary['hmdwarp']}")
-    ours, theirs = first.summary["digests"], second.summary["digests"]
-    refreshes = [] if ours["frames.csv"] == theirs["frames.csv"] else _refreshes(first, second, tolerance, notes)
-    names = [name for name in dict.fromkeys([*ours, *theirs]) if name != "frames.csv"]
-    pictures = [_picture(first, second, name, levels) for name in names if ours.get(name) != theirs.get(name)]
-    return RunDiff(first, second, setup, figures, refreshes, [one for one in pictures if one is not None], notes)
+        if key.partition(".")[0] in SECTIONS and not isinstance(a or b, str):
+            figures.append(FigureChange(key, a, b))
+        elif not is_same(key, a, b):
+            setup.append((key, a, b))
+    ours, theirs = ({"version": run.summary["hmdwarp"], **run.summary["machine"]} for run in (first, second))
+    notes = [
+        f"another {name}: {ours.get(key)} -> {theirs.get(key)}; pictures may differ in their last digits"
+        for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer"), ("version", "version"))
+        if ours.get(key) != theirs.get(key)
+    ]
+    changed = [one for one in figures if not is_same(one.key, one.stored, one.now)]
+    beyond = [one for one in changed if not allows(one.key, one.stored, one.now)]
+    same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
+    return RunDiff(
+        first,
+        second,
+        setup,
+        sorted(beyond, key=lambda one: -one.size),
+        [one.key for one in figures],
+        len(changed) - len(beyond),
+        [] if same_rows else _refreshes(first, second, allows, notes),
+        [*_pictures(first, second, pixels)],
+        notes,
+    )
 
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Yield the values of both by their keys, but for times and what names the machine."""
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         for name in dict.fromkeys([*a, *b]):
-            if name not in TIMED_KEYS:
+            if name not in _LEFT_OUT:
                 yield from _leaves(a.get(name), b.get(name), f"{key}.{name}" if key else str(name))
     elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
         for number, (one, other) in enumerate(zip(a, b, strict=True)):
@@ -202,58 +329,58 @@ def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
         yield key, a, b
 
 
-def _is_close(a: Any, b: Any, tolerance: float) -> bool:
-    if isinstance(a, int | float) and isinstance(b, int | float):
-        return a == b or math.isclose(a, b, rel_tol=_ROUNDING, abs_tol=tolerance)
-    return bool(a == b)
-
-
-def _number(text: str | None) -> float | str | None:
-    try:
-        return float(text) if text else text
-    except ValueError:
-        return text
-
-
-def _refreshes(first: StoredRun, second: StoredRun, tolerance: Mapping[str, float], notes: list[str]) -> list[str]:
+def _refreshes(first: StoredRun, second: StoredRun, allows: Allows, notes: list[str]) -> list[str]:
     ours, theirs = first.rows(), second.rows()
     if not ours or not theirs:
         missing = (first if not ours else second).named
-        notes.append(f"frames.csv differs; {missing} has none, so that nothing can be said of single refreshes")
+        notes.append(f"frames.csv differs; {missing} has none, so single refreshes cannot be compared")
         return []
     if len(ours) != len(theirs):
-        return [f"frames.csv had {len(ours)} rows, has {len(theirs)}"]
+        return [f"rows of frames.csv: {len(ours)} -> {len(theirs)}"]
     found = []
     for a, b in zip(ours, theirs, strict=True):
         apart = [
-            f"{name} was {', is '.join(_texts(_number(a.get(name)), _number(b.get(name))))}"
+            f"{name}: {' -> '.join(_texts(a.get(name), b.get(name)))}"
             for name in FRAME_COLUMNS
             if name not in TIMED_COLUMNS
-            and not _is_close(_number(a.get(name)), _number(b.get(name)), tolerance.get(name, 0.0))
+            and not (allows if name in QUALITY else is_same)(f"{ROWS}.{name}", a.get(name), b.get(name))
         ]
         if apart:
-            found.append(f"{a['frame']} ({float(a['time_s']):.3f} s), eye {a['eye']}: {', '.join(apart)}")
-    return [] if not found else [f"{counted(len(found), 'row')} of {len(ours)} differ, the first is {found[0]}"]
+            found.append(f"frame {a['frame']:g} ({a['time_s']:.3f} s), eye {a['eye']:g}: {', '.join(apart)}")
+    return found and [f"{len(found)} of {counted(len(ours), 'row')} of frames.csv differ, the first: {found[0]}"]
 
 
-def _picture(first: StoredRun, second: StoredRun, name: str, tolerance: float) -> PictureDiff | None:
-    a, b = first.picture(name), second.picture(name)
-    if a is None or b is None:
-        is_listed = all(name in run.summary["digests"] for run in (first, second))
-        missing = (first if a is None else second).named
-        return PictureDiff(name, f"differs, and is not kept in {missing}" if is_listed else f"is not in {missing}")
-    if a.shape != b.shape:
-        return PictureDiff(name, f"had {a.shape[1]}x{a.shape[0]} pixels, has {b.shape[1]}x{b.shape[0]}")
+def _pictures(first: StoredRun, second: StoredRun, pixels: tuple[float, float]) -> Iterator[PictureDiff]:
+    ours, theirs = ({**run.summary["digests"], "frames.csv": {}} for run in (first, second))
+    for name in dict.fromkeys([*ours, *theirs]):
+        here, there = ours.get(name), theirs.get(name)
+        if here == there:
+            continue
+        kept, there_in = (first.panels(name), second.panels(name)), (first.named, second.named)
+        if here is None or there is None:
+            yield PictureDiff(name, f"is not in {there_in[here is not None]}")
+        elif kept[0] is None or kept[1] is None:
+            yield PictureDiff(name, f"differs, and is not kept in {there_in[kept[0] is not None]}")
+        else:
+            for label in dict.fromkeys([*here, *there]):
+                found = _panel(f"{name}, {label}", kept[0].get(label), kept[1].get(label), *pixels)
+                yield from [found] if found is not None and here.get(label) != there.get(label) else []
+
+
+def _panel(name: str, a: Pixels | None, b: Pixels | None, levels: float, share: float) -> PictureDiff | None:
+    if a is None or b is None or a.shape != b.shape:
+        sizes = ("none" if one is None else f"{one.shape[1]}x{one.shape[0]}" for one in (a, b))
+        return PictureDiff(name, f"pixels: {' -> '.join(sizes)}")
     apart = np.abs(a.astype(np.int16) - b).max(axis=2)
-    if apart.max(initial=0) <= tolerance:
+    if (beyond := float((apart > levels).mean())) <= share:
         return None
-    magnified = np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)
-    shown = (a, b, np.repeat(magnified[..., None], 3, axis=2))
-    return PictureDiff(name, "", float((apart > tolerance).mean()), int(apart.max()), shown)
+    magnified = np.repeat(np.minimum(apart * _MAGNIFY, 255).astype(np.uint8)[..., None], 3, axis=2)
+    told = f"{100 * beyond:.2g} % of the pixels differ, by at most {apart.max()} of 255"
+    return PictureDiff(name, told, beyond, int(apart.max()), (a, b, magnified))
 
 
 def _texts(*values: Any) -> list[str]:
     """Return values that differ with six digits, with all where those are equal."""
     texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
     texts = [str(value) for value in values] if len(set(texts)) == 1 else texts
-    return ["not there" if value is None else text for value, text in zip(values, texts, strict=True)]
+    return ["none" if value is None else text for value, text in zip(values, texts, strict=True)]

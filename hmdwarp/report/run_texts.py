@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import ROUND_HALF_UP, Decimal
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from .. import errors
-from ..metrics import STAGES, Figure, metrics, metrics_in_order
+from ..metrics import JOD, STAGES, Figure, metrics, metrics_in_order
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -20,6 +23,14 @@ if TYPE_CHECKING:
 ALPHA = 0.05
 # Words that other packages take from here too.
 counted, listed = errors.counted, errors.listed
+
+
+@functools.cache
+def texts(page: str) -> Mapping[str, Any]:
+    """Return the longer texts of a page: `notes` of its sections, terms `to_read` it."""
+    content = resources.files(__package__).joinpath("templates/texts.toml").read_text(encoding="utf-8")
+    found: Mapping[str, Any] = tomllib.loads(content)[page]
+    return found
 
 
 def p_text(p: float | None) -> str:
@@ -130,7 +141,7 @@ class Table:
 
     def style_of(self, column: int) -> str:
         """Return the style of a column's head: as its cells, if they are words or tails."""
-        style = self.lines[0].cells[column].style if self.lines else ""
+        style = self.lines[0].cells[column].style.partition(" ")[0] if self.lines else ""
         return style if style in ("word", "tail") else ""
 
     def markdown(self) -> str:
@@ -138,6 +149,29 @@ class Table:
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
         return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
+
+    def terminal(self, columns: Sequence[int], **options: Any) -> TerminalTable:
+        """Return these columns for the terminal; the best of a line has a star."""
+        from rich.text import Text
+
+        table = terminal_table(padding=(0, 1), **options)
+        for at in columns:
+            dim = "dim" if self.style_of(at) == "tail" else None
+            table.add_column(self.heads[at][0], justify="right" if at else "left", style=dim)
+        for line in self.lines:
+            if line.group and table.rows:
+                table.add_section()
+            cells = [(cell.text, cell.style == "best") for cell in (line.cells[at] for at in columns)]
+            table.add_row(*(Text(f"{text} *", "bold green") if is_best else Text(text) for text, is_best in cells))
+        return table
+
+    def text(self) -> str:
+        """Return the table as plain text in columns; numbers stand at the right."""
+        heads = [" ".join(filter(None, head)) for head in self.heads]
+        lines = [heads, *([cell.text for cell in line.cells] for line in self.lines)]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        sides = [f"{'<' if self.style_of(n) == 'word' else '>'}{wide}" for n, wide in enumerate(widths)]
+        return "\n".join("  ".join(map(format, line, sides)).rstrip() for line in lines)
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:
@@ -175,7 +209,12 @@ Summary = Mapping[str, Any]
 Pairs = list[tuple[str, str]]
 
 QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
-TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2, higher_is_better=False) for stage in STAGES)
+_SHARES, _RATES = ("filled", "share", "truth_preferred"), ("mbit_s", "layers_mbit_s", "up_mbit_s")
+_BY_NAME = {figure.name: figure for figure in (*QUALITY_FIGURES, JOD)}
+_BY_NAME |= {f"{figure.name}_ms": figure for figure in TIME_FIGURES}
+_BY_NAME |= {name: Figure(name, name, "%", 2, 100) for name in _SHARES}
+_BY_NAME |= {name: Figure(name, name, "Mbit/s", 2, higher_is_better=False) for name in _RATES}
 # Of the `miss` of a live summary.
 _MISS = (
     Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
@@ -183,40 +222,16 @@ _MISS = (
     Figure("judder_deg", "Judder, RMS", "deg", 3),
 )
 _MS = Figure("", "", "ms", 2)
-_RESPONSE = {
-    "render_ms": "{drawing}, {eyes}",
-    "encode_ms": "encoding of the shown frames",
-    "queue_ms": "waiting for earlier frames",
-    "transfer_ms": "size over bandwidth",
-    "round_trip_ms": "the network, both ways",
-    "decode_ms": "decoding of the shown frames",
-    "warp_ms": "warp to lens, {eyes}",
-    "total_ms": "{kind} (mean: the sum of these)",
-    "median_ms": "{kind} (median)",
-    "p95_ms": "{kind} (95th percentile)",
-}
-# With --response fixed a frame is as old as the latency says, whatever the stages took here.
-_WITH_STAGES = "latency plus this machine's stages"
-_FRAMES = {
-    "skipped": "not drawn (the server was busy)",
-    "unchanged": "not drawn (nothing would have changed)",
-    "drawn": "drawn",
-    "sent": "sent",
-    "never_shown": "never shown",
-    "dropped": "dropped before a full queue",
-    "lost": "lost on the network",
-    "undecodable": "undecodable (depend on a lost frame)",
-    "late": "too late (a newer one was shown)",
-    "superseded": "superseded (a newer one arrived for the same refresh)",
-    "shown": "shown",
-    "under_way": "in transit at the end",
-}
-_CODING = (
-    ("encode_ms", "encoding (median of all frames)", "ms"),
-    ("decode_ms", "decoding (median of all frames)", "ms"),
-    ("coded_psnr_db", "pictures after coding", "dB PSNR"),
-)
 _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
+
+
+def figure_of(key: str) -> Figure:
+    """Return how a number of summary.json is written, and which way it is better, by its key.
+
+    key: dotted, such as `regions.seen.flip`; the last part that has a declaration decides.
+    """
+    known = [part for part in key.split(".") if part in _BY_NAME]
+    return _BY_NAME[known[-1]] if known else Figure(key, key, "ms" if key.endswith("_ms") else "", 0)
 
 
 def source_facts(summary: Summary) -> Pairs:
@@ -304,21 +319,23 @@ def response_rows(summary: Summary) -> Pairs:
 
     They add up to the mean response time; its median and 95th percentile follow.
     """
-    return _response(summary, *_RESPONSE)
+    return _response(summary, *texts("link")["response"])
 
 
 def _response(summary: Summary, *names: str) -> Pairs:
     link = summary.get("link") or {}
-    kind = "response time" if link.get("response") == "sum" else _WITH_STAGES
+    # With --response fixed a frame is as old as the latency says, whatever the stages took here.
+    kind = "response time" if link.get("response") == "sum" else "latency plus this machine's stages"
     took = link.get("response_ms") or {}
     words = {"kind": kind, "drawing": drawing_text(summary), "eyes": eyes_text(summary)}
-    return [(_RESPONSE[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
+    labels = texts("link")["response"]
+    return [(labels[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
     """Return (outcome, number of frames), without outcomes of no frame."""
     frames = (summary.get("link") or {}).get("frames") or {}
-    return [(outcome, str(frames[name])) for name, outcome in _FRAMES.items() if frames.get(name)]
+    return [(outcome, str(frames[name])) for name, outcome in texts("link")["frames"].items() if frames.get(name)]
 
 
 def coding_rows(summary: Summary) -> Pairs:
@@ -335,9 +352,17 @@ def coding_rows(summary: Summary) -> Pairs:
         rows.append(("head poses to the server", f"{link['up_mbit_s']:.2f} Mbit/s"))
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
-        rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+        rows += [(label, _with_unit(link.get(name), unit)) for name, (label, unit) in texts("link")["coding"].items()]
     if "proxy" in link:
-        rows += _about_proxy(link["proxy"])
+        proxy = link["proxy"]
+        passes = proxy["warp"] if proxy["fill"] == "none" else f"{proxy['warp']} + {proxy['fill']}"
+        coded = " uncompressed" if proxy["codec"] == "none" else f", {proxy['codec']}"
+        took = proxy["time_ms"].get("total", {}).get("median")
+        rows += [
+            ("proxy", passes),
+            ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
+            ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
+        ]
     if "resolution" in link:
         rows += [
             (f"frames at {float(scale):.0%} of the width and height", str(count))
@@ -346,18 +371,6 @@ def coding_rows(summary: Summary) -> Pairs:
         ]
         rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
-
-
-def _about_proxy(proxy: Summary) -> Pairs:
-    """Return what the proxy gets and does."""
-    passes = proxy["warp"] if proxy["fill"] == "none" else f"{proxy['warp']} + {proxy['fill']}"
-    coded = " uncompressed" if proxy["codec"] == "none" else f", {proxy['codec']}"
-    took = proxy["time_ms"].get("total", {}).get("median")
-    return [
-        ("proxy", passes),
-        ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
-        ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
-    ]
 
 
 def _with_unit(value: float | None, unit: str) -> str:
@@ -396,8 +409,8 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
         ("shown", _shown(summary)),
         ("judder", f"{judder} deg RMS" if live["missed"] else ""),
         ("frame age at display", _pair(live["age_ms"])),
-        ("pose age at hand-over", _pair(live["pose_age_ms"])),
-        ("from picture to picture", _pair(live["period_ms"])),
+        ("pose age at submission", _pair(live["pose_age_ms"])),
+        ("frame interval", _pair(live["period_ms"])),
         ("time per eye", _per_eye(summary)),
         (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
         ("holes before the fill", holes),

@@ -1,8 +1,9 @@
-"""How charts look: the colours and markers that tell warps, fills and regions apart.
+"""How charts look: the colours and shapes that tell warps, lines and regions apart.
 
-Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter,
-reds gather, greens draw triangles, purples know more than one layer. Colour is never alone: points
-have numbers, fills differ in the marker, regions in the hatching.
+The colours are those of Okabe and Ito (2008, Color Universal Design), as dark as white paper needs
+or as pale as dark paper needs. Of one who sees no green (Machado, Oliveira and Fernandes 2009) all
+eight are at least 15 apart (CIEDE2000); a test computes it. Colour is never alone: warps differ in
+the shape too, lines in the dashes, regions in the hatching.
 
 Charts of a page take their colours and font from the page around them, so that one chart serves
 light and dark: Matplotlib writes stand-in colours, and charts.svg_text() replaces them by the
@@ -11,100 +12,43 @@ page's CSS variables.
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Iterable
-
 import attrs
 
-# name: (on light paper, on dark paper). Each has a contrast of 3 or more to its paper: a test
-# computes it.
-_WARPS: dict[str, tuple[str, str]] = {
-    "none": ("#6b7280", "#9aa3ad"),
-    "shift": ("#7d8700", "#c9d35a"),
-    "similarity": ("#565d00", "#e2ea8c"),
-    "rotation": ("#a87400", "#e3b341"),
-    "planar": ("#7a5200", "#f5d78a"),
-    "environment": ("#c08a00", "#b98a1e"),
-    "forward_raster": ("#4f93d8", "#4b8fd6"),
-    "forward": ("#0b63c5", "#6db3ff"),
-    "forward_ordered": ("#0a3d80", "#b3d7ff"),
-    "splat": ("#00869c", "#45cfe0"),
-    "backward": ("#c2410c", "#ff8a4c"),
-    "iterative": ("#e0561f", "#ffb38a"),
-    "search": ("#7c2d12", "#e86a3c"),
-    "mesh": ("#1b7a3d", "#4fc274"),
-    "mesh_adaptive": ("#3f9a5d", "#a6e6b8"),
-    "multi": ("#b0309b", "#f08fdf"),
-    "layered": ("#5b2a9c", "#b79cff"),
-}
-_OTHERS = (("#8a3b5c", "#e8a0bf"), ("#4d6b00", "#b9d94e"), ("#005f5f", "#5fd0c0"), ("#3d3d8f", "#a3a8f5"))
+# (on light paper, on dark paper): blue, orange, black, purple, green, vermilion, yellow, sky blue.
+_SERIES = (
+    ("#0072b2", "#0072b2"), ("#835900", "#efc8a1"), ("#000000", "#cbcbcb"), ("#cc79a7", "#cc79a7"),
+    ("#00996f", "#009e73"), ("#572200", "#d55e00"), ("#979026", "#f0e442"), ("#133344", "#56b4e9"),
+)  # fmt: skip
+# As many as have no factor in common with the colours: 56 pairs before one comes again.
+_SHAPES = ("o", "s", "^", "D", "v", "P", "X")
 _REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
-# Of charts that compare a few things which are no warps.
-_SERIES = (("#0b63c5", "#6db3ff"), ("#b4500b", "#ffab66"), ("#6b5b95", "#c3b1f0"))
 HATCHES = ("", "....", "////", "")
-_MARKERS = {"none": "o", "interpolate": "s", "pyramid": "^", "memory+pyramid": "D"}
-_MORE_MARKERS = ("v", "P", "X", "p", "<", ">", "h", "*")
 
-
-def warp_of(spec: str) -> str:
-    """Return the registered name in a spec with settings: "mesh:cut=slope" is a mesh."""
-    return spec.partition(":")[0]
-
-
-def _key(spec: str) -> str:
-    """Return the key of a warp's colour: its name, or one of a few for unknown warps."""
-    name = warp_of(spec)
-    return name if name in _WARPS else f"other-{zlib.crc32(name.encode()) % len(_OTHERS)}"
-
-
-_TONES = {**_WARPS, **{f"other-{number}": tone for number, tone in enumerate(_OTHERS)}}
 # Stand-in colours, all of one length, and the CSS variables that replace them.
 INK, GRID = "#010101", "#020202"
-SERIES = ("#030303", "#040404", "#070707")
-_STAND_INS = {key: f"#0500{number:02x}" for number, key in enumerate(_TONES)}
-_REGION_STAND_INS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
+SERIES = tuple(f"#0500{number:02x}" for number in range(len(_SERIES)))
+REGIONS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
+_TONES = dict(zip((*SERIES, *REGIONS), (*_SERIES, *_REGIONS), strict=True))
 CSS_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
 CSS_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
-CSS_VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
-CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
+CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(REGIONS)}
+# What a chart of a page has on white paper, by stand-in.
+PAPER_COLOURS = {INK: "#30373f", GRID: "#e2e6ea", **{stand_in: light for stand_in, (light, _) in _TONES.items()}}
 
 
 @attrs.frozen
-class Palette:
-    """The colours of a chart: stand-ins for a page (light or dark), real ones for a picture."""
+class Look:
+    """The colour, as a stand-in, and the marker of one of several things in a chart."""
 
-    ink: str
-    grid: str
-    regions: tuple[str, ...]
-    is_page: bool
+    color: str
+    marker: str
 
-    def warp(self, spec: str) -> str:
-        """Return the colour of a warp, whatever its settings are."""
-        return _STAND_INS[_key(spec)] if self.is_page else _TONES[_key(spec)][0]
-
-
-PAPER_INK, PAPER_GRID = "#30373f", "#e2e6ea"
-PAGE = Palette(INK, GRID, _REGION_STAND_INS, True)
-PAPER = Palette(PAPER_INK, PAPER_GRID, tuple(light for light, _ in _REGIONS), False)
-
-
-# What a chart of a page has on white paper, by stand-in.
-PAPER_COLOURS = {INK: PAPER_INK, GRID: PAPER_GRID, **{of: tones[0] for of, tones in zip(SERIES, _SERIES, strict=True)}}
-PAPER_COLOURS |= {stand_in: _TONES[key][0] for key, stand_in in _STAND_INS.items()}
-PAPER_COLOURS |= {stand_in: tones[0] for stand_in, tones in zip(_REGION_STAND_INS, _REGIONS, strict=True)}
+    @classmethod
+    def of(cls, number: int) -> Look:
+        """Return that of a number from 0; neighbours differ in both."""
+        return cls(SERIES[number % len(SERIES)], _SHAPES[number % len(_SHAPES)])
 
 
 def css_variables(dark: bool) -> str:
     """Return the CSS declarations of the colours of charts, for light or dark paper."""
-    values = {f"--series-{number}": tones[dark] for number, tones in enumerate(_SERIES, 1)}
-    values |= {f"--warp-{key.replace('_', '-')}": (tones[1] if dark else tones[0]) for key, tones in _TONES.items()}
-    values |= {f"--region-{number}": tones[dark] for number, tones in enumerate(_REGIONS)}
-    return " ".join(f"{name}: {value};" for name, value in values.items())
-
-
-def markers_of(fills: Iterable[str]) -> dict[str, str]:
-    """Return a marker for each fill; unknown fills get theirs in the order of their names."""
-    fills = set(fills)
-    unknown = sorted(fills - set(_MARKERS))
-    chosen = {fill: marker for fill, marker in _MARKERS.items() if fill in fills}
-    return chosen | {fill: _MORE_MARKERS[number % len(_MORE_MARKERS)] for number, fill in enumerate(unknown)}
+    return " ".join(f"{CSS_VARIABLES[stand_in]}: {tones[dark]};" for stand_in, tones in _TONES.items())

@@ -24,7 +24,7 @@ from .page import (
     minutes,
     reading_section,
 )
-from .run_texts import Table, markdown, plain
+from .run_texts import Table, plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.
@@ -67,14 +67,16 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
 
 
 def _verdict(one: Mapping[str, Any]) -> Markup:
-    return Markup('<b class="verdict {}">{}</b>{}').format(_CLASSES[one["verdict"]], one["verdict"], _weak(one))
+    return Markup('<b class="verdict {}">{}</b>{}').format(_CLASSES[one["verdict"]], one["verdict"], weak_text(one))
 
 
-def _weak(one: Mapping[str, Any]) -> str:
+def weak_text(one: Mapping[str, Any]) -> str:
+    """Return what a verdict says of an experiment whose number is a weak stand-in."""
     return ", by a weak stand-in" if one.get("weak") else ""
 
 
-def _is_conditional(one: Mapping[str, Any]) -> bool:
+def is_conditional(one: Mapping[str, Any]) -> bool:
+    """Return whether a claim holds at some settings and not at others."""
     return bool(one["holds_at"] and one["fails_at"])
 
 
@@ -87,7 +89,7 @@ def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
             experiment["thesis"],
             experiment["ours"] or "–",
             where.format(_verdict(experiment), experiment["holds_at"])
-            if _is_conditional(experiment)
+            if is_conditional(experiment)
             else _verdict(experiment),
         )
         for experiment in experiments
@@ -99,7 +101,7 @@ def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
 def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> Article:
     """Return the card of an experiment."""
     pairs = [("The thesis", one["thesis"]), ("Ours", one["ours"] or "not measured"), ("Rule", one["rule"])]
-    if _is_conditional(one):
+    if is_conditional(one):
         pairs += [("Holds at", one["holds_at"]), ("Does not at", one["fails_at"])]
     pairs += [(term, one[key]) for term, key in (("Cannot be told at", "unknown_at"), ("Note", "note")) if one[key]]
     panels = [Picture(caption, uri, caption) for caption, uri in pictures if uri.startswith("data:")]
@@ -129,22 +131,3 @@ def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
     if value is None:
         return "–"
     return f"{plain(value * one['scale'], one['digits'])}{MARKS[cell['holds']]}"
-
-
-def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
-    """Return names of claims that hold or cannot be told, and a table of the others."""
-    experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
-    used = [data for _, data in experiments.values()]
-    runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
-    lines = [["claim", "ours", "rule", "verdict"], ["---"] * 4]
-    named: dict[str, list[str]] = {"holds": [], "cannot be told": []}
-    for name, (one, _) in experiments.items():
-        if one["verdict"] in named:
-            named[one["verdict"]].append(f"`{name}`" + _weak(one))
-            continue
-        where = f" ({one['holds_at'].partition(':')[0]})" if _is_conditional(one) else ""
-        claim, verdict = f"{one['claim']} ({one['source']})", one["verdict"] + _weak(one) + where
-        lines.append([text.replace("|", "/") for text in (claim, one["ours"] or "–", one["rule"], verdict)])
-    made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
-    told = "".join(f"\n{verdict.capitalize()}: {'; '.join(names) or '–'}." for verdict, names in named.items())
-    return f"{made}{told}\n\n{markdown(lines)}".rstrip("\n")

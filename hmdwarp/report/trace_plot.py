@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 from ..headsets import COLOURS, Headset, HeadsetEye
 from ..poses import PoseTrack, quaternions
 from .charts import drawing, empty_figure, png_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _SIZE_IN, _DPI = (12.0, 7.5), 100
 _MOST_POINTS = 4000
@@ -33,13 +30,46 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
         figure = empty_figure(*_SIZE_IN, layout="constrained")
         figure.suptitle(f"{track.name}\nfile's axes: {axes_said}", fontsize=10, x=0.01, ha="left")
         grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.25))
-        _draw_path(figure.add_subplot(grid[:2, 0]), place, gaze)
-        _draw_sphere(figure.add_subplot(grid[2, 0], projection="mollweide"), gaze, crown)
+        # From above, -z up on the page, with arrows where the head looks.
+        axes = figure.add_subplot(grid[:2, 0])
+        axes.plot(place[:, 0], -place[:, 2], color=_LINE, lw=1)
+        some = np.unique(np.linspace(0, len(place) - 1, _ARROWS).astype(int))
+        from_, to = (place[some, 0], -place[some, 2]), (gaze[some, 0], -gaze[some, 2])
+        axes.quiver(*from_, *to, color=_GAZE, width=0.004, scale=20, zorder=3)
+        axes.plot(*(place[0, [0, 2]] * (1, -1)), "o", color=_LINE, ms=5)
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set(title="from above: way, and where the head looks (dot: start)", xlabel="x [m]", ylabel="-z [m]")
+        # Where gaze and crown point: the crown of an upright head stays at the top.
+        axes = figure.add_subplot(grid[2, 0], projection="mollweide")
+        for vectors, colour, label in ((gaze, _GAZE, "gaze"), (crown, _CROWN, "crown")):
+            azimuth, elevation = np.arctan2(vectors[:, 0], -vectors[:, 2]), np.arcsin(np.clip(vectors[:, 1], -1, 1))
+            axes.plot(azimuth, elevation, ".", ms=2, color=colour, label=label)
+        axes.grid(True, lw=0.3)
+        axes.set_title("view sphere: upright heads have the crown on top")
+        axes.tick_params(labelsize=6)
+        axes.legend(loc="lower right", markerscale=4, fontsize=7)
         over_time = [figure.add_subplot(grid[row, 1]) for row in range(3)]
-        _draw_angles(over_time[0], seconds, gaze, crown, right)
+        yaw = np.degrees(np.unwrap(np.arctan2(-gaze[:, 0], -gaze[:, 2])))
+        pitch = np.degrees(np.arcsin(np.clip(gaze[:, 1], -1, 1)))
+        roll = np.degrees(np.arctan2(-right[:, 1], crown[:, 1]))
+        for values, colour, label in ((yaw, _LINE, "yaw"), (pitch, _GAZE, "pitch"), (roll, _CROWN, "roll")):
+            over_time[0].plot(seconds, values, color=colour, lw=1, label=label)
+        over_time[0].set_ylabel("angle [deg]")
+        over_time[0].legend(loc="upper right", ncols=3, fontsize=7)
         over_time[1].plot(seconds, place[:, 1], color=_LINE, lw=1)
         over_time[1].set_ylabel("height [m]")
-        _draw_speeds(over_time[2], track)
+        # Between samples; nothing is drawn over gaps and jumps.
+        steps_s = np.diff(track.time_ns) * 1e-9
+        whole = ~track.broken & (steps_s > 0)
+        some = np.flatnonzero(whole)[:: max(1, int(whole.sum()) // _MOST_POINTS)]
+        angle = quaternions.angle_between(track.orientation_xyzw[some], track.orientation_xyzw[some + 1])
+        way = np.linalg.norm(track.position_m[some + 1] - track.position_m[some], axis=1)
+        since = (track.time_ns[some] - track.time_ns[0]) * 1e-9
+        speeds = over_time[2].twinx()
+        over_time[2].plot(since, np.degrees(angle) / steps_s[some], color=_LINE, lw=0.7)
+        speeds.plot(since, way / steps_s[some], color=_GAZE, lw=0.7)
+        over_time[2].set_ylabel("turning [deg/s]")
+        speeds.set_ylabel("moving [m/s]", color=_GAZE)
         for axes in over_time:
             steps = np.diff(track.time_ns)
             for i in np.flatnonzero(steps > track.max_gap_ns)[:200]:
@@ -48,56 +78,6 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
             axes.set_xlim(0, max(float(seconds[-1]), 1e-9))
         over_time[2].set_xlabel("time [s], gaps shaded")
         return png_of(figure, _DPI)
-
-
-def _draw_path(axes: Axes, place: NDArray[Any], gaze: NDArray[Any]) -> None:
-    """Draw the way from above, -z up on the page, with arrows where the head looks."""
-    axes.plot(place[:, 0], -place[:, 2], color=_LINE, lw=1)
-    some = np.unique(np.linspace(0, len(place) - 1, _ARROWS).astype(int))
-    axes.quiver(
-        place[some, 0], -place[some, 2], gaze[some, 0], -gaze[some, 2], color=_GAZE, width=0.004, scale=20, zorder=3
-    )
-    axes.plot(*(place[0, [0, 2]] * (1, -1)), "o", color=_LINE, ms=5)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set(title="from above: way, and where the head looks (dot: start)", xlabel="x [m]", ylabel="-z [m]")
-
-
-def _draw_sphere(axes: Axes, gaze: NDArray[Any], crown: NDArray[Any]) -> None:
-    """Draw where gaze and crown point: the crown of an upright head stays at the top."""
-    for vectors, colour, label in ((gaze, _GAZE, "gaze"), (crown, _CROWN, "crown")):
-        azimuth, elevation = np.arctan2(vectors[:, 0], -vectors[:, 2]), np.arcsin(np.clip(vectors[:, 1], -1, 1))
-        axes.plot(azimuth, elevation, ".", ms=2, color=colour, label=label)
-    axes.grid(True, lw=0.3)
-    axes.set_title("view sphere: upright heads have the crown on top")
-    axes.tick_params(labelsize=6)
-    axes.legend(loc="lower right", markerscale=4, fontsize=7)
-
-
-def _draw_angles(
-    axes: Axes, seconds: NDArray[Any], gaze: NDArray[Any], crown: NDArray[Any], right: NDArray[Any]
-) -> None:
-    yaw = np.degrees(np.unwrap(np.arctan2(-gaze[:, 0], -gaze[:, 2])))
-    pitch = np.degrees(np.arcsin(np.clip(gaze[:, 1], -1, 1)))
-    roll = np.degrees(np.arctan2(-right[:, 1], crown[:, 1]))
-    for values, colour, label in ((yaw, _LINE, "yaw"), (pitch, _GAZE, "pitch"), (roll, _CROWN, "roll")):
-        axes.plot(seconds, values, color=colour, lw=1, label=label)
-    axes.set_ylabel("angle [deg]")
-    axes.legend(loc="upper right", ncols=3, fontsize=7)
-
-
-def _draw_speeds(axes: Axes, track: PoseTrack) -> None:
-    """Draw turning and moving speeds between samples; nothing is drawn over gaps and jumps."""
-    seconds = np.diff(track.time_ns) * 1e-9
-    whole = ~track.broken & (seconds > 0)
-    at = np.flatnonzero(whole)[:: max(1, int(whole.sum()) // _MOST_POINTS)]
-    angle = quaternions.angle_between(track.orientation_xyzw[at], track.orientation_xyzw[at + 1])
-    way = np.linalg.norm(track.position_m[at + 1] - track.position_m[at], axis=1)
-    since = (track.time_ns[at] - track.time_ns[0]) * 1e-9
-    axes.plot(since, np.degrees(angle) / seconds[at], color=_LINE, lw=0.7)
-    axes.set_ylabel("turning [deg/s]")
-    speeds = axes.twinx()
-    speeds.plot(since, way / seconds[at], color=_GAZE, lw=0.7)
-    speeds.set_ylabel("moving [m/s]", color=_GAZE)
 
 
 _HEADSET_IN, _ALONE_IN = (11.0, 9.5), (9.0, 6.0)
@@ -133,8 +113,21 @@ def headset_plot_png(headset: Headset) -> bytes:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8)
         title = "both views, infinitely far; + where an eye's view looks, hatched what is hidden"
         axes.set(title=title, xlabel="to the right [degrees]", ylabel="up [degrees]")
-        for number in range(len(headset.eyes) if headset.lens is not None else 0):
-            _draw_lens(figure.add_subplot(grid[1, number]), headset, number)
+        across, along = np.linspace(0, 1, _LINES), np.linspace(0, 1, _POINTS)
+        for number, eye in enumerate(headset.eyes if headset.lens is not None else ()):
+            # A square grid of the panel as each colour of it is seen, as far as the view reaches.
+            axes = figure.add_subplot(grid[1, number])
+            for (colour, shade), line in product(_LIGHT.items(), across):
+                beside = np.full_like(along, line)
+                for places in (np.stack([beside, along], 1), np.stack([along, beside], 1)):
+                    axes.plot(*headset.through_lens(number, places, colour).T, color=shade, lw=0.7, alpha=0.8)
+            left, right, down, up = eye.fov.tangents.tolist()
+            edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)])
+            axes.plot(*edge.T, color="#11161d", lw=1.5)
+            title = f"{_EYES[number][0]}: the panel through the lens, by colour; black: the view"
+            axes.set(title=title, xlabel="tangent to the right", ylabel="tangent up")
+            axes.set(xlim=(_AROUND * left, _AROUND * right), ylim=(_AROUND * down, _AROUND * up))
+            axes.set_aspect("equal")
         return png_of(figure, _DPI)
 
 
@@ -145,21 +138,3 @@ def _angles(eye: HeadsetEye, corners: Array) -> Array:
     tangents = np.concatenate(parts)
     x, y, z = eye.head_from_eye.rotation_matrix @ np.column_stack([tangents, -np.ones(len(tangents))]).T
     return np.asarray(np.degrees(np.stack([np.arctan2(x, -z), np.arctan2(y, np.hypot(x, z))], axis=1)))
-
-
-def _draw_lens(axes: Axes, headset: Headset, number: int) -> None:
-    """Draw a square grid of the panel as each colour of it is seen, as far as the view reaches."""
-    across, along = np.linspace(0, 1, _LINES), np.linspace(0, 1, _POINTS)
-    for colour, shade in _LIGHT.items():
-        for line in across:
-            for places in (
-                np.stack([np.full_like(along, line), along], 1),
-                np.stack([along, np.full_like(along, line)], 1),
-            ):
-                axes.plot(*headset.through_lens(number, places, colour).T, color=shade, lw=0.7, alpha=0.8)
-    left, right, down, up = (_AROUND * headset.eyes[number].fov.tangents).tolist()
-    edge = np.array([(left, down), (right, down), (right, up), (left, up), (left, down)]) / _AROUND
-    axes.plot(*edge.T, color="#11161d", lw=1.5)
-    title = f"{_EYES[number][0]}: the panel through the lens, by colour; black: the view"
-    axes.set(title=title, xlabel="tangent to the right", ylabel="tangent up", xlim=(left, right), ylim=(down, up))
-    axes.set_aspect("equal")

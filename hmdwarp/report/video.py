@@ -68,8 +68,7 @@ class VideoWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], size: tuple[int, int], rate: float) -> None:
-        av = pyav()
-
+        av = self._av = pyav()
         self.path, self.size = Path(path), size
         if min(size) < 16 or not 0 < rate <= 1000:
             found = f"video of {size[0]}x{size[1]} at {rate:g} pictures per second"
@@ -93,9 +92,7 @@ class VideoWriter:
         self.encoder: str = self._stream.codec_context.codec.name
 
     def _first_that_opens(self, rate: Fraction) -> Any:
-        av = pyav()
-
-        tried = []
+        av, tried = self._av, []
         for name in available_encoders():
             # A refused codec context stays in its container, so each encoder is first tried on its
             # own.
@@ -109,18 +106,14 @@ class VideoWriter:
             stream = self._container.add_stream(name, rate=rate)
             _set_up(stream.codec_context, self.size, rate, name)
             return stream
-        what = (
-            f"none of its H.264 encoders opens: {', '.join(tried)}"
-            if tried
-            else "it was built without an H.264 encoder"
-        )
+        refused = f"none of its H.264 encoders opens: {', '.join(tried)}"
+        what = refused if tried else "it was built without an H.264 encoder"
         raise MachineError(
             f"PyAV {av.__version__} cannot write {self.path.name}: {what}; install PyAV from its wheel (pip install av)"
         )
 
     def add(self, picture: NDArray[np.uint8]) -> None:
         """Append a picture, (h, w, 3) uint8 sRGB, top row first."""
-        av = pyav()
         from av.video.reformatter import ColorRange, Colorspace
 
         if not self._open:
@@ -131,7 +124,7 @@ class VideoWriter:
                 f"a {picture.dtype} picture of shape {picture.shape} for a video of {(height, width, 3)} uint8"
             )
         even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-        frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24").reformat(
+        frame = self._av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24").reformat(
             format="yuv420p",
             src_colorspace=Colorspace.ITU709,
             dst_colorspace=Colorspace.ITU709,
@@ -164,23 +157,19 @@ class VideoWriter:
 
     def abort(self) -> None:
         """Stop and delete the partial file. May be called again."""
-        av = pyav()
-
         self._open = False
         try:
             self._container.close()
-        except (OSError, av.FFmpegError):
+        except (OSError, self._av.FFmpegError):
             pass  # a file that is deleted next need not be finished
         finally:
             self._partial.close()
 
     def _mux(self, frame: Any) -> None:
-        av = pyav()
-
         try:
             for packet in self._stream.encode(frame):
                 self._container.mux(packet)
-        except (OSError, av.FFmpegError) as error:
+        except (OSError, self._av.FFmpegError) as error:
             self.abort()
             raise _video_error(error, self.path) from error
 

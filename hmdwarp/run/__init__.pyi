@@ -38,7 +38,7 @@ from .recorder import Lines as Lines
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of
 from .replay_run import ReplayResult as ReplayResult
-from .replay_run import figures as figures
+from .replay_run import measured as measured
 from .replay_run import replay as replay
 from .replay_setup import ReplayRun as ReplayRun
 from .replay_setup import set_up_replay as set_up_replay

@@ -57,7 +57,7 @@ class Answers:
             return f"No picture showed what came of {entry['count']} inputs."
         times = entry["response_time_ms"]
         return (
-            f"Response time, from an input to the first picture drawn after it: {times['mean']:.0f} ms in the mean, "
+            f"Response time, from an input to the first picture drawn after it: {times['mean']:.0f} ms on average, "
             f"{times['p95']:.0f} at the 95th percentile ({entry['answered']} of {entry['count']} inputs)."
         )
 

@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from pathlib import Path
 from statistics import fmean, median
-from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..client.plan import needs_of
+from ..client.classes import Client, load_client
+from ..client.plan import Plan, needs_of
 from ..client.variants import every_warp
 from ..errors import InputError, PlanError
 from ..headsets import Headset, load_headset
@@ -36,6 +36,7 @@ from ..poses import PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from .device_time import MODEL, device_ms
 from .options import RunOptions
 from .replay_setup import ReplayRun, Schedule, schedule_of, set_up_replay
 from .side_by_side import Comparison, refreshes
@@ -134,8 +135,8 @@ class LevelSet:
     notes: tuple[str, ...]
 
 
-def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
-    """Return the levels of a benchmark for a run.
+def levels_from_file(path: Path, options: PipelineOptions, device: Client | None = None) -> LevelSet:
+    """Return the levels of a benchmark for a run, with its times or those modelled of a device.
 
     Uses the rows of the run's size if there are any; otherwise those of the largest size, with
     times scaled by the number of pixels. A run without a lens takes them without theirs.
@@ -150,14 +151,14 @@ def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
     notes = [f"{name} was measured on {', and on '.join(machines)}."]
     for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
         try:
-            build_plan_for(options.with_pair(warp, fill), headset, None)
-            usable += [row for row in rows if (row["warp"], row["fill"]) == (warp, fill)]
+            plan = build_plan_for(options.with_pair(warp, fill), headset, None)
+            usable += [_on_device(row, plan, device) for row in rows if (row["warp"], row["fill"]) == (warp, fill)]
         except InputError as error:
             notes.append(f"{name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
     if not usable:
         raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here; {notes[-1]}")
     if options.lens == "none":
-        usable = [_without_lens(row) for row in usable]
+        usable = [row if device else _without_lens(row) for row in usable]
     elif {row["lens"] for row in usable} == {"none"}:
         notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
     notes += _other_terms(usable, options, size, name)
@@ -173,6 +174,14 @@ def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
         notes.append(f"{terms}: its times are taken in proportion to the pixels, {factor:.2g} times.")
         levels = tuple(level.scaled(factor) for level in levels)
     return LevelSet(levels, tuple(notes))
+
+
+def _on_device(row: Row, plan: Plan, device: Client | None) -> Row:
+    """Return a row with the time of a device, where there is one."""
+    if device is None:
+        return row
+    total = {"median": device_ms(plan, tuple(row["size"]), device)[1], "p95": None}
+    return {**row, "time_ms": {**row["time_ms"], "total": total}}
 
 
 def _without_lens(row: Row) -> Row:
@@ -221,6 +230,8 @@ class Choice:
     levels: tuple[QualityLevel, ...]
     # The reasons, one sentence each.
     notes: tuple[str, ...]
+    # Of the level on a client's device that is modelled, the least and the most; None if measured.
+    range_ms: tuple[float, float] | None = None
 
     @property
     def following(self) -> QualityLevel | None:
@@ -263,13 +274,20 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
         options, notes = attrs.evolve(options, guard=guard.factor), (str(guard),)
     if options.warp != AUTO:
         return Choice(options, None, (), notes)
+    client = load_client(options.client_name)
+    device = client if client.memory_gb_s < math.inf else None
     if options.bench is None:
-        found = levels_by_short_bench(options, source, say)
+        found = levels_by_short_bench(options, source, say, device)
     else:
-        found = levels_from_file(options.bench, options)
+        found = levels_from_file(options.bench, options, device)
     level = found.levels[best_within(found.levels, options.budget_ms)]
     made = Choice(options.with_pair(level.warp, level.fill), level, found.levels, (*notes, *found.notes))
     why = [f"{level}: {level.total_ms:.2f} of {options.budget_ms:g} ms for one eye, mean FLIP {level.error:.4f}."]
+    if device is not None:
+        plan = build_plan_for(made.options, source.headset, source.scene)
+        least, _, most = device_ms(plan, options.size or source.headset.eye_size_px, device)
+        made = attrs.evolve(made, range_ms=(least, most))
+        why += [f"That time is a model's: {least:.1f} to {most:.1f} ms on '{device.name}'. {MODEL}"]
     if (more := made.following) is not None:
         why += [f"The next better is {more}: {more.total_ms:.2f} ms, mean FLIP {more.error:.4f}."]
     return attrs.evolve(made, notes=(*why, *made.notes))
@@ -292,8 +310,10 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
     return found
 
 
-def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> LevelSet:
+def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> LevelSet:
     """Return the levels measured at a few instants of this run, at its size.
+
+    device: whose times are modelled instead.
 
     Errors: as set_up_replay.
     """
@@ -302,10 +322,16 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> Leve
         f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench "
         "FILE saves that"
     )
-    times = dict(_first_times(options, source, [c for c in combinations if not c.plan.fills]))
+    alone = [c for c in combinations if not c.plan.fills]
+    size = options.size or source.headset.eye_size_px
+    if device is None:
+        times = dict(_first_times(options, source, alone))
+    else:
+        times = {c.warp: device_ms(c.plan, size, device)[1] for c in alone}
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
-    levels = levels_from(_rows(options, source, kept))
+    rows = (_on_device(row, plan, device) for plan, row in _rows(options, source, kept))
+    levels = levels_from(rows)
     note = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
     left_out = sorted(set(times) - set(within))
     if left_out:
@@ -316,10 +342,7 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> Leve
 
 
 def _frames_for(combinations: Sequence[Combination], options: RunOptions, source: Source) -> ReplayRun:
-    """Return a set-up of the run, with the cheapest warp, whose frames suit the combinations.
-
-    Its network only delays, so that frames_used knows which frames are shown.
-    """
+    """Return a set-up of the run whose frames suit the combinations; its network only delays."""
     network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
     alone = attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
     return set_up_replay(alone, needs_of(c.plan for c in combinations), source=source)
@@ -331,26 +354,19 @@ def _first_times(
     """Yield (warp, ms per eye) from one timed run in the middle of the replay, after a warm-up."""
     for batch in _batches(options, source.headset, combinations):
         with _frames_for(batch, options, source) as setup:
-            for combination, stages in zip(batch, _stages(setup, batch, 1), strict=True):
+            (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
+            for combination in batch:
+                compensator = setup.compensator(combination.plan)
+                inputs = setup.loop.inputs(refresh, combination.plan.needs)
+                for _ in range(2):  # the first warms up
+                    for eye_inputs in inputs:
+                        compensator.run(eye_inputs)
+                    stages = setup.target.gpu.timer.collect()
                 yield combination.warp, sum(milliseconds for _, milliseconds in stages) / 2
 
 
-def _stages(setup: ReplayRun, combinations: Sequence[Combination], rounds: int) -> Iterator[list[tuple[str, float]]]:
-    """Yield the stage times of so many runs of both eyes by each combination, after one warm-up."""
-    (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
-    for combination in combinations:
-        compensator, inputs = setup.compensator(combination.plan), setup.loop.inputs(refresh, combination.plan.needs)
-        found: list[tuple[str, float]] = []
-        for round_ in range(rounds + 1):
-            for eye_inputs in inputs:
-                compensator.run(eye_inputs)
-            stages = setup.target.gpu.timer.collect()
-            found += stages if round_ else []
-        yield found
-
-
-def _rows(options: RunOptions, source: Source, combinations: Sequence[Combination]) -> Iterator[dict[str, Any]]:
-    """Yield the keys of a bench.json row that levels_from reads, for each combination."""
+def _rows(options: RunOptions, source: Source, combinations: Sequence[Combination]) -> Iterator[tuple[Plan, Row]]:
+    """Yield the plan and keys of a bench.json row that levels_from reads, for each combination."""
     headset, size = source.headset, options.size or source.headset.eye_size_px
     case = Case(options.scene, options.trace, options.latency_ms, size)
     with MeasuringProcesses(worker_count(options.workers)) as processes:
@@ -365,7 +381,7 @@ def _rows(options: RunOptions, source: Source, combinations: Sequence[Combinatio
                 means = {name: {"mean": fmean(each[name] or 0.0 for each in figures)} for name in ("flip", "psnr_db")}
                 times = {"total": {"median": median(row["total_ms"] for row in made.times)}}
                 pair = {"warp": made.combination.warp, "fill": made.combination.fill}
-                yield {**pair, "size": size, "time_ms": times, "quality": means}
+                yield made.combination.plan, {**pair, "size": size, "time_ms": times, "quality": means}
 
 
 def _batches(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> list[list[Combination]]:

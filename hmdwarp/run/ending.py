@@ -10,7 +10,6 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import partial
 from types import FrameType, TracebackType
 from typing import Any
 
@@ -142,7 +141,7 @@ class Watchdog:
     def _end(self, what: str) -> None:
         saved: list[str] = []
         for say_last in self._last_words:
-            _within(LAST_WORDS_S, partial(_keep, say_last, saved))
+            _within(LAST_WORDS_S, lambda say_last=say_last: saved.append(say_last()))  # type: ignore[misc]
         found = f"the OpenXR runtime has not answered {what} for {self._limit_s:g} s"
         line = "; ".join(
             [f"hmdwarp: {found}: it hangs; end its service, start it again, then try once more", *filter(None, saved)]
@@ -160,10 +159,7 @@ class Watchdog:
 
 
 class _Watch:
-    """Watched calls of one name.
-
-    It keeps no state of a single call, so one object serves nested calls.
-    """
+    """Watched calls of one name, which may nest: it keeps no state of a single call."""
 
     __slots__ = ("_dog", "_what")
 
@@ -179,10 +175,6 @@ class _Watch:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._dog._under_way.pop()
-
-
-def _keep(say_last: Callable[[], str], saved: list[str]) -> None:
-    saved.append(say_last())
 
 
 def _within(limit_s: float, do: Callable[[], object]) -> None:

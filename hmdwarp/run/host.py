@@ -151,7 +151,8 @@ class PipelineHost:
         before, run = self.options, self.run
         if options == before:
             return
-        run.source.check_change(before, options)
+        if run.source.kind.is_timed and (options.latency_ms, options.scene) != (before.latency_ms, before.scene):
+            raise InputError("latency and scene are the server's, where frames come from one: they stay")
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
             rate_hz = options.rate_hz or self._display.rate_hz
             check_held(run.target.gpu, options, run.requested.needs, run.sizes, rate_hz)

@@ -12,7 +12,6 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..display import Tick
 from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
 from ..link import ResponseTime, figures_of_parts
@@ -79,14 +78,8 @@ _MOST_NOTICES = 50  # different ones
 _MORE = "others"
 OF_EYE = (*STAGE_COLUMNS, "hole_share")
 SHARED = (
-    "time_s",
-    "age_ms",
-    "pose_age_ms",
-    "period_ms",
-    "angular_speed_deg_s",
-    "linear_speed_m_s",
-    "render_ms",
-    "busy_ms",
+    *("time_s", "age_ms", "pose_age_ms", "period_ms", "angular_speed_deg_s", "linear_speed_m_s"),
+    *("render_ms", "busy_ms"),
 )
 COLUMNS = (*SHARED, *(f"{name}/{eye}" for eye in (0, 1) for name in OF_EYE))
 _RESPONSE = tuple(ResponseTime().parts())
@@ -147,13 +140,13 @@ class Events:
     ) -> None:
         """Add a change of settings, as [before, after] by name.
 
-        frame, time_s: of the last picture. reason: "" for a change by hand.
+        frame, time_s: of the last picture. reason: "" for a manual change.
         """
         what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
         if what:
             self.change_count += 1
             if len(self.changes) < MOST_EVENTS:
-                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
+                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "manual"})
 
     def noticed(self, notice: str) -> None:
         """Count a notice shown over a picture."""
@@ -194,18 +187,6 @@ class Counts:
     # Passes and drawing together took longer than a refresh, out of `timed`.
     over: int = 0
     timed: int = 0
-
-    def without(self, tick: Tick) -> None:
-        """Count a refresh that got no picture."""
-        if tick.render:
-            self.waiting += 1
-        else:
-            self.unseen += 1
-
-    def busy(self, over: bool) -> None:
-        """Count a refresh whose times are known."""
-        self.timed += 1
-        self.over += over
 
 
 class FrameFates:

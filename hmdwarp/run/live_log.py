@@ -154,36 +154,28 @@ class LiveLog:
         """Log a submitted refresh."""
         if self._finished or self._running is None:  # the watchdog has closed the log, and the hung call has returned
             return
-        counts = self._figures.counts
+        counts, running, shown = self._figures.counts, self._running, self._last.refresh
         self._settle(refresh)
         if self.count:
-            self._miss(tick, refresh)
+            # A runtime turns the last picture to the newest head. In a window it stands; the head
+            # is taken to move as fast as from that picture to this one.
+            counts.missed += tick.missed
+            off_deg = [0.0] * tick.missed
+            if tick.missed and refresh and shown:
+                periods = max(1, round((refresh.shown_ns - shown.shown_ns) * 1e-6 / running.facts.budget_ms))
+                depths = running.depths.before(len(shown.inputs))
+                off_deg = running.offset.between_deg(shown, depths, refresh, tick.missed, periods)
+            for off in off_deg:
+                self._figures.misses.add(True, off)
         self.status.missed, self.status.notice = counts.missed, notice
         if notice:
             self._figures.events.noticed(notice)
         if refresh is None:
-            counts.without(tick)
+            counts.waiting += tick.render
+            counts.unseen += not tick.render
             self._last.submitted_ns = None
             return
         self._figures.misses.add(False, 0.0)
-        self._look_at(refresh, submitted_ns, self._running.host)
-
-    def _miss(self, tick: Tick, refresh: Refresh | None) -> None:
-        """Count the refreshes before this one that showed the last picture again.
-
-        A runtime turns it to the newest head. In a window it stands; the head is taken to move as
-        fast as from the last picture to this one.
-        """
-        self._figures.counts.missed += tick.missed
-        off_deg, before, running = [0.0] * tick.missed, self._last.refresh, self._running
-        if tick.missed and refresh and before and running:
-            periods = max(1, round((refresh.shown_ns - before.shown_ns) * 1e-6 / running.facts.budget_ms))
-            depths = running.depths.before(len(before.inputs))
-            off_deg = running.offset.between_deg(before, depths, refresh, tick.missed, periods)
-        for off in off_deg:
-            self._figures.misses.add(True, off)
-
-    def _look_at(self, refresh: Refresh, submitted_ns: int, host: PipelineHost) -> None:
         status, last = self.status, self._last
         if not self.count:
             last.first_ns = refresh.shown_ns
@@ -201,15 +193,18 @@ class LiveLog:
         if self._files is not None and self._files.pictures.wants(self.count):
             self._files.pictures.keep(self.count, refresh)
         last.refresh, last.submitted_ns, last.pending = refresh, submitted_ns, (moment, refresh, period_ms)
-        self._figures.fates.follow(host.run.channel)
-        self._notice_auto()
+        self._figures.fates.follow(running.host.run.channel)
+        auto = running.host.run.auto
+        if auto is not running.auto:  # the pipeline was built anew
+            running.auto, running.auto_changes = auto, 0
+        for change in auto.changes[running.auto_changes :] if auto is not None else ():
+            before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
+            self._figures.events.changed(self.count - 1, last.time_s, before, after, change.reason)
+            running.auto_changes += 1
         self.count += 1
 
     def _settle(self, now: Refresh | None) -> None:
-        """Log the previous refresh.
-
-        Its times are known by now, and its holes once the current ones are being counted.
-        """
+        """Log the previous refresh: its times are known by now, and its holes soon."""
         if self._running is None:
             return
         warped = [eye.warped for eye in now.eyes if eye.warped is not None] if now is not None else []
@@ -224,31 +219,17 @@ class LiveLog:
         holes = self._running.holes.shares() or (None,) * moment.eyes
         render_ms = sum(ms for _, ms in refresh.frame.drawing.read()) if refresh.frame.drawing is not None else 0.0
         passes_ms = sum(stage[-1] for stage in stages)
-        self._show(stages, passes_ms, holes)
-        figures = self._figures
-        figures.counts.busy(render_ms + passes_ms > self.status.budget_ms)
-        figures.times.add(_numbers(moment, (period_ms, render_ms, render_ms + passes_ms), stages, holes))
-        figures.fates.add(refresh)
-        if self._files is not None:
-            self._files.rows.add(rows_text(moment, stages, holes))
-
-    def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
-        """Copy the numbers of a refresh into the status."""
         status, known = self.status, [share for share in holes if share is not None]
         status.stage_ms = {name: sum(stage[at] for stage in stages) for at, name in enumerate(_STAGES)}
         status.total_ms.append(passes_ms)
         status.holes.append(sum(known) / len(known) if len(known) == len(holes) else math.nan)
-
-    def _notice_auto(self) -> None:
-        running = self._running
-        auto = running.host.run.auto if running is not None else None
-        if running is not None and auto is not running.auto:  # the pipeline was built anew
-            running.auto, running.auto_changes = auto, 0
-        if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
-            for change in auto.changes[running.auto_changes :]:
-                before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
-                self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
-            running.auto_changes = len(auto.changes)
+        figures = self._figures
+        figures.counts.timed += 1
+        figures.counts.over += render_ms + passes_ms > self.status.budget_ms
+        figures.times.add(_numbers(moment, (period_ms, render_ms, render_ms + passes_ms), stages, holes))
+        figures.fates.add(refresh)
+        if self._files is not None:
+            self._files.rows.add(rows_text(moment, stages, holes))
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
@@ -334,10 +315,7 @@ def _numbers(
     stages: Sequence[Sequence[float]],
     holes: Sequence[float | None],
 ) -> list[float]:
-    """Return a row in the order of live_figures.COLUMNS.
-
-    times_ms: from picture to picture, of drawing, and in total.
-    """
+    """Return a row as live_figures.COLUMNS; times_ms: from picture to picture, drawing, total."""
     period_ms, render_ms, busy_ms = times_ms
     shared = (moment.time_s, moment.age_ms, moment.pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)
     row = [math.nan if value is None else value for value in shared]

@@ -180,9 +180,13 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
-        if source.is_timed:
-            of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
-            say(f"calling {options.feed.connect}; its scene is {of}")
+        if source.kind.is_timed:
+            of = (
+                "the server's scene"
+                if source.scene.name == SERVER_SCENE
+                else f"scene '{source.scene.name}' on both ends"
+            )
+            say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
         for note in (*source.notes, *source.scene.notes):
@@ -223,10 +227,7 @@ def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bo
 
 
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
-    """Return the callbacks for the watchdog to run before it ends the program.
-
-    The recording comes first: it cannot be made again.
-    """
+    """Return what the watchdog runs before it ends the program: the recording first."""
 
     def save_recording() -> str:
         return recorder.save() if recorder is not None else ""
@@ -297,7 +298,8 @@ class _UserRun(FrameHandler):
         return self._ending.due(self._log.count)
 
     def label(self) -> str:
-        return self._commands.refusal or self._host.run.source.notice
+        remote = self._host.run.source.remote
+        return self._commands.refusal or (remote.notice if remote is not None else "")
 
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)
@@ -334,7 +336,7 @@ def open_display(
     """
     wanted = display_options(options, source, watching, controls)
     if options.source == OFFSCREEN:
-        return OffscreenDisplay(wanted, real_time=source.is_timed)
+        return OffscreenDisplay(wanted, real_time=source.kind.is_timed)
     # What was recorded is seen from where the camera was, not from a headset's head.
     if options.source == DESKTOP or source.kind.has_head:
         return desktop.DesktopDisplay(wanted)
@@ -364,7 +366,7 @@ def display_options(
     options = source.fitted(options)
     return DisplayOptions(
         headset=options.headset,
-        emulated=source.display,
+        emulated=source.headset if source.kind.has_head else None,
         view=options.view,
         size=options.size,
         full_screen=options.full_screen,
@@ -451,10 +453,7 @@ def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
 def _sample(
     head: openxr.OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say
 ) -> None:
-    """Sample a head at even intervals.
-
-    A source that needs longer than that is sampled as often as it can be read.
-    """
+    """Sample a head at even intervals, or as often as its source can be read."""
     count = 0
     due_ns = head.now_ns()
     while not ending.due(count):

@@ -23,13 +23,12 @@ from ..pipeline.loop import Refresh
 from ..report import OutputFolder
 from .frame_rows import STAGE_COLUMNS
 from .host import PipelineHost
-from .live_figures import OF_EYE, Events, LiveFigures, Thinned
+from .live_figures import OF_EYE, Events, LiveFigures
 from .misses import MEASURED, STANDS, TURNED
 from .options import OPENXR, LiveOptions
 from .run_summary import EYES, Facts
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -143,7 +142,11 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
 def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]:
     """Return the keys that only a live run has."""
     times, options = figures.times, facts.options
-    seconds = times.column("time_s")
+    seconds, render = times.column("time_s"), times.column("render_ms")
+    # All eyes together: drawing, each stage, and the sum.
+    both = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
+    refresh = {"render": render, **{name.removesuffix("_ms"): values for name, values in both.items()}}
+    refresh["total"] = render + refresh["total"]
     return {
         "source": facts.source,
         "about": facts.about,
@@ -153,23 +156,11 @@ def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]
         **attrs.asdict(figures.counts),
         **{name: middle_and_tail(times.measured(name)) for name in ("age_ms", "pose_age_ms", "period_ms")},
         "budget_ms": facts.budget_ms,
-        "refresh_ms": _of_refresh(times),
+        "refresh_ms": {name: middle_and_tail(values) for name, values in refresh.items()},
         **figures.events.as_dict(),
         "garbage_collector": {"between": options.collect, **figures.pauses.as_dict()},
         "sampled_every": times.every,
     }
-
-
-def _of_refresh(times: Thinned) -> dict[str, dict[str, float | None]]:
-    """Return the times of a whole refresh on this machine, all eyes together.
-
-    Drawing, each stage, and the sum.
-    """
-    render = times.column("render_ms")
-    stages = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
-    columns = {"render": render, **{name.removesuffix("_ms"): values for name, values in stages.items()}}
-    columns["total"] = render + columns["total"]
-    return {name: middle_and_tail(values) for name, values in columns.items()}
 
 
 def _notes(events: Events, live: dict[str, Any], pictures: Pictures | None) -> list[str]:

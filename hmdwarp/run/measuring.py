@@ -25,7 +25,7 @@ from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from .replay_setup import ReplayRun
 from .side_by_side import clips_of
-from .truth import MOST_BANDS, WholePictures, coverage, is_measured, shown_picture, true_picture
+from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
 # 2011, Peripheral vision and pattern recognition: a review).
@@ -108,7 +108,12 @@ class Probe:
         self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
         self.near_gaze = NearGaze(setup.options.fovea is not None)
         if setup.options.scanout_ms:
-            setup.notes.append(_about_scanout(setup))
+            how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
+            setup.notes.append(
+                f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}. The "
+                f"truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as "
+                "in its middle."
+            )
 
     def _without_lens(self) -> Compensator | None:
         setup = self._setup
@@ -121,26 +126,28 @@ class Probe:
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
         return setup.compensator(build_plan_for(alone, setup.source.headset, setup.source.scene))
 
-    def _measures(self, number: int) -> bool:
-        return is_measured(number, self._every)
-
     def wants(self, number: int) -> bool:
         """Return whether refresh `number` is measured, precedes a measured one, or is in a clip."""
-        return self.clips is not None or self._measures(number) or self._measures(number + 1)
+        return self.clips is not None or is_measured(number, self._every) or is_measured(number + 1, self._every)
 
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back the eyes of refresh `number`, and submit them if it is a measured one.
 
         An eye that no frames were sent for has holes alone, and a PSNR.
         """
-        if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
-            self._read_second(number, refresh, self._setup.source.kind.eyes)
+        if len(refresh.eyes) > self._setup.source.kind.eyes and is_measured(number, self._every):
+            second, server = self._setup.source.kind.eyes, self._setup.server
+            result = self._before_lens(refresh, second)
+            self.second_eye["hole_share"][number] = _hole_share(coverage(result))
+            if isinstance(server, RecordedRenderer) and server.right is not None:
+                truth = draw_truth(server.right, refresh.inputs[second], self._setup.sizes.shown, depth=False)
+                self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
-            measured = self._measures(number)
+            measured = is_measured(number, self._every)
             try:
-                truth = true_picture(self._setup.server, refresh.inputs[eye], self._setup.sizes.shown, depth=measured)
+                truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.sizes.shown, depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -164,13 +171,6 @@ class Probe:
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
                 job = attrs.evolve(job, beside=beside)
                 self._setup.hand_in(self._pool, (number, eye, MAIN), job, keep=keep)
-
-    def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
-        result, server = self._before_lens(refresh, eye), self._setup.server
-        self.second_eye["hole_share"][number] = _hole_share(coverage(result))
-        if isinstance(server, RecordedRenderer) and server.right is not None:
-            truth = true_picture(server.right, refresh.inputs[eye], self._setup.sizes.shown, depth=False)
-            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
 
     def _read_comparison(
         self,
@@ -250,11 +250,3 @@ def method_name(warp: str, fill: str) -> str:
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:
     return float((alpha == 0).mean())
-
-
-def _about_scanout(setup: ReplayRun) -> str:
-    how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
-    return (
-        f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}. The truth is "
-        f"drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in its middle."
-    )

@@ -66,8 +66,6 @@ class SeenOffset:
 
     def __init__(self, *, turned: bool) -> None:
         self._turned = turned
-        self._made: Refresh | None = None
-        self._points: list[tuple[Array, Array]] = []
 
     def between_deg(
         self, made: Refresh, depths: Iterable[Array], then: Refresh, missed: int, periods: int
@@ -77,20 +75,16 @@ class SeenOffset:
         depths: as of DepthSamples, of the frame of `made`. then: the next picture, so many periods
         later; the head keeps its speed in between.
         """
-        self._look(made, depths)
+        every = [_points_of(i.rendered, depth) for i, depth in zip(made.inputs, depths, strict=True)]
         shares = np.arange(1, missed + 1) / periods
         looked_at = np.linspace(shares[0], shares[-1], min(missed, _MOST_LOOKED_AT))
         pairs = [(a.shown, b.shown) for a, b in zip(made.inputs, then.inputs, strict=False)]
         found = []
         for share in looked_at:
-            views = zip(self._points, pairs, strict=False)
+            views = zip(every, pairs, strict=False)
             angles = [self._angles(points, a, _between(a, b, float(share))) for points, (a, b) in views]
             found.append(float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2)))))
         return [float(off) for off in np.interp(shares, looked_at, found)]
-
-    def _look(self, made: Refresh, depths: Iterable[Array]) -> None:
-        self._made = made
-        self._points = [_points_of(i.rendered, depth) for i, depth in zip(made.inputs, depths, strict=True)]
 
     def _angles(self, points: tuple[Array, Array], then: View, now: View) -> Array:
         seen, right = (_ways(points, view) for view in (then, now))
@@ -135,10 +129,7 @@ class DepthSamples:
 
 
 def _points_of(eye: EyeImage, depths: Array) -> tuple[Array, Array]:
-    """Return homogeneous points in the world, (n, 3) times the inverse depth, (n, 1).
-
-    All of the late frame that the picture may show.
-    """
+    """Return the late frame's points in the world: (n, 3) times inverse depth, and that (n, 1)."""
     found = depths.reshape(-1, 1)
     inverse = np.where((found >= 0).any(), found, 0.0)
     ways = eye.view.rays((_POINTS, _POINTS)).reshape(-1, 3) @ eye.view.pose.rotation_matrix.T

@@ -46,11 +46,6 @@ _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
-def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None:
-    if value.startswith(SEED):
-        seed_of(value)
-
-
 MEASURING = "Measuring"  # heading of options in help
 
 
@@ -81,7 +76,7 @@ class RunOptions(PipelineOptions):
         names_files=True,
         default=None,
         study=f"what people do {_SAID_TO_RUN}",
-        valid=_check_input,
+        valid=lambda _, __, value: seed_of(value) if value.startswith(SEED) else None,
     )
     # Keep the head where the trace has it, on the trace's own clock, so that moving objects of the
     # scene are where they were then. Otherwise time begins at 0, and a trace that leaves the scene

@@ -11,8 +11,6 @@ from typing import Any
 import attrs
 
 from ..client.client_scene import ClientScene
-from ..client.compensator import Compensator
-from ..client.inputs import History
 from ..client.plan import Plan, build_plan
 from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
@@ -20,14 +18,11 @@ from ..frames.layers import PICTURE
 from ..geometry import Pose, View, guarded_eyes
 from ..gpu.context import Gpu
 from ..link import LinkOptions
-from ..pipeline.channel import ChannelSetup
 from ..pipeline.feed_coding import wish_of
-from ..pipeline.frame_coder import Reads
-from ..pipeline.loop import Loop
 from ..pipeline.proxy import KnownHead, Proxy
 from ..pipeline.remote import Remote
 from ..pipeline.remote_source import RemoteFrames
-from ..pipeline.source import PoseRequest, nothing, settling
+from ..pipeline.source import PoseRequest, nothing
 from ..poses import Origin, PoseSample
 from ..scenes import InputEvent
 from ..sources.feed.listener import Asked
@@ -151,22 +146,14 @@ class _Warping(Renderer):
             head = PoseSample(now_ns, ask.head, Origin.HELD)
             latency_ns = remote.measure(head, ask.views, options.guard, ask.size, plan.needs)
             eyes, known = _AskedEyes(ask.views), KnownHead()
-            history = History(plan.needs.others, super().recycle)
-            stack.callback(history.close)
             geometry = ClientScene(self)
             stack.callback(geometry.close)
-            compensator = Compensator(self.gpu, plan, None, rendered, ask.size, geometry)
-            stack.callback(compensator.close)
             request = PoseRequest(
                 known, None, ask.size, options.guard, plan.needs, age_ns=latency_ns, pictures=pictures
             )
             frames = RemoteFrames(remote, self, request, eyes)
-            ends = (None, Reads.of([plan]), history.offer, settling(frames, geometry))
-            channel = frames.channel(ChannelSetup(LinkOptions(), latency_ns, rate_hz, *ends))
-            stack.callback(channel.close)
-            loop = Loop(request, frames, channel, history, compensator, eyes)
-            made = Proxy(loop, known, channel, ask.size, {})
-            stack.callback(made.close)
+            link = (LinkOptions(), latency_ns, rate_hz, None)
+            made = Proxy(frames, geometry, request, plan, eyes, rendered, link, {}, stack)
             return _Client(form, eyes, remote, made, stack.pop_all(), refused=refused)
 
     def recycle(self, frame: Frame) -> None:

@@ -202,7 +202,11 @@ class Recorder:
         if head.origin is Origin.HELD:
             self.held += 1
         elif self.count and head.time_ns <= self._last_ns:
-            self._fell_behind(head.time_ns)
+            self.behind += 1
+            if self.behind == 1:
+                back_s = (self._last_ns - head.time_ns) * 1e-9
+                why = f"the clock went back by {back_s:.3f} s" if back_s else "the same instant came twice"
+                self._say(f"recording: {why}; poses are left out until time has gone on")
         else:
             self._lines.add(row_text(head.time_ns, head.pose))
             if not self.count:
@@ -215,13 +219,6 @@ class Recorder:
             self._inputs = Lines(self.inputs_path, synced=True)
             self._inputs.add(INPUTS_HEADER)
         self._inputs.add(event.row)
-
-    def _fell_behind(self, time_ns: int) -> None:
-        self.behind += 1
-        if self.behind == 1:
-            back_s = (self._last_ns - time_ns) * 1e-9
-            why = f"the clock went back by {back_s:.3f} s" if back_s else "the same instant came twice"
-            self._say(f"recording: {why}; poses are left out until time has gone on")
 
     def flush(self) -> None:
         """Put the poses so far on the disk; from any thread."""
@@ -280,17 +277,14 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
+        seconds = self.seconds
+        if self.kept != self.count:  # from the first pose to the last on the disk
+            with self.path.open("rb") as file:
+                file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
+                last = file.read().splitlines()[-1]
+            seconds = (int(last.split(b",")[0]) - self._first_ns) * 1e-9
         acted = f"; {self.inputs_path.name}: {counted(self._inputs.written - 1, 'input')}" if self._inputs else ""
-        return f"{self.path}: {counted(self.kept, 'pose')}, {self._kept_s():.3f} s{acted}{beside}"
-
-    def _kept_s(self) -> float:
-        """Return the seconds from the first pose to the last on the disk."""
-        if self.kept == self.count:
-            return self.seconds
-        with self.path.open("rb") as file:
-            file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
-            last = file.read().splitlines()[-1]
-        return (int(last.split(b",")[0]) - self._first_ns) * 1e-9
+        return f"{self.path}: {counted(self.kept, 'pose')}, {seconds:.3f} s{acted}{beside}"
 
     def __enter__(self) -> Recorder:
         return self

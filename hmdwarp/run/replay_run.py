@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -29,7 +29,7 @@ from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
 from .replay_setup import ReplayRun, set_up_replay
-from .run_summary import OWNED, ReplayResult, result_of, write_results
+from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -39,12 +39,15 @@ Progress = Callable[[int, int], None]
 
 
 def replay(
-    options: RunOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
+    options: RunOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+    judge: Judge | None = None,
 ) -> ReplayResult:
     """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
 
     progress(done, total): called after each refresh. say: called with a sentence before each part
-    that takes long and shows no progress.
+    that takes long and shows no progress. judge: gives the verdict, which is written with the rest.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
@@ -52,35 +55,44 @@ def replay(
     if AUTO in (options.warp, options.guard):
         raise InputError("warp or guard 'auto': choose(options).options names what it stands for in a run")
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
-        return _replay(options, out, progress, say)
+        with set_up_replay(options, say=say, alone=True, source=source_of(options)) as setup:
 
+            def contest(key: tuple[int, int, int]) -> int | None:  # one of each second competes for the worst
+                return int(key[0] / setup.schedule.rate_hz) if key[2] == MAIN else None
 
-def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
-    source = source_of(options)
-    with set_up_replay(options, say=say, alone=True, source=source) as setup:
-        with MeasuringProcesses(worker_count(options.workers)) as processes:
-            pool = QualityPool(processes, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key))
-            probe = Probe(setup, pool, _keep_every(setup))
-            log = _run(setup, probe, out, progress)
-            pool.wait()
-            log.measured(_figures(pool, MAIN))
-        _write_delays(setup, out)
-        compared = _compared(log, probe, pool)
-        more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
-        more |= probe.near_gaze.entry()
-        more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
-        if probe.clips is not None and "jod" in more:
-            setup.notes.append(_about_rating(more["jod"], setup.options.compared))
-            jods = sorted(probe.clips.refreshes.items())
-            rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
-            out.write_csv("jod.csv", rows, JOD_COLUMNS)
-        if probe.second_eye["hole_share"]:
-            beside = second_eye(log.rows, probe.second_eye)
-            more["second_eye"] = beside
-            setup.notes.append(about_second_eye(beside))
-        result = result_of(setup, log, compared, more, probe.without_truth)
-    write_results(out, log, result, compared, pool, options.command)
-    return result
+            with MeasuringProcesses(worker_count(options.workers)) as processes:
+                pool = QualityPool(processes, worst=WORST_FRAMES, bucket=contest)
+                probe = Probe(setup, pool, _keep_every(setup))
+                log = _run(setup, probe, out, progress)
+                pool.wait()
+                log.measured(_figures(pool, MAIN))
+            _write_delays(setup, out)
+            found = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
+            # None where nothing was measured.
+            compared = [log.compared(*pair) for pair in zip(probe.against_ms, found, strict=True)] if all(found) else []
+            more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
+            more |= probe.near_gaze.entry()
+            more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
+            if probe.clips is not None and "jod" in more:
+                rating = more["jod"]
+                told = [f"ColorVideoVDP rates it {rating['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
+                others = zip(
+                    setup.options.compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
+                )
+                for pair, other, share in others:
+                    name = method_name(*pair)
+                    told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
+                setup.notes.append(f"{'; '.join(told)}. Predicted from the pictures: no one was asked.")
+                jods = sorted(probe.clips.refreshes.items())
+                rows = [dict(zip(JOD_COLUMNS, (*at, jod), strict=True)) for at, jod in jods]
+                out.write_csv("jod.csv", rows, JOD_COLUMNS)
+            if probe.second_eye["hole_share"]:
+                beside = second_eye(log.rows, probe.second_eye)
+                more["second_eye"] = beside
+                setup.notes.append(about_second_eye(beside))
+            result = result_of(setup, log, compared, more, probe.without_truth)
+        verdict = write_results(out, log, result, compared, pool, options.command, judge)
+        return attrs.evolve(result, verdict=verdict)
 
 
 def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
@@ -91,7 +103,8 @@ def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
     """
     schedule = setup.schedule
     start_s = (schedule.first_ns - setup.trace.track.start_ns) * 1e-9
-    delays = setup.source.delays_ns
+    remote = setup.source.remote
+    delays = [delay_ns for _, delay_ns in remote.delays_ns] if remote is not None else []
     ahead = schedule.age
     while delays and ahead > (needed := refreshes_of(max(delays) / 1e6, schedule.rate_hz)):
         delays, ahead = delays[ahead - needed :], needed
@@ -103,14 +116,6 @@ def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
         setup.notes.append(
             f"The same frames at the same ages, without the server: --start {start_s!r} --delay-trace delays.csv"
         )
-
-
-def figures(options: RunOptions, progress: Progress = lambda done, total: None) -> dict[str, Any]:
-    """Return what summary.json of a replay would have, without writing anything.
-
-    Errors: as measured.
-    """
-    return measured(attrs.evolve(options, images=0), progress).summary
 
 
 @attrs.frozen(eq=False)
@@ -204,12 +209,6 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
     return log
 
 
-def _contest(setup: ReplayRun, key: tuple[int, int, int]) -> int | None:
-    """Return the second in which a picture of the run's own warp competes for the worst one."""
-    number, _, which = key
-    return int(number / setup.schedule.rate_hz) if which == MAIN else None
-
-
 def _keep_every(setup: ReplayRun) -> int | None:
     """Return n to keep every n-th measured picture, for about options.images of them."""
     if not setup.options.images:
@@ -233,24 +232,8 @@ def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) ->
     return {"jod": clips.entry(MAIN, others) | against}
 
 
-def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
-    told = [f"ColorVideoVDP rates it {rating['mean']:.2f} JOD, where {TRUTH_JOD:g} is like the truth"]
-    for (warp, fill), other, share in zip(
-        compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
-    ):
-        name = method_name(warp, fill)
-        told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
-    return f"{'; '.join(told)}. Predicted from the pictures: no one was asked."
-
-
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
     return {(number, eye): values for (number, eye, what), values in pool.results.items() if what == which}
 
 
-def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]]:
-    """Return the rows of each comparison; none where nothing was measured."""
-    figures = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
-    return [log.compared(*pair) for pair in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
-
-
-__all__ = ["Measured", "NothingShown", "ReplayResult", "figures", "measured", "replay"]
+__all__ = ["Measured", "NothingShown", "ReplayResult", "measured", "replay"]

@@ -6,7 +6,7 @@ import functools
 import math
 import operator
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack
 
 import attrs
@@ -78,21 +78,15 @@ class Schedule:
 def schedule_for(options: RunOptions, source: Source, trace: LoadedTrace, rate_hz: float) -> Schedule:
     """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames.
 
-    Errors: InputError if the run would show nothing.
+    The truth of those is what was recorded. The first is at the requested start, or when the first
+    frame can have arrived. Errors: InputError if the run would show nothing.
     """
-    if source.instants_ns and not options.trace and options.rate_hz is None:
-        return _at_instants(source.instants_ns, source.headset.refresh_hz, str(trace.path), options)
-    return schedule_of(trace.track, options, rate_hz)
-
-
-def _at_instants(times: Sequence[int], rate_hz: float, place: str, options: RunOptions) -> Schedule:
-    """Return refreshes at the instants of the frames, where the truth is what was recorded.
-
-    The first is at the requested start, or when the first frame can have arrived.
-    """
+    times, place, rate_hz_of_frames = source.instants_ns, trace.path, source.headset.refresh_hz
+    if not times or options.trace or options.rate_hz is not None:
+        return schedule_of(trace.track, options, rate_hz)
     if len(times) < 2:
         raise InputError(f"{place}: one frame; expected two or more: one that is late, and what is seen then")
-    age, _ = _refreshes_before(options, rate_hz)
+    age, _ = _refreshes_before(options, rate_hz_of_frames)
     first = next((i for i, at in enumerate(times) if i >= age and at >= options.start_s * 1e9), len(times))
     if first == len(times):
         raise InputError(
@@ -103,7 +97,7 @@ def _at_instants(times: Sequence[int], rate_hz: float, place: str, options: RunO
     seconds = math.inf if options.seconds is None else options.seconds
     end = next((i for i, at in enumerate(times) if at >= times[first] + seconds * 1e9), len(times))
     instants = tuple(times[first - age : max(end, first + 1)])
-    return Schedule(times[first], rate_hz, max(1, end - first), age, instants_ns=instants)
+    return Schedule(times[first], rate_hz_of_frames, max(1, end - first), age, instants_ns=instants)
 
 
 def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
@@ -210,8 +204,8 @@ def set_up_replay(
         own = own.evolve(time_ns=own.time_ns + own.epoch_ns, epoch_ns=0, max_gap_ns=own.max_gap_ns)
         trace = attrs.evolve(trace, track=own)
     rate_hz = options.rate_hz or headset.refresh_hz
-    schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
-    if options.scene == SERVER_SCENE and not source.is_timed:
+    schedule = None if source.kind.is_timed else schedule_for(options, source, trace, rate_hz)
+    if options.scene == SERVER_SCENE and not source.kind.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
     run = ReplayRun.of(
         options,
@@ -231,8 +225,6 @@ def set_up_replay(
             notes.append(text)
 
         run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
-        if options.input:
-            source.pass_on(source.inputs)
         schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
         cost = ""
         if schedule.count >= _MANY:

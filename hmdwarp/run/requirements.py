@@ -1,19 +1,23 @@
-"""What a run's figures have to be, for CI: `--require`, and its results as JUnit XML."""
+"""What a run has to hold, for CI: `--require`, `--baseline`, and the verdict."""
 
 from __future__ import annotations
 
+import functools
 import math
 import operator
+import os
 import re
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 from xml.etree import ElementTree as Xml
 
 import attrs
+from markupsafe import Markup
 
 from .. import metrics, report
-from ..errors import InputError, RequirementError, nearest, unknown_name
+from ..errors import InputError, RequirementError, unknown_name
 from ..options import Declared, option, out_field
 
 _COMPARE: dict[str, Callable[[float, float], bool]] = {
@@ -24,8 +28,10 @@ _FIGURE = re.compile(r"(?:(.+):)?(?:quality\.|time_ms\.)?(\w+)\.(\w+)")
 # The rows of a bench or a comparison that differ in nothing else show the same late frames.
 _SAME = ("trace", "scene", "latency_ms", "size", "headset", "rate_hz")
 
-_PIXEL = "pixel"  # name of the pictures' tolerance
+ALL, PIXEL, PIXELS = "figures", "pixel", "pixels"  # names of tolerances beside keys of the summary
 _HEADING = "For CI"
+_option = functools.partial(option, study="a study has no such result", heading=_HEADING)
+STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
 
 Row = Mapping[str, Any]
 
@@ -56,9 +62,8 @@ class Figure:
 
     def value(self, row: Row) -> float | None:
         """Return it from a row with the keys of summary.json, None where it was not measured."""
-        is_time = self.name not in row["quality"]
-        entry = row["time_ms"][self.name.removesuffix("_ms")] if is_time else row["quality"][self.name]
-        value: float | None = entry[self.kind]
+        table = row["quality"] if self.name in row["quality"] else row["time_ms"]
+        value: float | None = table[self.name.removesuffix("_ms")][self.kind]
         return value
 
     def is_of(self, row: Row) -> bool:
@@ -71,38 +76,63 @@ def _pair(row: Row) -> str:
 
 
 @attrs.frozen
+class Finding:
+    """What came of a requirement in one row."""
+
+    requirement: str
+    row: str
+    # "measured 28.21 dB", or why nothing was.
+    found: str
+    holds: bool
+
+    def line(self, *, named: bool = False) -> str:
+        """Return it as a line; named: with its row."""
+        where = f" ({self.row})" if named else ""
+        return f"{'met' if self.holds else 'FAILED'} {self.requirement}: {self.found}{where}"
+
+
+@attrs.frozen
 class Requirement:
     """One of them: a figure, or the ratio of two, against a number."""
 
-    text: str
     figure: Figure
     to: Figure | None
     relation: str
-    limit: float
+    limit: str
 
-    def verdicts(self, rows: Sequence[Row], others: Sequence[Row]) -> Iterator[tuple[str, str]]:
-        """Yield (which row, why it does not hold, or "") of each row that it speaks of."""
-        spoken = [row for row in ([*rows, *others] if self.figure.whose else rows) if self.figure.is_of(row)]
-        if not spoken:
-            there = report.listed([*dict.fromkeys(row.get("strategy") or _pair(row) for row in [*rows, *others])])
-            yield self.figure.whose, f"{self.text}: there is no result of '{self.figure.whose}'; there is {there}"
-        for row in spoken:
+    @property
+    def text(self) -> str:
+        """Return it as in messages."""
+        ratio = f"/{self.to.text}" if self.to is not None else ""
+        return f"{self.figure.text}{ratio} {self.relation} {self.limit}"
+
+    def findings(self, rows: Sequence[Row], others: Sequence[Row]) -> Iterator[Finding]:
+        """Yield what came of it in each row that it is about."""
+        among = [*rows, *others]
+        about = [row for row in (among if self.figure.whose else rows) if self.figure.is_of(row)]
+        if not about:
+            there = report.listed([*dict.fromkeys(row.get("strategy") or _pair(row) for row in among)])
+            why = f"there is no result of '{self.figure.whose}'; there is {there}"
+            yield Finding(self.text, self.figure.whose, why, False)
+        for row in about:
             who = f"{row['strategy']}: {_pair(row)}" if row.get("strategy") else _pair(row)
             where = f"{who}, {row['trace']} in {row['scene']}, {row['latency_ms']:g} ms"
-            value, why = self._value(row, [*rows, *others])
-            if not why and not _COMPARE[self.relation](value, self.limit):
-                why = f"it is {value:.6g}"
-            yield where, f"{self.text}: {why} ({where})" if why else ""
+            value, base = self.figure.value(row), 1.0 if self.to is None else self._base(row, among)
+            if isinstance(base, str) or value is None or not base:
+                of_base = f"{self.to.text if self.to else ''} is 0" if base == 0 else "not measured"
+                yield Finding(self.text, where, base if isinstance(base, str) else of_base, False)
+                continue
+            holds = _COMPARE[self.relation](value / base, float(self.limit))
+            yield Finding(self.text, where, f"measured {self._measured(value / base, holds)}", holds)
 
-    def _value(self, row: Row, among: Sequence[Row]) -> tuple[float, str]:
-        value, base = self.figure.value(row), 1.0 if self.to is None else self._base(row, among)
-        if isinstance(base, str):
-            return 0.0, base
-        if value is None or base is None:
-            return 0.0, "it was not measured"
-        if base == 0:
-            return 0.0, f"{self.to.text if self.to else ''} is 0"
-        return value / base, ""
+    def _measured(self, value: float, holds: bool) -> str:
+        """Return a value and its unit, with as many digits as show the side of the limit."""
+        written = (f"{value:.{digits}g}" for digits in range(4, 18))
+        text = next(one for one in written if _COMPARE[self.relation](float(one), float(self.limit)) == holds)
+        figure = report.figure_of(self.figure.name)
+        if self.to is not None:
+            return text
+        return f"{text} ({figure.text(value)} {figure.unit})" if figure.scale != 1 else f"{text} {figure.unit}".rstrip()
 
     def _base(self, row: Row, among: Sequence[Row]) -> float | str | None:
         assert self.to is not None
@@ -120,178 +150,256 @@ def _parse(text: str) -> tuple[Requirement, ...]:
     found, end = [], 0
     while end < len(text):
         one = _ONE.match(text, end)
-        limit = _number(one[3]) if one is not None else None
-        if one is None or limit is None:
+        if one is None or not math.isfinite(_number(one[3])):
             raise InputError(
                 f"--require {text}: expected FIGURE>=NUMBER, several with commas, such as "
                 f"'psnr_db.mean>=28, flip.p95<=0.08'; found '{text[end:].strip()}'"
             )
         figure, _, to = one[1].partition("/")
-        found.append(
-            Requirement(one[0].strip(" ,"), Figure.of(figure), Figure.of(to) if to else None, one[2], limit)
-        )  # fmt: skip
+        found.append(Requirement(Figure.of(figure), Figure.of(to) if to else None, one[2], one[3]))
         end = one.end()
     return tuple(found)
 
 
-def _number(text: str) -> float | None:
+def _number(text: str) -> float:
+    """Return the number that a text is, NaN for another text."""
     try:
-        value = float(text.encode("ascii"))
+        return float(text.encode("ascii"))
     except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+        return math.nan
 
 
 @attrs.frozen
 class Tolerance:
-    """What two runs may differ by: metrics in their units, and pictures in levels of 255."""
+    """What two runs may differ by, beyond rounding."""
 
-    metrics: dict[str, float] = attrs.field(factory=dict)
-    levels: float = 0.0
+    # (part of a key, such as `filled` or `quality.flip`, how much, whether of the stored value)
+    figures: tuple[tuple[str, float, bool], ...] = ()
+    # Of pictures: levels of 255, and the share of the pixels that may differ by more.
+    pixels: tuple[float, float] = (0.0, 0.0)
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        """Read "psnr_db=0.05, figures=0.1%, pixel=2, pixels=0.1%". Errors: InputError."""
+        known = [*metrics.QUALITY, *report.SECTIONS, report.ROWS, ALL, PIXEL, PIXELS]
+        found, of_pictures = [], {PIXEL: 0.0, PIXELS: 0.0}
+        for part in filter(None, (part.strip() for part in text.split(","))):
+            name, _, number = (piece.strip() for piece in part.partition("="))
+            if name.partition(".")[0] not in known:
+                raise InputError(f"--tolerance {part}: {unknown_name('figure', name, known)}")
+            is_share = number.endswith("%") and name != PIXEL
+            value = _number(number.removesuffix("%")) / 100 if is_share else _number(number)
+            if not 0 <= value < math.inf:
+                raise InputError(f"--tolerance {part}: expected NAME=NUMBER or NAME=PERCENT%, from 0")
+            if name in of_pictures:
+                of_pictures[name] = value
+            else:
+                found.append((name, value, is_share))
+        return cls(tuple(found), (of_pictures[PIXEL], of_pictures[PIXELS]))
+
+    def allows(self, key: str, stored: Any, now: Any) -> bool:
+        """Return whether a figure may change so, by the entries that name it most closely.
+
+        Several such entries: one that allows it is enough.
+        """
+        named = {name: f".{key}.".find(f".{name}.") for name, *_ in self.figures}
+        found = [name for name, at in named.items() if at >= 0]
+        closest = max(found, key=lambda name: (named[name] + len(name), len(name)), default=ALL)
+        most = [
+            much * abs(stored or 0.0) if is_share else much for name, much, is_share in self.figures if name == closest
+        ]
+        return report.is_same(key, stored, now, max(most, default=0.0))
 
     def diff(self, first: report.StoredRun, second: report.StoredRun) -> report.RunDiff:
         """Return what differs between two runs. Errors: as report.diff_runs."""
-        return report.diff_runs(first, second, self.metrics, self.levels)
-
-
-def _tolerances(text: str) -> Tolerance:
-    """Return tolerances by metric, and of pictures. Errors: InputError for another name."""
-    found: dict[str, float] = {}
-    for part in filter(None, (part.strip() for part in text.split(","))):
-        name, _, number = part.partition("=")
-        known = [*metrics.QUALITY, _PIXEL]
-        if name.strip() not in known:
-            near = nearest(name, known)
-            raise InputError(
-                f"--tolerance {part}: expected NAME=NUMBER, NAME one of {', '.join(known)}"
-                + (f"; did you mean '{near}'?" if near else "")
-            )
-        try:
-            found[name.strip()] = float(number.encode("ascii"))
-        except ValueError as error:
-            raise InputError(f"--tolerance {part}: expected a number after '=', found '{number}'") from error
-        if not 0 <= found[name.strip()] < math.inf:
-            raise InputError(f"--tolerance {part}: expected a number from 0")
-    return Tolerance({name: value for name, value in found.items() if name != _PIXEL}, found.get(_PIXEL, 0.0))
+        return report.diff_runs(first, second, self.allows, self.pixels)
 
 
 def tolerance_field() -> Any:
-    """Return the field of `--tolerance`: of metrics by name, and of pictures in levels of 255."""
-    return option(
+    """Return the field of `--tolerance`."""
+    return _option(
         Tolerance(),
-        f"What two runs may differ by, such as 'psnr_db=0.05, {_PIXEL}=2'; {_PIXEL}: levels of 255.",
+        "What two runs may differ by, such as 'figures=0.1%, psnr_db=0.05, pixel=2, pixels=0.1%': figures by number or "
+        "percentage, pixels by levels of 255 and how many may differ by more.",
         kind=str,
         default="",
-        parse=_tolerances,
-        study="a study has no such result",
-        heading=_HEADING,
+        parse=Tolerance.of,
     )
 
 
 @attrs.frozen(kw_only=True)
-class Baseline(Declared):
-    """A stored run that another has to equal."""
+class Verdict:
+    """What came of a run's requirements and of the comparison with its baseline."""
 
-    baseline: Path | None = option(
-        None,
-        "Folder of a stored replay, or its summary.json: end with status 4 where this one differs, times left out; "
-        "see hmdwarp diff.",
-        study="a study has no such result",
-        heading=_HEADING,
-    )
-    tolerance: Tolerance = tolerance_field()
+    findings: Sequence[Finding] = ()
+    # None without a baseline.
+    diff: report.RunDiff | None = None
+    # The baseline that this run replaces.
+    stores: Path | None = None
 
-    def __attrs_post_init__(self) -> None:
-        if self.baseline is None and self.tolerance != Tolerance():
-            raise InputError("--tolerance without --baseline: nothing is compared; name a run, or leave it out")
+    @property
+    def holds(self) -> bool:
+        """Whether it is a success."""
+        is_equal = self.diff is None or self.diff.is_equal or self.stores is not None
+        return is_equal and all(one.holds for one in self.findings)
 
-    def stored(self, beside: Path) -> report.StoredRun | None:
-        """Return the stored run, None without one. beside: where the new one goes.
+    @property
+    def headline(self) -> str:
+        """The verdict in one line."""
+        every, failed = report.counted(len(self.findings), "requirement"), len(self.failures())
+        parts = [
+            f"{failed} of {every}" if failed else f"{every} met" if self.findings else "",
+            f"baseline: {self.diff.told()}" if self.diff is not None else "",
+            f"stored in {self.stores}" if self.stores is not None and self.holds else "",
+        ]
+        return f"{'PASSED' if self.holds else 'FAILED'}: {'; '.join(filter(None, parts)) or 'nothing was required'}"
 
-        Errors: InputError where it is no replay, or would be overwritten.
-        """
-        if self.baseline is None:
-            return None
-        if self.baseline.absolute() == beside.absolute():
-            raise InputError(f"--baseline {self.baseline}: this run goes there too; give it another --out")
-        return report.StoredRun.of(self.baseline)
+    def failures(self) -> list[str]:
+        """Return the requirements that do not hold, a line each."""
+        several = len({one.row for one in self.findings}) > 1
+        return [one.line(named=several) for one in self.findings if not one.holds]
 
-    def differences(self, stored: report.StoredRun | None, folder: Path, command: str) -> list[str] | None:
-        """Return what a new run differs in, None without a stored one; where it does, write a page.
+    def text(self) -> str:
+        """Return the whole verdict for a terminal, the headline first."""
+        found = [] if self.diff is None else self.diff.lines()
+        page = [f"pictures and charts: {self.diff.second.named / report.DIFF_PAGE}"] if found and self.diff else []
+        return "\n".join([self.headline, *self.failures(), *found, *page])
 
-        Errors: InputError for files that cannot be read.
-        """
-        if stored is None:
-            return None
-        found = self.tolerance.diff(stored, report.StoredRun.of(folder))
-        if not found.is_equal:
-            report.write_text(folder / report.DIFF_PAGE, found.page(command))
-        return [f"baseline: {line}" for line in found.lines()]
+    def section(self) -> report.Section:
+        """Return it as the part of a page."""
+        styles = ["yes" if one.holds else "no" for one in self.findings]
+        found = report.Sentences([one.line() for one in self.findings], styles, "said")
+        link = report.Text(Markup('Pictures and charts: <a href="{0}">{0}</a>').format(report.DIFF_PAGE))
+        differences = [*self.diff.blocks(), link] if self.diff is not None and not self.diff.is_equal else []
+        return report.Section(self.headline, [found, *differences])
 
+    def entry(self) -> dict[str, Any]:
+        """Return the `gate` of summary.json."""
+        baseline = None if self.diff is None else {"stored": str(self.diff.first.named), **self.diff.entry()}
+        found = [attrs.asdict(one) for one in self.findings]
+        return {"passed": self.holds, "verdict": self.headline, "requirements": found, "baseline": baseline}
 
-def hold(missed: Sequence[str]) -> None:
-    """End where results do not hold. Errors: RequirementError, a line each."""
-    if missed:
-        raise RequirementError("\n".join(missed))
+    def junit(self, seconds: float) -> bytes:
+        """Return it as JUnit XML, a test each; the first is the run itself, which took so long."""
+        cases = [("hmdwarp", "run", "")]
+        cases += [(one.row, one.requirement, "" if one.holds else one.found) for one in self.findings]
+        if self.diff is not None:
+            changed = {one.key: " -> ".join(one.texts()[:2]) for one in self.diff.figures}
+            cases += [("baseline", key, changed.get(key, "")) for key in self.diff.compared]
+            cases += [("baseline", "all else", "\n".join(self.diff.lines(figures=False)))]
+        failed = [bool(why) and (self.stores is None or of != "baseline") for of, _, why in cases]
+        about = {"tests": str(len(cases)), "failures": str(sum(failed)), "time": f"{seconds:.3f}"}
+        suite = Xml.Element("testsuite", about, name="hmdwarp")
+        for (of, name, why), is_failure in zip(cases, failed, strict=True):
+            took = f"{seconds if name == 'run' else 0:.3f}"
+            case = Xml.SubElement(suite, "testcase", classname=of, name=name, time=took)
+            if is_failure:
+                Xml.SubElement(case, "failure", message=why.partition("\n")[0]).text = why
+        return bytes(Xml.tostring(suite, encoding="utf-8", xml_declaration=True))
 
 
 @attrs.frozen(kw_only=True)
 class Requirements(Declared):
     """What results have to hold. Errors: InputError for what no figure is, or no number."""
 
-    require: tuple[Requirement, ...] = option(
+    require: tuple[Requirement, ...] = _option(
         (),
         "Exit with status 4 unless the results meet: 'psnr_db.mean>=28, flip.p95<=0.08'; a ratio of two with /, "
         "of one warp or strategy alone as NAME:FIGURE.",
         kind=str,
         default="",
         parse=_parse,
-        study="a study has no such result",
-        heading=_HEADING,
     )
     junit: Path | None = out_field(
         None,
-        "Also write what --require and --baseline found to this file, as JUnit XML.",
+        "Also write the run's time and what --require and --baseline found to this file, as JUnit XML.",
         study="see --require",
         heading=_HEADING,
     )
+    # When the run began.
+    began_s: float = attrs.field(init=False, factory=time.monotonic)
 
-    def prepare(self, *, force: bool, has_baseline: bool | None = None) -> None:
-        """Check before a run what can be checked. Errors: InputError.
-
-        has_baseline: None for a command that takes none.
-        """
-        if self.junit is not None and not self.require and not has_baseline:
-            others = "" if has_baseline is None else " or --baseline"
-            raise InputError(f"--junit {self.junit}: expected --require{others} too, whose results it holds")
+    def prepare(self, *, force: bool) -> None:
+        """Check before a run what can be checked. Errors: InputError."""
         if self.junit is not None:
             report.refuse_existing(self.junit, force=force)
 
-    def missed(
-        self, rows: Sequence[Row], others: Sequence[Row] = (), differences: Sequence[str] | None = None
-    ) -> list[str]:
-        """Return a line for each that does not hold, and write the file of `--junit`.
+    def judge(self, rows: Sequence[Row], others: Sequence[Row] = ()) -> Verdict:
+        """Return what came of the requirements.
 
         rows, others: with the keys of summary.json; others: those of comparisons, which count only
-        where they are named. differences: from a stored run, None without one.
-        Errors: as report.write_bytes.
+        where they are named.
         """
-        found = [
-            (one.text, where, [why] * bool(why)) for one in self.require for where, why in one.verdicts(rows, others)
-        ]
-        if differences is not None:
-            found.append(("--baseline", "equal to the stored run", list(differences)))
+        return Verdict(findings=[found for one in self.require for found in one.findings(rows, others)])
+
+    def end(self, verdict: Verdict) -> None:
+        """Write the file of `--junit` and GitHub's step summary, then end by the verdict.
+
+        Errors: RequirementError where it fails; as report.write_bytes.
+        """
         if self.junit is not None:
-            report.write_bytes(self.junit, _junit(found))
-        return [line for _, _, lines in found for line in lines]
+            report.write_bytes(self.junit, verdict.junit(time.monotonic() - self.began_s))
+        page = os.environ.get(STEP_SUMMARY)
+        if page and (verdict.findings or verdict.diff):
+            try:
+                with Path(page).open("a", encoding="utf-8") as file:
+                    headline, *lines = verdict.text().splitlines()
+                    file.write("\n".join([f"### hmdwarp {headline}", "", "```text", *lines, "```", "", ""]))
+            except OSError as error:
+                raise report.write_error(error, Path(page)) from error
+        if not verdict.holds:
+            raise RequirementError(verdict.text())
 
 
-def _junit(found: Sequence[tuple[str, str, Sequence[str]]]) -> bytes:
-    suite = Xml.Element(
-        "testsuite", name="hmdwarp", tests=str(len(found)), failures=str(sum(bool(lines) for *_, lines in found))
+@attrs.frozen(kw_only=True)
+class Gate(Requirements):
+    """What a replay has to hold, and a stored run that it has to equal."""
+
+    baseline: Path | None = _option(
+        None,
+        "Folder of a stored replay, or its summary.json: end with status 4 where this one differs, times left out; "
+        "see hmdwarp diff.",
     )
-    for name, where, lines in found:
-        case = Xml.SubElement(suite, "testcase", classname=where, name=name)
-        if lines:
-            Xml.SubElement(case, "failure", message=lines[0]).text = "\n".join(lines[1:]) or None
-    return bytes(Xml.tostring(suite, encoding="utf-8", xml_declaration=True))
+    tolerance: Tolerance = tolerance_field()
+    update_baseline: bool = _option(
+        False,
+        "Store this run as the --baseline, in place of the one that is there, where the requirements are met.",
+    )
+
+    def __attrs_post_init__(self) -> None:
+        for said, flag in ((self.tolerance != Tolerance(), "--tolerance"), (self.update_baseline, "--update-baseline")):
+            if said and self.baseline is None:
+                raise InputError(f"{flag} without --baseline: nothing is compared; name a run, or leave it out")
+
+    def judge_of(self, out: Path) -> Callable[[Any, report.StoredRun], Verdict] | None:
+        """Return what judges a replay that goes to `out`, None where nothing is required of it.
+
+        It takes the result, and the run as it was written. Errors: InputError where the baseline is
+        no replay, or would be overwritten.
+        """
+        stored = None
+        if self.baseline is None and self.junit is None and not self.require:
+            return None
+        if self.baseline is not None and self.baseline.absolute() == out.absolute():
+            raise InputError(f"--baseline {self.baseline}: this run goes there too; give it another --out")
+        if self.baseline is not None and (self.baseline.exists() or not self.update_baseline):
+            stored = report.StoredRun.of(self.baseline)
+        return lambda result, new: attrs.evolve(
+            self.judge([new.summary], result.against),
+            diff=None if stored is None else self.tolerance.diff(stored, new),
+            stores=self.baseline if self.update_baseline else None,
+        )
+
+    def store(self, verdict: Verdict, folder: Path) -> None:
+        """Store the run of a folder as the baseline, if that is wanted. Errors: as OutputFolder."""
+        place = verdict.stores
+        if place is None or not verdict.holds:
+            return
+        summary = {name: value for name, value in report.StoredRun.of(folder).summary.items() if name != "gate"}
+        if place.suffix == ".json":
+            report.write_json(place, summary)
+            return
+        with report.OutputFolder(place, owned=("images/*.png",), force=True) as out:
+            for name in summary["digests"]:
+                out.write_bytes(name, (folder / name).read_bytes())
+            out.write_json("summary.json", summary)

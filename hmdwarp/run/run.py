@@ -11,7 +11,7 @@ import attrs
 from ..client import ClientScene
 from ..client.classes import load_client
 from ..client.compensator import Compensator, EyeResult
-from ..client.inputs import History, PassInputs
+from ..client.inputs import PassInputs
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..errors import InputError
@@ -22,8 +22,8 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..pipeline.channel import Changes, Channel, ChannelSetup
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Changes, Channel
+from ..pipeline.frame_coder import Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, PipelineOptions
@@ -31,7 +31,7 @@ from ..pipeline.planning import plans_for
 from ..pipeline.proxy_options import REMOTE
 from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size
-from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, settling
+from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, joined
 from ..poses import PoseSample, PoseSource, PoseTrack, foreseen_gaze
 from ..poses.prediction import predict
 from ..poses.track import Gaze, Moment
@@ -145,8 +145,7 @@ class Run(Generic[Options]):
         beyond = {name: getattr(screen, name) for name in ("distorts", "takes_depth", "takes_panels")}
         plans = plans_for(options, screen.headset, source.scene, **beyond)
         needs = needs_of(plans) | (also or Needs())
-        source.check(plans, needs)
-        source.check_eyes(needs, len(screen.eyes.views(Pose())))
+        source.check(plans, needs, len(screen.eyes.views(Pose())))
         assert options.size is not None
         guarded_size(options.guard_band, screen.eyes, options.size)
         pictures = Reads.of(plans).pictures | frozenset(PICTURE if all_pictures else ())
@@ -225,15 +224,11 @@ class Run(Generic[Options]):
             self.cleanup.callback(self.server.close)
             self.geometry = client_scene(options, source.scene, self.server, self.cleanup)
             frames = source.frames(options, self.server, target, requested, self.cleanup)
-            history = History(needs.others, frames.recycle)
-            self.cleanup.callback(history.close)
             # It waits for the next refresh at most.
             age_ns = expected_age_ns(options, target.link_latency_ns + round(1e9 / rate_hz), rate_hz)
-            coder = source.coder(options.coding, rate_hz, age_ns)
-            ends = (coder, Reads.of(self.plans), history.offer, settling(frames, self.geometry))
-            link = ChannelSetup(options.client_link, target.link_latency_ns, rate_hz, *ends)
-            self.channel = frames.channel(link)
-            self.cleanup.callback(self.channel.close)
+            coder = Coder.of(options.coding, rate_hz, age_ns)
+            link = (options.client_link, target.link_latency_ns, rate_hz, coder)
+            self.channel, history = joined(frames, self.geometry, requested, self.plans, link, self.cleanup)
             self.cleanup.callback(self._close_passes)
             each = [self._compensator(plan) for plan in self.plans]
             if options.levels and options.budget_ms is not None:

@@ -6,14 +6,12 @@ Includes the entry of warp "auto".
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
 from ..frames import EyeSizes, Needs
 from ..geometry import Pose, View
@@ -24,9 +22,12 @@ from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import (
+    DIFF_PAGE,
     FRAME_COLUMNS,
     SCHEMA,
     OutputFolder,
+    Panel,
+    StoredRun,
     WorstFrame,
     digests,
     labelled_strip,
@@ -35,25 +36,17 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from ..scenes import InputLog
 from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplayRun
+from .requirements import Verdict
 from .run import Run
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = (
-    "diff.html",
-    "images/*-left.png",
-    "images/*-right.png",
-    "images/*-camera.png",
-    "frames.csv",
-    "inputs.csv",
-    "delays.csv",
-    "jod.csv",
-    "report.html",
-    "replay.mp4",
+    *(f"images/*-{eye}.png" for eye in ("left", "right", "camera")),
+    *(DIFF_PAGE, "frames.csv", "inputs.csv", "delays.csv", "jod.csv", "report.html", "replay.mp4"),
 )
 EYES = ("left", "right")
 
@@ -177,6 +170,8 @@ class ReplayResult:
     rows: list[Row]
     # The summaries of the comparisons.
     against: list[dict[str, Any]]
+    # What came of the requirements and the baseline, None where there are none.
+    verdict: Verdict | None = None
 
     @property
     def report(self) -> Path:
@@ -198,8 +193,17 @@ def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[R
     facts = Facts.of(setup, name, setup.source.headset.name, rate_hz, setup.track.axes, trace.assumptions)
     frames = len({row["frame"] for row in rows})
     measured = aggregate(rows)
-    hidden = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"])
-    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *_hidden_notes(hidden)]})
+    hidden, notes = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"]), []
+    if hidden:
+        means = (
+            f"{one.label} {one.text(hidden['hidden']['quality'][one.name])} {one.unit}".strip()
+            for one in (metric.figure for metric in metrics_in_order())
+        )
+        notes = [
+            f"The lens hides {hidden['hidden']['share']:.1%} of each picture: it is neither drawn, warped nor counted. "
+            f"With it, all black, the means are: {', '.join(means)}."
+        ]
+    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *notes]})
 
 
 def hidden_entry(
@@ -217,18 +221,6 @@ def hidden_entry(
     return {"hidden": {"share": 1 - seen, "quality": means}}
 
 
-def _hidden_notes(entry: Mapping[str, Any]) -> list[str]:
-    if not entry:
-        return []
-    hidden = entry["hidden"]
-    every = (metric.figure for metric in metrics_in_order())
-    figures = ", ".join(f"{one.label} {one.text(hidden['quality'][one.name])} {one.unit}".strip() for one in every)
-    return [
-        f"The lens hides {hidden['share']:.1%} of each picture: it is neither drawn, warped nor counted. With it, all "
-        f"black, the means are: {figures}."
-    ]
-
-
 def result_of(
     setup: ReplayRun, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
 ) -> ReplayResult:
@@ -238,7 +230,12 @@ def result_of(
     """
     options, rows = setup.options, log.rows
     if setup.source.scene.inputs:
-        log.answers = answers_of(setup, setup.source.scene.inputs, log)
+        first_ns = setup.schedule.first_ns - setup.schedule.age_ns
+        log.answers = Answers(first_ns, epoch_ns=setup.trace.track.epoch_ns)
+        for event in setup.source.scene.inputs:
+            log.answers.add(event)
+        for moment in log.moments:
+            log.answers.see(moment.shown_ns, moment.shows_ns)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -266,14 +263,7 @@ def result_of(
     return result
 
 
-def answers_of(setup: ReplayRun, inputs: InputLog, log: ReplayLog) -> Answers:
-    """Return when the inputs of a run were answered."""
-    answers = Answers(setup.schedule.first_ns - setup.schedule.age_ns, setup.trace.track.epoch_ns)
-    for event in inputs:
-        answers.add(event)
-    for moment in log.moments:
-        answers.see(moment.shown_ns, moment.shows_ns)
-    return answers
+Judge = Callable[[ReplayResult, StoredRun], Verdict]
 
 
 def write_results(
@@ -283,18 +273,22 @@ def write_results(
     compared: list[list[Row]],
     pool: QualityPool,
     command: str,
-) -> None:
-    """Write everything but the video, which is written during the run.
+    judge: Judge | None,
+) -> Verdict | None:
+    """Write everything but the video, which is written during the run; return the verdict.
 
     Pictures are encoded on threads while the page is made: one after the other they took longer.
     """
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
 
-        def write_strip(kept: Kept) -> tuple[str, NDArray[np.uint8]]:
+        def write_strip(kept: Kept) -> tuple[str, list[Panel]]:
             number, eye, _ = kept.key
-            name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(panels_of(kept))
-            out.write_png(name, strip)
-            return name, strip
+            name, panels = f"images/frame-{number:06d}-{names[eye]}.png", panels_of(kept)
+            out.write_png(name, labelled_strip(panels))
+            return name, panels
+
+        def digested() -> dict[str, Any]:
+            return digests([*log.frames_csv()], dict(strip.result() for strip in strips))
 
         names = eye_names(result.summary)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
@@ -302,6 +296,13 @@ def write_results(
         if log.answers is not None:
             out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
         time_s = {row["frame"]: row["time_s"] for row in result.rows}
+        verdict = None
+        if judge is not None:
+            result.summary["digests"] = digested()
+            verdict = judge(result, StoredRun(out.path(""), result.summary, out.folder))
+            result.summary["gate"] = verdict.entry()
+        if verdict is not None and verdict.diff is not None and not verdict.diff.is_equal:
+            out.write_text(DIFF_PAGE, verdict.diff.page(command))
         page = render_report(
             result.summary,
             result.against,
@@ -310,8 +311,9 @@ def write_results(
             worst=[WorstFrame.of(time_s[kept.key[0]], kept.key[1], kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],
+            gate=verdict.section() if verdict is not None else None,
         )
         out.write_text("report.html", page)
-        pictures = dict(strip.result() for strip in strips)
-    result.summary["digests"] = digests([*log.frames_csv()], pictures)
+        result.summary["digests"] = digested()
     out.write_json("summary.json", result.summary)
+    return verdict

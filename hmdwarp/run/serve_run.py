@@ -75,12 +75,15 @@ def serve(
     """
     listener, secret, pair = listening(options, say)
     with closing(listener):
+        drawing = PipelineOptions(mirrors=options.mirrors, samples=options.samples)
         if options.frames is None:
-            source: Source = Source(PipelineOptions(), load_scene(options.scene, options.scene_options))
+            source = Source(drawing, load_scene(options.scene, options.scene_options))
         else:
             sequence = sequences.open(options.frames, options.sequence_options)
             source = RecordingSource(sequence.repaired(parse_repairs(options.repair)))
-        with Gpu() as gpu, closing(_renderer(gpu, source, options)) as server:
+        # Recorded frames are played to their end and back, endlessly.
+        moment_of = functools.partial(folded, length_ns=max(source.instants_ns, default=0))
+        with Gpu() as gpu, closing(source.renderer(gpu, drawing, moment_of)) as server:
             say(f"listening at {listener.address}: {source.title}")
             with _door(options, listener, source, secret, pair, say) if options.web else nullcontext():
                 answering(listener, server, functools.partial(_drawn, server), goes_on)
@@ -112,13 +115,6 @@ def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callabl
             server.take_back()
         if asked is not None or not listener.clients:  # what was drawn for those who have left is freed
             server.trim()
-
-
-def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
-    if isinstance(source, RecordingSource):  # played to its end and back, endlessly
-        last_ns = source.instants_ns[-1]
-        return RecordedRenderer(gpu, source.scene, source.sequence, lambda time_ns: folded(time_ns, last_ns))
-    return Server(gpu, source.scene, options.mirrors, samples=options.samples)
 
 
 def _door(

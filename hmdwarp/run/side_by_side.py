@@ -40,7 +40,7 @@ from ..sources.server import Renderer
 from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
 from .frame_rows import Row, stage_columns
 from .replay_setup import ReplayRun
-from .truth import TruePicture, WholePictures, coverage, shown_picture, true_picture
+from .truth import Truth, WholePictures, coverage, draw_truth, shown_picture
 
 
 class Oracle:
@@ -209,11 +209,11 @@ class SideBySide:
         """Return what a compensator reads of a refresh, eye by eye."""
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
-    def truth(self, inputs: PassInputs) -> TruePicture:
+    def truth(self, inputs: PassInputs) -> Truth:
         """Return what an eye should see in the middle of a refresh."""
-        return true_picture(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
+        return draw_truth(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
 
-    def pictures(self, refresh: Refresh, eye: int, truth: TruePicture) -> list[Compared]:
+    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
         shown = []
         for compensator in self.compensators:
@@ -332,14 +332,10 @@ class Comparison:
                     before = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
 
     def _time(self, refresh: Refresh) -> None:
-        """Time every combination in each round, in an order that rotates from round to round.
-
-        Before the very first round, every combination runs once to warm up. In later rounds the
-        refresh before has done that, and only the first combination is run again, because an idle
-        processor is slow for a while.
-        """
+        """Time every combination in each round, in an order that rotates from round to round."""
         self._pool.wait()
         count = len(self._beside.compensators)
+        # All warm up once; later the first alone, because an idle processor is slow for a while.
         for place in range(count if self._turn == 0 else 1):
             self._run((place + self._turn) % count, refresh, timed=False)
         for _ in range(self._rounds):
@@ -400,9 +396,6 @@ class Comparison:
 
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
-    """Return whether two fills gave identical pictures, as they do where there are no holes.
-
-    Then one measurement serves both.
-    """
+    """Return whether two fills gave identical pictures, so that one measurement serves both."""
     pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs)

@@ -7,6 +7,7 @@ parts of them as layers.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -36,34 +37,25 @@ NEAR_M = 1.0  # nearest surface considered; nearer ones move by more as the head
 
 @attrs.frozen(eq=False)
 class Truth:
-    """Colour (h, w, 4) in linear light and inverse depth (h, w) in 1/m, top row first.
+    """What one eye should see: colour (h, w, 4) in linear light, inverse depth (h, w) in 1/m.
 
-    None where not requested.
+    Top row first. Depth is None where not requested.
     """
 
     colour: NDArray[np.float16]
     inverse_depth: NDArray[np.float32] | None
 
-
-@attrs.frozen(eq=False)
-class TruePicture:
-    """What one eye should see: the sRGB picture (h, w, 3), and inverse depth (h, w) in 1/m.
-
-    Top row first. Depth is None where not requested.
-    """
-
-    picture: NDArray[np.uint8]
-    inverse_depth: NDArray[np.float32] | None
-
-
-def true_picture(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> TruePicture:
-    """Return what the eye should see at this refresh, as a display has it. Errors: NoTruth."""
-    drawn = draw_truth(server, inputs, size, depth=depth)
-    return TruePicture(picture_from_linear(drawn.colour), drawn.inverse_depth)
+    @functools.cached_property
+    def picture(self) -> NDArray[np.uint8]:
+        """The colour as sRGB, (h, w, 3)."""
+        return picture_from_linear(self.colour)
 
 
 def draw_truth(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:
-    """Return the scene as the eye should see it at this refresh, (w, h) pixels before the lens."""
+    """Return the scene as the eye should see it at this refresh, (w, h) pixels before the lens.
+
+    Errors: NoTruth.
+    """
     if inputs.shown_last is None:
         return _drawn(server, inputs.shown, inputs.shown_ns, size, depth)
     bands = bands_of(inputs.shown, inputs.shown_last, size)

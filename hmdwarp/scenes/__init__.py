@@ -1,6 +1,6 @@
 """Scenes: triangles, textures and baked light in plain arrays, and the effects they call for.
 
-Every public module of `library` is one scene; a new scene is one new file there.
+Every table of `library` is one scene; a new scene is a table there, and a model.
 """
 
 import lazy_loader

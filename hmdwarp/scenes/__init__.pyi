@@ -27,8 +27,6 @@ from ._mesh import Motion as Motion
 from ._mesh import Texture as Texture
 from ._mesh import chunks_of as chunks_of
 from ._mesh import morton as morton
-from ._panels import MOST_PANELS as MOST_PANELS
-from ._panels import Panel as Panel
 from ._pieces import COARSE as COARSE
 from ._pieces import COARSEST as COARSEST
 from ._pieces import FULL as FULL
@@ -42,9 +40,11 @@ from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit
 from ._scene import ATLAS as ATLAS
 from ._scene import MOST_LAMPS as MOST_LAMPS
+from ._scene import MOST_PANELS as MOST_PANELS
 from ._scene import NEAREST_M as NEAREST_M
 from ._scene import Background as Background
 from ._scene import Lamp as Lamp
+from ._scene import Panel as Panel
 from ._scene import Scene as Scene
 from ._scene import SceneMirror as SceneMirror
 from ._scene import is_cutout as is_cutout
@@ -66,9 +66,7 @@ from .library import SceneSource as SceneSource
 from .library import scenes as scenes
 from .motions import REACH_M as REACH_M
 from .motions import REACH_S as REACH_S
-from .motions import Joint as Joint
 from .motions import Pendulum as Pendulum
-from .motions import Skinned as Skinned
 from .motions import Spinning as Spinning
 from .motions import Still as Still
 from .motions import Thrown as Thrown

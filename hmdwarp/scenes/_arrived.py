@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import RigidState
-from ._mesh import Body, Brightness, Deformation, Motion
+from ._mesh import Body
 from ._scene import Scene
 from .motions import swing_m
+
+Array = NDArray[np.float64]
 
 
 @attrs.define(eq=False)
@@ -30,47 +34,31 @@ class ArrivedState:
 
 
 @attrs.frozen(eq=False)
-class _ArrivedMotion:
-    """A body's or a lamp's motion by what has arrived of it."""
+class _Arrived:
+    """A motion, a brightness or a deformation by what has arrived of it."""
 
-    motion: Motion
+    whole: Any
     arrived: ArrivedState
 
     def state(self, time_ns: int) -> RigidState:
         known_ns, age_ns = self.arrived.known(time_ns)
-        state = self.motion.state(known_ns)
+        state: RigidState = self.whole.state(known_ns)
         if not self.arrived.extrapolates and known_ns < time_ns:
             return RigidState(state.pose)
         velocity = state.velocity_m_s + age_ns * 1e-9 * state.acceleration_m_s2
         return attrs.evolve(state, pose=state.after(age_ns), velocity_m_s=velocity)
 
-
-@attrs.frozen(eq=False)
-class _ArrivedBrightness:
-    """A lamp's brightness by what has arrived of it."""
-
-    brightness: Brightness
-    arrived: ArrivedState
-
     def share(self, time_ns: int) -> float:
-        return self.brightness.share(self.arrived.known(time_ns)[0])
+        return float(self.whole.share(self.arrived.known(time_ns)[0]))
 
-
-@attrs.frozen(eq=False)
-class _ArrivedDeformation:
-    """A mesh's vertices by what has arrived of them."""
-
-    deformation: Deformation
-    arrived: ArrivedState
-
-    def positions(self, time_ns: int) -> NDArray[np.float64]:
+    def positions(self, time_ns: int) -> Array:
         known_ns, age_ns = self.arrived.known(time_ns)
-        positions = self.deformation.positions(known_ns)
-        return positions + swing_m(self.deformation.velocities(known_ns), age_ns) if age_ns else positions
+        positions: Array = self.whole.positions(known_ns)
+        return positions + swing_m(self.whole.velocities(known_ns), age_ns) if age_ns else positions
 
-    def velocities(self, time_ns: int) -> NDArray[np.float64]:
+    def velocities(self, time_ns: int) -> Array:
         known_ns, age_ns = self.arrived.known(time_ns)
-        velocities = self.deformation.velocities(known_ns)
+        velocities: Array = self.whole.velocities(known_ns)
         return velocities if known_ns == time_ns or age_ns else np.zeros_like(velocities)
 
 
@@ -85,17 +73,18 @@ def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
     and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright.
     """
-    bright = [one.brightness and _ArrivedBrightness(one.brightness, arrived) for one in scene.lamps]
-    moving = [_ArrivedMotion(one.motion, arrived) for one in scene.lamps]
-    lamps = zip(scene.lamps, moving, bright, strict=True)
+
+    def arrives(whole: Any) -> Any:
+        return None if whole is None else _Arrived(whole, arrived)
+
     return attrs.evolve(
         scene,
-        bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
-        lamps=[attrs.evolve(lamp, motion=motion, brightness=own) for lamp, motion, own in lamps],
+        bodies=[Body(body.name, arrives(body.motion)) for body in scene.bodies],
+        lamps=[
+            attrs.evolve(lamp, motion=arrives(lamp.motion), brightness=arrives(lamp.brightness)) for lamp in scene.lamps
+        ],
         meshes=[
-            mesh
-            if mesh.deformation is None
-            else attrs.evolve(mesh, deformation=_ArrivedDeformation(mesh.deformation, arrived))
+            mesh if mesh.deformation is None else attrs.evolve(mesh, deformation=arrives(mesh.deformation))
             for mesh in scene.meshes
         ],
     )

@@ -13,7 +13,7 @@ from ..errors import SceneError
 from ..geometry import Pose
 from ._gltf_nodes import Driven
 from ._mesh import Body, Material, Mesh, Texture
-from ._panels import Panel
+from ._scene import Panel
 
 _LOOSE = 1e-3  # share of its size by which a panel may be no rectangle
 MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here
@@ -35,6 +35,7 @@ class Look:
     uv_transform: Array = attrs.field(factory=lambda: np.eye(3))
     unlit: bool = False  # no light falls on it: it shines in its own colour
     emission: Array = attrs.field(factory=lambda: np.zeros(3))  # (3,) linear, where no picture has it
+    has_alpha: bool = False  # whether alpha counts
 
 
 @attrs.frozen(eq=False)
@@ -45,9 +46,9 @@ class Draft:
     positions: Array  # (n, 3) at time 0 in the file's world; in head axes if head-locked
     look: Look
     triangles: NDArray[np.uint32]
-    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3), in the same axes
-    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))  # (n, 2), origin bottom left
-    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3) linear
+    normals: Array  # (n, 3), in the same axes
+    uv: Array  # (n, 2), origin bottom left
+    colour: Array  # (n, 3) linear
     body: int = 0  # number of the body, 0 for none
     driven: Driven | None = None
     panel: bool = False  # it is sent as a panel, hidden by what is nearer if that is asked for
@@ -123,7 +124,7 @@ class Draft:
             look.double_sided,
             look.material,
             self.body,
-            self.driven.seen_from(origin) if self.driven is not None else None,
+            self.driven and attrs.evolve(self.driven, origin=origin),
             self.colour + look.emission if self.is_surface else self.colour,
         )
 

@@ -13,22 +13,21 @@ from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
 from ..options.named_files import SCENE, opened
 from ._draft import Draft
-from ._gltf_lamps import lit_by
 from ._gltf_scene import GltfContent
+from ._light_atlas import lit_by
 from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, unreadable
 from ._mitsuba_file import mitsuba_drafts
-from ._notes import Notes, add_hints, check_size
+from ._notes import Notes
 from ._scene import Background, Scene
-from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
+from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, add_hints, free_place, is_inside, place_at
 from .options import FILE_ENDINGS, SceneOptions
 
 Array = NDArray[np.float64]
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 # The head at rest: where traces are made, a window's viewer begins and OpenXR has its stage.
 STANDING = np.array([0.0, EYE_HEIGHT_M, 0.0])
-
-
+LARGEST_M = 1e9  # of a scene: beyond it squares of distances and inverse depths leave float32
 _FROM_Z_UP = ((1, 0, 0), (0, 0, 1), (0, -1, 0))
 
 
@@ -48,20 +47,21 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
         raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
     notes, units = Notes(path), np.eye(4)  # from the file's world to metres with +y up
     units[:3, :3] = options.scale * np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1)] if options.up == "y" else _FROM_Z_UP)
+    content, textures = None, list[Texture]()
     try:
         with np.errstate(all="ignore"):
             if path.suffix.lower() in (".glb", ".gltf"):
                 content = GltfContent(path, units, options.animation, notes)
-                return _scene(path, options, notes, content.drafts, content.textures, content)
-            if options.animation is not None:
+                drafts, textures = content.drafts, content.textures
+            elif options.animation is not None:
                 raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")
-            textures: list[Texture] = []
-            read = mitsuba_drafts if path.suffix.lower() == ".xml" else drafts_of
-            drafts = read(path, units, notes, textures)
-            taken = ["a unit is a metre (--scene-scale)"] * (options.scale == 1)
-            if taken := taken + ["y is up (--scene-up)"] * (options.up == "y"):
-                notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
-            return _scene(path, options, notes, drafts, textures)
+            else:
+                read = mitsuba_drafts if path.suffix.lower() == ".xml" else drafts_of
+                drafts = read(path, units, notes, textures)
+                taken = ["a unit is a metre (--scene-scale)"] * (options.scale == 1)
+                if taken := taken + ["y is up (--scene-up)"] * (options.up == "y"):
+                    notes.add(f"assumed (not stated in the file): {', '.join(taken)}")
+            return _scene(path, options, notes, drafts, textures, content)
     except (HmdwarpError, MemoryError):
         raise
     except Exception as error:  # a damaged file may hold any value where another is due
@@ -74,7 +74,7 @@ def _scene(
     notes: Notes,
     drafts: Sequence[Draft],
     textures: list[Texture],
-    content: GltfContent | None = None,
+    content: GltfContent | None,
 ) -> Scene:
     """Return the scene of these drafts, put where the viewer stands."""
     if not drafts:
@@ -90,7 +90,11 @@ def _scene(
         raise SceneError(
             f"{path}: all {sum(len(points) for points in clouds)} positions are the same point; export it again"
         )
-    check_size(path, low, high)
+    if (size := float((high - low).max())) > LARGEST_M:
+        raise SceneError(
+            f"{path}: {size:.3g} m across; expected at most {LARGEST_M:.0e} m: say what its unit is by"
+            " --scene-scale, or export it again"
+        )
     solid = [draft for draft in standing if draft.is_surface] or standing
     triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
     add_hints(triangles, low, high, options.scale, options.up, notes)

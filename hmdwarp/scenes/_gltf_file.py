@@ -105,15 +105,15 @@ class GltfFile:
         Errors: SceneError, and InputError for one that is refused, see read_beside.
         """
         if not isinstance(uri, str):
-            raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
+            raise self.damaged(f"{user}: {uri!r} in place of a file's name")
         if uri.startswith("data:"):
             head, _, data = uri.partition(",")
             try:
                 return base64.b64decode(unquote(data), validate=True) if ";base64" in head else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
-                raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
+                raise self.damaged(f"{user}: its data cannot be decoded ({error})") from error
         if len(uri) > _LONGEST_NAME:
-            raise self.error(f"{user}: a name of {len(uri)} characters in place of a file's; export it again")
+            raise self.damaged(f"{user}: a name of {len(uri)} characters in place of a file's")
         try:
             return read_beside(self.path.parent, uri)
         except InputError as error:
@@ -125,27 +125,30 @@ class GltfFile:
         """Return an error that names the file."""
         return SceneError(f"{self.path}: {what}")
 
+    def damaged(self, what: str) -> SceneError:
+        """Return an error about what no sound file holds."""
+        return self.error(f"{what}; export it again")
+
     def items(self, kind: str) -> list[dict[str, Any]]:
         """Return all items of a kind, such as "nodes"; none if the file lacks the list."""
         if kind in self.lists:
             return self.lists[kind]
         found = self.header.get(kind, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
-            raise self.error(f"its '{kind}' are not a list of objects; export it again")
+            raise self.damaged(f"its '{kind}' are not a list of objects")
         return self.lists.setdefault(kind, found)
 
     def item(self, kind: str, index: object, user: str) -> dict[str, Any]:
         """Return item `index` of a kind. Errors: SceneError, naming the `user` of the index."""
         found = self.items(kind)
         if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(found):
-            raise self.error(f"{user} uses number {index!r} of {len(found)} {kind}; export it again")
+            raise self.damaged(f"{user} uses number {index!r} of {len(found)} {kind}")
         return found[index]
 
     def count(self, table: dict[str, Any], name: str) -> int:
         """Return how many elements an accessor says that it has, 0 where that is no number."""
         index, found = table.get(name), self.items("accessors")
-        is_one = isinstance(index, int) and 0 <= index < len(found)
-        count = found[index].get("count") if is_one and isinstance(index, int) else 0
+        count = found[index].get("count") if isinstance(index, int) and 0 <= index < len(found) else 0
         return count if isinstance(count, int) else 0
 
     def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray[Any]:
@@ -182,8 +185,12 @@ class GltfFile:
             return np.zeros(shape)
         view = self.item("bufferViews", place["bufferView"], user)
         binary = self._buffer_of(view, user)
-        start, stride = self._place(view, place, number.itemsize * width, user)
-        if count and start + stride * (count - 1) + number.itemsize * width > len(binary):
+        size, offset = number.itemsize * width, place.get("byteOffset", 0)
+        start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
+        if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
+            raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
+        start += offset
+        if count and start + stride * (count - 1) + size > len(binary):
             raise self.error(f"{user} reaches beyond the file's {len(binary)} bytes; it is cut off or damaged")
         rows: NDArray[Any] = np.ndarray(shape, number, binary, start, (stride, number.itemsize))
         return rows.copy()
@@ -197,24 +204,14 @@ class GltfFile:
             out = rows.astype(values.dtype)
             out[which] = values
         except (KeyError, TypeError, ValueError, IndexError) as error:
-            raise self.error(
-                f"{user}: its sparse values do not fit ({type(error).__name__}: {error}); export it again"
-            ) from error
+            raise self.damaged(f"{user}: its sparse values do not fit ({type(error).__name__}: {error})") from error
         return out
 
     def _buffer_of(self, view: dict[str, Any], user: str) -> bytes:
         index = view.get("buffer", 0)
         if not isinstance(index, int) or not 0 <= index < len(self.buffers):
-            raise self.error(f"{user} lies in buffer {index!r} of {len(self.buffers)}; export it again")
+            raise self.damaged(f"{user} lies in buffer {index!r} of {len(self.buffers)}")
         return self.buffers[index]
-
-    def _place(self, view: dict[str, Any], place: dict[str, Any], size: int, user: str) -> tuple[int, int]:
-        """Return offset and stride of elements of `size` bytes."""
-        start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
-        offset = place.get("byteOffset", 0)
-        if not all(isinstance(value, int) and value >= 0 for value in (start, stride, offset)) or stride < size:
-            raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
-        return start + offset, stride
 
     def view(self, view: dict[str, Any]) -> bytes:
         """Return the bytes of a buffer view."""
@@ -233,9 +230,9 @@ class GltfFile:
         try:
             return rgba_of(Image.open(io.BytesIO(data)))
         except (OSError, ValueError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
-            raise self.error(
+            raise self.damaged(
                 f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
-                "PNG, JPEG or WebP; export it again"
+                "PNG, JPEG or WebP"
             ) from error
 
 
@@ -258,15 +255,6 @@ def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     return header
 
 
-def is_mirror(material: dict[str, Any]) -> bool:
-    """Return whether a material is polished metal (0.95 or more, rough 0.05 or less) all over."""
-    surface = material.get("pbrMetallicRoughness") or {}
-    if "metallicRoughnessTexture" in surface:
-        return False
-    metallic, rough = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
-    return isinstance(metallic, int | float) and isinstance(rough, int | float) and metallic >= 0.95 and rough <= 0.05
-
-
 POINTER, DRACO, INSTANCING = "KHR_animation_pointer", "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
 LIGHTS, KTX2, VISIBILITY = "KHR_lights_punctual", "KHR_texture_basisu", "KHR_node_visibility"
 READ = {POINTER, DRACO, INSTANCING, LIGHTS, SPECULAR, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization"}
@@ -278,36 +266,28 @@ _TOOLS = {
     "KHR_meshopt_compression": _COPY,
     KTX2: "gltf-transform ktxdecompress",
 }
-# They describe the file, not the picture.
-_SILENT = {"KHR_xmp", "KHR_xmp_json_ld"}
+# They describe the file, not the picture; images that are in no other format are noted one by one.
+_SILENT = {"KHR_xmp", "KHR_xmp_json_ld", KTX2}
 
 
 def check_extensions(file: GltfFile, notes: Notes) -> None:
     """Note the extensions that are left out. Errors: SceneError for what the file needs in vain."""
-    required, used = (_names(file, kind) for kind in ("extensionsRequired", "extensionsUsed"))
+    lists = [file.header.get(kind, []) for kind in ("extensionsRequired", "extensionsUsed")]
+    for kind, found in zip(("extensionsRequired", "extensionsUsed"), lists, strict=True):
+        if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
+            raise file.damaged(f"its '{kind}' are not a list of names")
+    required, used = map(dict.fromkeys, lists)
     missing = [name for name in required if name not in READ]
     if DRACO in required and not _has_draco():
         missing.insert(0, DRACO)
     if missing:
-        raise file.error("; ".join(_refusal(file, name) for name in missing))
-    left = [name for name in used if name not in READ | _SILENT and name not in _SPOKEN_OF_ELSEWHERE]
+        raise file.error("; ".join(_refusal(file.path, name) for name in missing))
+    left = [name for name in used if name not in READ | _SILENT]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
 
 
-# Images that are in no other format are noted one by one.
-_SPOKEN_OF_ELSEWHERE = {KTX2}
-
-
-def _names(file: GltfFile, kind: str) -> list[str]:
-    found = file.header.get(kind, [])
-    if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
-        raise file.error(f"its '{kind}' are not a list of names; export it again")
-    return list(dict.fromkeys(found))
-
-
-def _refusal(file: GltfFile, name: str) -> str:
-    own = file.path
+def _refusal(own: Path, name: str) -> str:
     if name == DRACO:
         install = f"install its decoder ({install_line('draco')}), or remove it with "
         return f"needs {name}: {install}'{_COPY} {own.name} {own.stem}-plain.glb'"
@@ -351,9 +331,7 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
     except SceneError:
         raise
     except Exception as error:  # a damaged stream: DracoPy raises what it likes
-        raise file.error(
-            f"{user}: its Draco data cannot be decoded ({type(error).__name__}); export it again"
-        ) from error
+        raise file.damaged(f"{user}: its Draco data cannot be decoded ({type(error).__name__})") from error
 
 
 def _draco_bytes(data: bytes) -> int:
@@ -391,12 +369,12 @@ def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray 
     }
     counts = {len(rows) for rows in parts.values()}
     if len(counts) != 1 or not all(np.isfinite(rows).all() for rows in parts.values()):
-        raise file.error(f"{user}: instances without one finite place, turn and size each; export it again")
+        raise file.damaged(f"{user}: instances without one finite place, turn and size each")
     (count,) = counts
     matrices = np.tile(np.eye(4), (count, 1, 1))
     if "ROTATION" in parts and count:
         if (np.linalg.norm(parts["ROTATION"], axis=1) < 1e-6).any():
-            raise file.error(f"{user}: an instance's rotation has length 0; export it again")
+            raise file.damaged(f"{user}: an instance's rotation has length 0")
         matrices[:, :3, :3] = Rotation.from_quat(parts["ROTATION"]).as_matrix()
     if "SCALE" in parts:
         matrices[:, :3, :3] *= parts["SCALE"][:, None, :]

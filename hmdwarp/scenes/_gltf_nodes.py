@@ -1,7 +1,8 @@
 """Nodes of a glTF file over time: hierarchy, animations, rigid bodies and skins, in float64.
 
 All are pure functions of the scene's clock.
-Source: Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
+Source: Magnenat-Thalmann et al. 1988, Joint-Dependent Local Deformations (linear blend skinning);
+Khronos 2021, glTF 2.0 Specification, 3.5.3 (transforms), 3.11 and appendix C (animations
 and their interpolation).
 """
 
@@ -103,14 +104,12 @@ class Nodes:
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
-        shows = [
+        hidden = [
             ((node.get("extensions") or {}).get(VISIBILITY) or {}).get("visible", True) is False for node in self._nodes
         ]
         # Of each node, whether it or an ancestor is animated; is hidden (KHR_node_visibility).
-        self._moving, self._hidden = (
-            self.inherited([node in self.curves for node in range(len(shows))]),
-            self.inherited(shows),
-        )
+        self.moving = self.inherited([node in self.curves for node in range(len(hidden))])
+        self.hidden = self.inherited(hidden)
         ends = [curve.times_s[-1] for curves in self.curves.values() for curve in curves.values()]
         self.period_s = float(max(ends, default=0.0))
 
@@ -143,21 +142,6 @@ class Nodes:
         for node in self._order:
             found[node] |= self.parents[node] >= 0 and found[self.parents[node]]
         return found
-
-    def moves(self, node: int) -> bool:
-        """Return whether the node or an ancestor is animated."""
-        return self._moving[node]
-
-    def is_visible(self, node: int) -> bool:
-        """Return whether the node and all above it are (Khronos 2025, KHR_node_visibility)."""
-        return not self._hidden[node]
-
-    def line(self, node: int) -> list[int]:
-        """Return the node and its ancestors, the topmost first."""
-        found = [node]
-        while self.parents[found[-1]] >= 0:
-            found.append(self.parents[found[-1]])
-        return found[::-1]
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
@@ -204,15 +188,13 @@ class Nodes:
         if "matrix" in node:
             matrix = np.array(node["matrix"], np.float64)
             if matrix.shape != (16,) or not np.isfinite(matrix).all():
-                raise self._file.error(f"node {index}: its matrix is not 16 finite numbers; export it again")
+                raise self._file.damaged(f"node {index}: its matrix is not 16 finite numbers")
             return matrix.reshape(4, 4).T
         found = {}
         for path, width in _WIDTH.items():
             value = np.array(node.get(path, _REST[path]), np.float64)
             if value.shape != (width,) or not np.isfinite(value).all() or (path == "rotation" and not value.any()):
-                raise self._file.error(
-                    f"node {index}: {path} {node.get(path)!r} is not {width} finite numbers; export it again"
-                )
+                raise self._file.damaged(f"node {index}: {path} {node.get(path)!r} is not {width} finite numbers")
             found[path] = value
         return found
 
@@ -256,7 +238,7 @@ class Nodes:
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
             if not isinstance(index, int) or not 0 <= index < len(samplers):
-                raise file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
+                raise file.damaged(f"{name} uses sampler {index!r} of {len(samplers)}")
             if path in self.curves.get(node, {}):
                 notes.add("an animation moves something twice; the first is played", f"{name}, {target_name}")
                 continue
@@ -287,7 +269,7 @@ class Nodes:
         if path == "rotation":
             size = np.linalg.norm(values[:, 1] if each == 3 else values, axis=1, keepdims=True)
             if (size < 1e-6).any():
-                raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
+                raise error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
             values = values if each == 3 else values / size
         return Curve(path, kind, times, values)
 
@@ -337,8 +319,11 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
     start = nodes.at(node, 0)[0][:3, :3]
     if abs(np.linalg.det(start)) < 1e-12:
         return False
-    curves = [curve.times_s for parent in nodes.line(node) for curve in nodes.curves.get(parent, {}).values()]
-    keys = np.unique(np.concatenate(curves))
+    times, above = list[Array](), node
+    while above >= 0:
+        times += [curve.times_s for curve in nodes.curves.get(above, {}).values()]
+        above = nodes.parents[above]
+    keys = np.unique(np.concatenate(times))
     for seconds in np.union1d(keys, (keys[1:] + keys[:-1]) / 2):
         if nodes.placed > MOST_PLACED:
             what = f"node {node}: its chains of nodes move at too many instants: {MOST_PLACED:,} places were looked at"
@@ -359,7 +344,7 @@ class Driven:
     inverse: Array  # (j, 4, 4) joint_from_rest
     which: NDArray[np.int64]  # (n, k) indices into joints, and their weights
     weights: Array
-    origin: Array  # origin of the scene
+    origin: Array = attrs.field(factory=lambda: np.zeros(3))  # of the scene
 
     def _blended(self, time_ns: int, derivative: int) -> Array:
         pairs = zip(self.joints, self.inverse, strict=True)
@@ -375,18 +360,6 @@ class Driven:
         """Return (n, 3) m/s in world axes."""
         return self._blended(time_ns, 1)
 
-    def seen_from(self, origin: Array) -> Driven:
-        """Return the same in a scene with that origin."""
-        return attrs.evolve(self, origin=np.array(origin, np.float64))
-
-
-def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
-    """Return a deformation in which one node drives all vertices."""
-    count = len(rest)
-    return Driven(
-        nodes, rest, [node], np.eye(4)[None], np.zeros((count, 1), np.int64), np.ones((count, 1)), np.zeros(3)
-    )
-
 
 def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], rest: Array, notes: Notes) -> Driven:
     """Return a primitive under a skin; its weights are scaled to sum 1, with a note if need be.
@@ -400,7 +373,7 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
         file.item("nodes", joint, name)
     attributes = primitive.get("attributes", {})
     if "JOINTS_0" not in attributes or "WEIGHTS_0" not in attributes:
-        raise file.error(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
+        raise file.damaged(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0)")
     sets = [k for k in range(4) if f"JOINTS_{k}" in attributes]
 
     def columns(kind: str) -> NDArray[Any]:
@@ -416,20 +389,13 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
     if (which[used] >= len(joints)).any():
         raise file.error(f"{name}: a vertex uses joint {int(which[used].max())}, there are {len(joints)}")
     which[~used] = 0
-    inverse = _inverse_bind_matrices(file, found, name, len(joints))
-    return Driven(nodes, rest, joints, inverse, which, weights, np.zeros(3))
-
-
-def _inverse_bind_matrices(file: GltfFile, skin: dict[str, Any], name: str, count: int) -> Array:
-    """Return (count, 4, 4) joint_from_rest; the identity where the skin lacks them."""
-    if "inverseBindMatrices" not in skin:
-        return np.tile(np.eye(4), (count, 1, 1))
-    found = file.numbers(skin["inverseBindMatrices"], name, 16).astype(np.float64)
-    if len(found) < count or not np.isfinite(found).all():
-        raise file.error(
-            f"{name}: {len(found)} inverse bind matrices for {count} joints, or not finite; export it again"
-        )
-    return found[:count].reshape(-1, 4, 4).transpose(0, 2, 1)
+    if "inverseBindMatrices" not in found:
+        return Driven(nodes, rest, joints, np.tile(np.eye(4), (len(joints), 1, 1)), which, weights)
+    inverse = file.numbers(found["inverseBindMatrices"], name, 16).astype(np.float64)
+    if len(inverse) < len(joints) or not np.isfinite(inverse).all():
+        raise file.damaged(f"{name}: {len(inverse)} inverse bind matrices for {len(joints)} joints, or not finite")
+    joint_from_rest = inverse[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
+    return Driven(nodes, rest, joints, joint_from_rest, which, weights)
 
 
 def _with_sum_1(file: GltfFile, name: str, weights: Array, notes: Notes) -> Array:
@@ -438,7 +404,7 @@ def _with_sum_1(file: GltfFile, name: str, weights: Array, notes: Notes) -> Arra
     if bad.any():
         vertex = int(np.argmax(bad))
         found = ", ".join(f"{value:.4g}" for value in weights[vertex])
-        raise file.error(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each; export it again")
+        raise file.damaged(f"{name}: weights {found} of vertex {vertex}; expected 0 or more each")
     total = weights.sum(axis=1)
     off = np.abs(total - 1)
     if (off > MOST_OFF).any():

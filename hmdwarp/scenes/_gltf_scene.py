@@ -1,4 +1,10 @@
-"""A glTF file as parts of a scene: meshes where they stand and as they move."""
+"""A glTF file as parts of a scene: its materials, meshes and lamps where they stand and move.
+
+Materials of specular and glossiness become those of metal and roughness, which glTF has today.
+Source: Khronos 2021, glTF 2.0 Specification; Khronos 2018, KHR_lights_punctual; Khronos 2017,
+KHR_materials_pbrSpecularGlossiness, its example of a conversion
+(https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Archived).
+"""
 
 from __future__ import annotations
 
@@ -10,18 +16,286 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..colour import linear_from_srgb, srgb8_from_linear
+from ..errors import SceneError
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
-from ._gltf_file import VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
-from ._gltf_lamps import lamps_in
-from ._gltf_looks import Looks
-from ._gltf_nodes import NodeMotion, Nodes, driven_by_node, is_rigid, skinned
-from ._mesh import Body
+from ._gltf_file import KTX2, LIGHTS, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
+from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
+from ._mesh import Body, Emission, Material, Texture
 from ._notes import Notes
 from ._scene import Lamp
+from .motions import Still
 from .options import numbered
 
 Array = NDArray[np.float64]
+Image = NDArray[np.uint8] | None
+_DIELECTRIC = 0.04  # the specular colour of every glTF material that is not a metal
+_BRIGHTNESS = np.array([0.299, 0.587, 0.114])
+
+
+def as_metal(
+    found: dict[str, Any], diffuse_image: Image, specular_image: Image
+) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
+    """Return `pbrMetallicRoughness` and the picture of its base colour, None for none.
+
+    found: the extension of a material, with the (h, w, 4) pictures that it names, None for none;
+    that of specular colour is scaled to the other's size.
+    """
+    factor = np.array(found.get("diffuseFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
+    specular = np.array(found.get("specularFactor", (1.0, 1.0, 1.0)), np.float64)
+    if factor.shape != (4,) or specular.shape != (3,):
+        return {"baseColorFactor": found.get("diffuseFactor")}, None  # refused as any wrong base colour
+    size = next((image.shape[:2] for image in (diffuse_image, specular_image) if image is not None), (1, 1))
+    base, metallic = _base_of(factor[:3] * _linear(diffuse_image, size), specular * _linear(specular_image, size))
+    rough = 1 - float(found.get("glossinessFactor", 1.0))
+    surface: dict[str, Any] = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
+    if specular_image is not None:
+        surface["roughnessFactor"] = max(rough, 0.5)  # rough here and there, so never a mirror
+    if diffuse_image is None and specular_image is None:
+        return surface | {"baseColorFactor": [*base[0, 0].tolist(), factor[3]]}, None
+    alpha = np.full((*size, 1), 255, np.uint8) if diffuse_image is None else diffuse_image[..., 3:]
+    image = np.concatenate([srgb8_from_linear(base), alpha], axis=2)
+    return surface | {"baseColorFactor": [1.0, 1.0, 1.0, factor[3]]}, image
+
+
+def _linear(image: Image, size: tuple[int, int]) -> Array:
+    """Return the linear colours of a picture at that size, (1, 1, 3) of 1 without one."""
+    from PIL import Image as Pictures
+
+    if image is None:
+        return np.ones((1, 1, 3))
+    if image.shape[:2] != size:
+        image = np.asarray(Pictures.fromarray(image).resize(size[::-1], Pictures.Resampling.BILINEAR))
+    return linear_from_srgb(image[..., :3]).astype(np.float64)
+
+
+def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
+    """Return base colour (h, w, 3) and how much is metal (h, w, 1)."""
+    diffuse, specular = np.broadcast_arrays(diffuse, specular)
+    left = 1 - specular.max(axis=2, keepdims=True)
+    # The share of metal at which both brightnesses come out.
+    b = _bright(diffuse) * left / (1 - _DIELECTRIC) + (bright := _bright(specular)) - 2 * _DIELECTRIC
+    root = np.sqrt(np.maximum(b**2 - 4 * _DIELECTRIC * (_DIELECTRIC - bright), 0))
+    metallic = np.where(bright < _DIELECTRIC, 0.0, np.clip((root - b) / (2 * _DIELECTRIC), 0, 1))
+    of_diffuse = diffuse * left / (1 - _DIELECTRIC) / np.maximum(1 - metallic, 1e-6)
+    of_specular = (specular - _DIELECTRIC * (1 - metallic)) / np.maximum(metallic, 1e-6)
+    share = metallic**2
+    return np.clip(of_diffuse * (1 - share) + of_specular * share, 0, 1), metallic
+
+
+def _bright(colour: Array) -> Array:
+    return np.asarray(np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]))
+
+
+_WHITE = np.full((1, 1, 3), 255, np.uint8)
+_REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
+
+
+class Looks:
+    """Looks of all materials of a file, each made once, and the textures they use."""
+
+    def __init__(self, file: GltfFile, notes: Notes) -> None:
+        self._file, self._notes = file, notes
+        self._made: dict[tuple[Any, ...], Look | None] = {}
+        self.textures: list[Texture] = []
+
+    def look_of(self, primitive: dict[str, Any], head_locked: bool) -> Look | None:
+        """Return the look of a primitive; None if it is wholly cut away."""
+        key = (primitive.get("material"), head_locked)
+        if key not in self._made:
+            material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
+            self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
+        return self._made[key]
+
+    def _look(self, gltf: dict[str, Any], name: str, head_locked: bool) -> Look | None:
+        gltf, image = self._surface(gltf, name)
+        plain = gltf.get("pbrMetallicRoughness") or {}
+        factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
+        if factor.shape != (4,) or not np.isfinite(factor).all():
+            raise self._file.damaged(f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers")
+        mode, base = gltf.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
+        alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
+        if mode == "MASK":
+            cutoff = float(gltf.get("alphaCutoff", 0.5))
+            if image is None and alpha < cutoff:
+                return None
+            if image is not None:
+                image = image.copy()
+                image[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
+            alpha = 1.0
+        elif mode != "BLEND" and image is not None:
+            image = image[..., :3]
+        # A mask without holes, or a blend that lets nothing pass, is a surface like any other.
+        see_through = mode in ("MASK", "BLEND") and (
+            alpha < 1 or (image is not None and image.shape[2] == 4 and int(image[..., 3].min()) < 255)
+        )
+        if head_locked:
+            material = Material(head_locked=True, opacity=alpha)
+        else:
+            material = self._material(gltf, name, alpha, factor[:3], see_through=see_through)
+        glow, base, emission = self._emission(gltf, name, material, base, is_pictured=image is not None)
+        texture = self._add(name, image, srgb=True, repeat=self._repeats(base, name), emission=emission)
+        coordinates, transform = _place_of(base)
+        return Look(
+            np.clip(factor[:3], 0, None),
+            texture,
+            material,
+            bool(gltf.get("doubleSided")),
+            coordinates,
+            self._uv_transform(transform, name),
+            "KHR_materials_unlit" in (gltf.get("extensions") or {}),
+            glow if emission is None else np.zeros(3),
+            mode != "OPAQUE",
+        )
+
+    def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
+        """Return the material by metal and roughness, and the picture of its base colour."""
+        found = (gltf.get("extensions") or {}).get(SPECULAR)
+        if found is None:
+            return gltf, self._image((gltf.get("pbrMetallicRoughness") or {}).get("baseColorTexture") or {}, name)
+        infos = [found.get(key) or {} for key in ("diffuseTexture", "specularGlossinessTexture")]
+        images = [self._image(info, name) for info in infos]
+        if all(image is not None for image in images) and _place_of(infos[0]) != _place_of(infos[1]):
+            self._notes.add("a specular picture with texture coordinates of its own is drawn at its mean", name)
+            images[1] = _mean_of(images[1])
+        surface, image = as_metal(found, images[0], images[1])
+        info = next((info for info, one in zip(infos, images, strict=True) if one is not None), {})
+        return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
+
+    def _emission(
+        self, gltf: dict[str, Any], name: str, material: Material, base: dict[str, Any], *, is_pictured: bool
+    ) -> tuple[Array, dict[str, Any], Emission | None]:
+        """Return the light of its own (3,), whose place its pictures have, and it as a picture.
+
+        Source: Khronos 2022, KHR_materials_emissive_strength.
+        """
+        strength = ((gltf.get("extensions") or {}).get("KHR_materials_emissive_strength") or {}).get("emissiveStrength")
+        factor = np.array(gltf.get("emissiveFactor", (0, 0, 0)), np.float64) * (1.0 if strength is None else strength)
+        if factor.shape != (3,) or not np.isfinite(factor).all():
+            raise self._file.damaged(f"{name}: its emission is not three finite numbers")
+        if not (factor > 0).any():
+            return np.zeros(3), base, None
+        factor, info = np.maximum(factor, 0), gltf.get("emissiveTexture") or {}
+        image = self._image(info, name, channels=3)
+        is_plain = image is None and not is_pictured and not material.transmission
+        if (material.see_through or material.head_locked) and not is_plain:
+            self._notes.add("the emission of what is see-through or fixed to the head is left out", name)
+            return np.zeros(3), base, None
+        if image is None:
+            return factor, base, Emission(_WHITE, factor) if is_pictured else None
+        base = base if is_pictured else info
+        if _place_of(base) != _place_of(info):
+            self._notes.add("emission with texture coordinates of its own is drawn at its mean", name)
+            image = _mean_of(image)
+        return factor, base, Emission(image, factor, self._repeats(info, name))
+
+    def _uv_transform(self, found: dict[str, Any], name: str) -> Array:
+        """Return (3, 3) of KHR_texture_transform."""
+        (x, y), (across, down) = found.get("offset", (0.0, 0.0)), found.get("scale", (1.0, 1.0))
+        sine, cosine = np.sin(found.get("rotation", 0.0)), np.cos(found.get("rotation", 0.0))
+        matrix = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
+        if not np.isfinite(matrix).all():
+            raise self._file.damaged(f"{name}: its KHR_texture_transform is not made of finite numbers")
+        return matrix
+
+    def _material(self, gltf: dict[str, Any], name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
+        passes, reflectivity = self._transmission(gltf, name), self._reflectivity(gltf, name, colour)
+        if passes > 0 or see_through:
+            if reflectivity:
+                self._notes.add("what mirrors and is see-through does not mirror", name)
+            return Material(see_through=True, opacity=alpha, transmission=passes)
+        if not reflectivity:
+            return Material()
+        bumps = gltf.get("normalTexture") or {}
+        image = self._image(bumps, name, channels=3)
+        normal_map = self._add(f"{name}-normal", image, srgb=False, repeat=self._repeats(bumps, name))
+        return Material(
+            reflectivity=reflectivity,
+            normal_map=normal_map,
+            normal_scale=float(bumps.get("scale", 1.0)),
+            curved=bool((gltf.get("extras") or {}).get("curved", False)),
+        )
+
+    def _transmission(self, gltf: dict[str, Any], name: str) -> float:
+        """Return the share of light that passes where the surface covers: none of what is metal.
+
+        The blend of alpha is apart from it: what alpha does not cover passes untouched.
+        Source: Khronos 2021, KHR_materials_transmission; glTF 2.0 Specification, B.2 (materials).
+        """
+        glass = (gltf.get("extensions") or {}).get("KHR_materials_transmission") or {}
+        passes = float(np.clip(glass.get("transmissionFactor", 0.0), 0, 1))
+        if not passes:
+            return 0.0
+        if "transmissionTexture" in glass:
+            self._notes.add("a transmission texture is left out, drawn with its factor everywhere", name)
+        surface = gltf.get("pbrMetallicRoughness") or {}
+        image = self._image(surface.get("metallicRoughnessTexture") or {}, name, channels=3)
+        metal = float(np.clip(surface.get("metallicFactor", 1.0), 0, 1))
+        metal *= 1.0 if image is None else float(image[..., 2].mean()) / 255
+        if metal == 1:
+            self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
+        return passes * (1 - metal)
+
+    def _reflectivity(self, gltf: dict[str, Any], name: str, colour: Array) -> float:
+        """Return `reflectivity` of the extras, else the base colour of a polished metal."""
+        share, surface = (gltf.get("extras") or {}).get("reflectivity"), gltf.get("pbrMetallicRoughness") or {}
+        if share is None:
+            metallic, rough = surface.get("metallicFactor", 1.0), surface.get("roughnessFactor", 1.0)
+            polished = isinstance(metallic, int | float) and isinstance(rough, int | float)
+            polished = polished and metallic >= 0.95 and rough <= 0.05 and "metallicRoughnessTexture" not in surface
+            return float(np.clip(colour, 0, 1).mean()) if polished else 0.0
+        if not isinstance(share, int | float) or not 0 <= share <= 1:
+            raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
+        return float(share)
+
+    def _image(self, info: dict[str, Any], name: str, channels: int = 4) -> NDArray[np.uint8] | None:
+        """Return (h, w, channels) bytes; None, with a note, if the image cannot be decoded."""
+        if "index" not in info:
+            return None
+        texture = self._file.item("textures", info["index"], name)
+        extensions = texture.get("extensions") or {}
+        source = (extensions.get("EXT_texture_webp") or {}).get("source", texture.get("source"))
+        if source is None and KTX2 in extensions:
+            self._notes.add(
+                "KTX2 images are not read, drawn plain ('gltf-transform ktxdecompress' converts them)", name
+            )
+            return None
+        try:
+            return self._file.image(source, name)[..., :channels]
+        except SceneError as error:
+            self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
+            return None
+
+    def _repeats(self, info: dict[str, Any], name: str) -> bool:
+        """Return whether a texture wraps around; else its border is continued."""
+        texture = self._file.item("textures", info["index"], name) if "index" in info else {}
+        sampler = self._file.item("samplers", texture["sampler"], name) if "sampler" in texture else {}
+        ways = {sampler.get(key, _REPEAT) for key in ("wrapS", "wrapT")}
+        if not ways <= {_REPEAT, _CLAMP} or len(ways) > 1:
+            self._notes.add("textures that are mirrored, or wrap on one axis alone, wrap on both", name)
+        return ways != {_CLAMP}
+
+    def _add(
+        self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool, repeat: bool, emission: Emission | None = None
+    ) -> int:
+        if image is None and emission is None:
+            return -1
+        self.textures.append(Texture(name, _WHITE if image is None else image, srgb, repeat, emission))
+        return len(self.textures) - 1
+
+
+def _place_of(info: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the attribute with a picture's texture coordinates, and its KHR_texture_transform."""
+    transform = (info.get("extensions") or {}).get("KHR_texture_transform") or {}
+    number = transform.get("texCoord", info.get("texCoord", 0))
+    return f"TEXCOORD_{number}", {key: value for key, value in transform.items() if key != "texCoord"}
+
+
+def _mean_of(image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+    """Return one pixel: the mean of an sRGB picture in linear light."""
+    assert image is not None
+    return srgb8_from_linear(linear_from_srgb(image).mean(axis=(0, 1), keepdims=True))
 
 
 FLAT = 1e-4  # a mirror is a plane if no vertex is farther off than this share of its size
@@ -47,10 +321,7 @@ class GltfContent:
         self.textures = self._looks.textures
         own = [bool((node.get("extras") or {}).get("head_locked")) for node in self._file.items("nodes")]
         self._locked = self._nodes.inherited(own)  # to the head, of each node
-        self.drafts = [
-            attrs.evolve(draft, normals=normals_of(draft.positions, draft.triangles))
-            for draft in filter(None, (self._draft(*place) for place in self._places()))
-        ]
+        self.drafts = [draft for place in self._places() if (draft := self._draft(*place)) is not None]
 
     @cached_property
     def cameras(self) -> list[tuple[str, int]]:
@@ -73,8 +344,38 @@ class GltfContent:
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
 
     def lamps(self) -> list[Lamp]:
-        """Return the lamps that shine, where the scene is put. Errors: as lamps_in."""
-        return lamps_in(self._file, self._nodes, filter(self._nodes.is_visible, self._shown_nodes()))
+        """Return the lamps that shine, by candela and lux, where the scene is put.
+
+        Errors: SceneError for a damaged one.
+        """
+        known = ((self._file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
+        found = []
+        for node in self._shown_nodes:
+            said = (self._file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
+            if said is None or self._nodes.hidden[node]:
+                continue
+            index = said.get("light")
+            if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
+                raise self._file.damaged(f"node {node} uses light {index!r} of {len(known)}")
+            found.append(self._lamp(node, known[index]))
+        return [lamp for lamp in found if max(lamp.colour) > 0]
+
+    def _lamp(self, node: int, said: dict[str, Any]) -> Lamp:
+        kind, spot = said.get("type"), said.get("spot") or {}
+        cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
+        light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
+        sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
+        if kind not in ("directional", "point", "spot") or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
+            raise self._file.error(
+                f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity "
+                f"{light.tolist()}, cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite "
+                "light of 0 or more, inner < outer <= 1.5708"
+            )
+        if abs(np.linalg.det(self._nodes.at(node, 0)[0][:3, :3])) < 1e-12:
+            raise self._file.damaged(f"node {node}: a light in a node of size 0, which has no direction")
+        motion = NodeMotion(self._nodes, node)
+        placed = motion if self._nodes.moving[node] else Still(motion.state(0).pose)
+        return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
 
     def move(self, world_from_file: Pose) -> None:
         """Let everything that moves do so where the scene is put."""
@@ -83,11 +384,11 @@ class GltfContent:
     def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
         """Return name, node and primitive of all triangles that the file shows."""
         file, found, hidden, left = self._file, [], 0, MOST_TRIANGLES
-        for index in self._shown_nodes():
+        for index in self._shown_nodes:
             node = file.items("nodes")[index]
             if "mesh" not in node:
                 continue
-            if not self._nodes.is_visible(index):
+            if self._nodes.hidden[index]:
                 hidden += 1
                 continue
             mesh = file.item("meshes", node["mesh"], f"node {index}")
@@ -104,8 +405,9 @@ class GltfContent:
             raise file.error(f"{VISIBILITY} hides all {hidden} nodes with a mesh; show some, and export it again")
         return found
 
+    @cached_property
     def _shown_nodes(self) -> list[int]:
-        """Return the nodes of the scene that the file shows first; all if it names no scene."""
+        """The nodes of the scene that the file shows first; all if it names no scene."""
         file, nodes = self._file, self._nodes
         if not file.items("scenes"):
             return list(range(len(nodes.parents)))
@@ -138,7 +440,7 @@ class GltfContent:
             return None
         uv = _uv(file, attributes, look, user, len(rest))
         colours = _vertex_colours(file, attributes, user, len(rest))
-        if self._looks.has_alpha(primitive) and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
+        if look.has_alpha and colours.shape[1] == 4 and (colours[:, 3] < 1).any():
             self.notes.add("the alpha of vertex colours is left out, drawn as 1", user)
         colour = look.colour * np.clip(np.nan_to_num(colours[:, :3]), 0, None)
         skin, instances = nodes[node].get("skin"), instances_of(file, nodes[node], user)
@@ -155,18 +457,19 @@ class GltfContent:
             if not len(triangles):
                 return None
         extras = nodes[node].get("extras") or {}
-        draft = Draft(name, rest, look, triangles, uv=uv, colour=colour)
-        draft = attrs.evolve(draft, panel=bool(extras.get("panel")), occluded=bool(extras.get("occluded")))
-        if draft.panel and not np.allclose(colour, 1):
+        panel, occluded = bool(extras.get("panel")), bool(extras.get("occluded"))
+        if panel and not np.allclose(colour, 1):
             self.notes.add("a panel has the colours of its picture alone", user)
-        draft = self._placed(draft, node, skin, primitive)
+        fixed = "a panel" if panel else "what is fixed to the head" if look.material.head_locked else ""
+        positions, body, driven = self._placed(rest, node, skin, primitive, fixed)
         if skin is None and np.linalg.det(self._nodes.at(node, 0)[0][:3, :3]) < 0:
-            draft = attrs.evolve(draft, triangles=draft.triangles[:, ::-1])  # a mirrored node turns them inside out
+            triangles = triangles[:, ::-1]  # a mirrored node turns them inside out
         if look.material.reflectivity and not look.material.curved:
-            sizes = np.linalg.svd(draft.positions - draft.positions.mean(axis=0), compute_uv=False)
+            sizes = np.linalg.svd(positions - positions.mean(axis=0), compute_uv=False)
             curved = len(sizes) == 3 and bool(sizes[-1] > FLAT * sizes[0])
-            draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=curved)))
-        return draft
+            look = attrs.evolve(look, material=attrs.evolve(look.material, curved=curved))
+        normals = normals_of(positions, triangles)
+        return Draft(name, positions, look, triangles, normals, uv, colour, body, driven, panel, occluded)
 
     def _shaped(self, rest: Array, node: dict[str, Any], primitive: dict[str, Any], user: str) -> Array:
         """Return the positions with the morph targets at the weights that the file gives them."""
@@ -183,28 +486,31 @@ class GltfContent:
                 rest = rest + weight * change
         return rest
 
-    def _placed(self, draft: Draft, node: int, skin: int | None, primitive: dict[str, Any]) -> Draft:
-        """Return the draft with its vertices where they are at time 0, and how they move."""
-        rest, nodes = draft.positions, self._nodes
+    def _placed(
+        self, rest: Array, node: int, skin: int | None, primitive: dict[str, Any], fixed: str
+    ) -> tuple[Array, int, Driven | None]:
+        """Return vertices where they are at time 0, and what moves them: a body's number, or more.
+
+        fixed: what it is that never moves, "" for a plain surface.
+        """
+        nodes = self._nodes
         if skin is not None:
             driven = skinned(self._file, nodes, skin, primitive, rest, self.notes)
-            draft = attrs.evolve(draft, positions=driven.positions(0))
-            return attrs.evolve(draft, driven=driven) if any(map(nodes.moves, driven.joints)) else draft
+            return driven.positions(0), 0, driven if any(nodes.moving[joint] for joint in driven.joints) else None
         matrix = nodes.at(node, 0)[0]
-        draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
-        if not nodes.moves(node):
-            return draft
-        if draft.panel or draft.look.material.head_locked:
-            what = "a panel" if draft.panel else "what is fixed to the head"
-            self.notes.add(f"{what} is not animated", f"node {node}")
-            return draft
+        positions = rest @ matrix[:3, :3].T + matrix[:3, 3]
+        if fixed and nodes.moving[node]:
+            self.notes.add(f"{fixed} is not animated", f"node {node}")
+        if fixed or not nodes.moving[node]:
+            return positions, 0, None
         if not is_rigid(nodes, node):
-            return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest))
+            which, weights = np.zeros((len(rest), 1), np.int64), np.ones((len(rest), 1))
+            return positions, 0, Driven(nodes, rest, [node], np.eye(4)[None], which, weights)
         if node not in self._body_numbers:
             name = self._file.items("nodes")[node].get("name") or f"node {node}"
             self.bodies.append(Body(name, NodeMotion(nodes, node)))
             self._body_numbers[node] = len(self.bodies)
-        return attrs.evolve(draft, body=self._body_numbers[node])
+        return positions, self._body_numbers[node], None
 
 
 def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int) -> NDArray[np.uint32]:
@@ -233,7 +539,7 @@ def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count
     # Quantised ones are meant as they are, and a transform makes them shares.
     uv = uv.astype(np.float64) if "KHR_mesh_quantization" in file.header.get("extensionsUsed", []) else _as_shares(uv)
     if len(uv) != count:
-        raise file.error(f"{user}: {count} positions and {len(uv)} texture coordinates; export it again")
+        raise file.damaged(f"{user}: {count} positions and {len(uv)} texture coordinates")
     if not np.array_equal(look.uv_transform, np.eye(3)):
         uv = uv @ look.uv_transform[:2, :2].T + look.uv_transform[:2, 2]
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
@@ -245,7 +551,7 @@ def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))
     if len(colours) != count or colours.shape[1] < 3:
-        raise file.error(f"{user}: {count} positions and {colours.shape} colours; export it again")
+        raise file.damaged(f"{user}: {count} positions and {colours.shape} colours")
     return colours
 
 

@@ -55,45 +55,37 @@ def _built(source: SceneSource) -> Scene:
     return source.build()
 
 
-@attrs.frozen
-class _Load:
-    """Something that a scene may have too much of."""
-
-    what: str
-    count: Callable[[Scene], int]
-    many: int  # from this count on a line is printed
-    remedy: str  # why it costs, and what to do about it
-
-
+# Something that a scene may have too much of: how much it has, from which count on a line is
+# printed, why it costs and what to do about it.
 # Each costs 5 to 20 ms of CPU time for one eye and picture where Mesa's llvmpipe draws (two cores,
 # 320x400); a GPU draws triangles far faster, but sorts, skins and calls no faster.
-_LOADS = (
-    _Load(
+_LOADS: tuple[tuple[str, Callable[[Scene], int], int, str], ...] = (
+    (
         "triangles",
         lambda scene: scene.triangle_count,
         250_000,
         "simplify the meshes in the tool that made them, as a software renderer takes 1 s for ten million",
     ),
-    _Load(
+    (
         "transparent triangles",
         lambda scene: sum(len(mesh.triangles) for mesh in scene.meshes if mesh.material.see_through),
         20_000,
         "each eye's picture sorts them all and its layer draws them three times; simplify them, make opaque what need "
         "not be seen through, or draw them into the picture alone (--effects no-transparency)",
     ),
-    _Load(
+    (
         "moving vertices",
         lambda scene: sum(len(mesh.positions) for mesh in scene.meshes if mesh.deformation is not None),
         50_000,
         "skins are bent on the CPU for each instant that is drawn; simplify what moves, or leave its animation out",
     ),
-    _Load(
+    (
         "moving bodies",
         lambda scene: len(scene.bodies),
         100,
         "each is drawn by itself; join those that move together under one node",
     ),
-    _Load(
+    (
         "textures",
         lambda scene: len(scene.textures),
         500,
@@ -104,5 +96,5 @@ _LOADS = (
 
 def slow_in(scene: Scene) -> tuple[str, ...]:
     """Return for each thing that makes drawing slow its count and what to do, one line each."""
-    counted = ((load, load.count(scene)) for load in _LOADS)
-    return tuple(f"{count:,} {load.what}: {load.remedy}" for load, count in counted if count >= load.many)
+    counted = ((what, count(scene), many, remedy) for what, count, many, remedy in _LOADS)
+    return tuple(f"{count:,} {what}: {remedy}" for what, count, many, remedy in counted if count >= many)

@@ -340,47 +340,37 @@ def _pictures_of_ply(path: Path) -> list[str]:
 
 
 def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: Notes) -> Draft:
+    """Return a part in its picture, else its vertex colours, its material's colour, or grey."""
     vertices = np.asarray(part.vertices, np.float64) @ units[:3, :3].T + units[:3, 3]
-    faces = np.asarray(part.faces).astype(np.uint32)
-    colour, uv, texture = _surface(part, len(vertices), textures, notes, name)
-    material = getattr(part.visual, "material", None)
-    try:  # an OBJ's `d` (dissolve), if it has one
-        share = float(next(iter((getattr(material, "kwargs", None) or {}).get("d", ()))))
-    except (ValueError, StopIteration):
-        share = 1.0
-    see_through = Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
-    double_sided = bool(getattr(material, "doubleSided", False)) or not is_closed(vertices, faces)
-    look = Look(np.ones(3), texture, see_through, double_sided)
-    return Draft(name, vertices, look, faces, normals_of(vertices, faces), uv, colour)
-
-
-def _surface(part: Any, count: int, textures: list[Texture], notes: Notes, name: str) -> tuple[Array, Array, int]:
-    """Return linear colour (n, 3), uv (n, 2) and texture index of a part.
-
-    Its picture comes first, else its vertex colours, else its material's colour, else grey.
-    """
-    visual, uv = part.visual, np.zeros((count, 2))
-    material = getattr(visual, "material", None)
-    picture, diffuse = getattr(material, "image", None), getattr(material, "diffuse", None)
-    try:
-        picture = None if picture is None else rgba_of(picture)[..., :3]
-    except (OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
-        picture = None
-    found_uv = getattr(visual, "uv", None)
-    if found_uv is not None and np.shape(found_uv) == (count, 2):
+    faces, visual, uv = np.asarray(part.faces).astype(np.uint32), part.visual, np.zeros((len(vertices), 2))
+    material, found_uv = getattr(visual, "material", None), getattr(visual, "uv", None)
+    if found_uv is not None and np.shape(found_uv) == uv.shape:
         uv = np.asarray(found_uv, np.float64)
         if not np.isfinite(uv).all():
             notes.add("texture coordinates that are not finite numbers were set to 0", name)
             uv = np.where(np.isfinite(uv), uv, 0)
     # An OBJ's Kd is sRGB.
-    base = None if diffuse is None else linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
-    if picture is not None and found_uv is not None:
-        textures.append(Texture(name, picture))
-        chosen = np.ones(3) if base is None or tuple(np.asarray(diffuse)[:3]) == _TRIMESH_DEFAULT else base
-        return np.tile(chosen, (count, 1)), uv, len(textures) - 1
+    diffuse, colour, texture = getattr(material, "diffuse", None), np.full(3, GREY), -1
+    if diffuse is not None:
+        colour = linear_from_srgb(np.asarray(diffuse, np.float64)[:3] / 255.0)
     colours = getattr(visual, "vertex_colors", None) if visual.kind in ("vertex", "face") else None
     if colours is None:
         colours = (getattr(visual, "vertex_attributes", None) or {}).get("color")
-    if colours is not None and np.shape(colours)[0] == count:
-        return np.asarray(linear_from_srgb(np.asarray(colours)[:, :3] / 255.0), np.float64), uv, -1
-    return np.tile(np.full(3, GREY) if base is None else base, (count, 1)), uv, -1
+    image, picture = getattr(material, "image", None), None
+    with suppress(OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
+        picture = None if image is None else rgba_of(image)[..., :3]
+    if picture is not None and found_uv is not None:
+        textures.append(Texture(name, picture))
+        texture = len(textures) - 1
+        if diffuse is None or tuple(np.asarray(diffuse)[:3]) == _TRIMESH_DEFAULT:
+            colour = np.ones(3)
+    elif colours is not None and len(colours) == len(vertices):
+        colour = linear_from_srgb(np.asarray(colours)[:, :3] / 255.0)
+    try:  # an OBJ's `d` (dissolve), if it has one
+        share = float(next(iter((getattr(material, "kwargs", None) or {}).get("d", ()))))
+    except (ValueError, StopIteration):
+        share = 1.0
+    see_through = Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
+    look = Look(np.ones(3), texture, see_through, not is_closed(vertices, faces))
+    colour = np.broadcast_to(np.asarray(colour, np.float64), vertices.shape)
+    return Draft(name, vertices, look, faces, normals_of(vertices, faces), uv, colour)

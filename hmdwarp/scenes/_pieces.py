@@ -22,7 +22,6 @@ from ._scene import Scene
 STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02
 # Scales at which a texture crosses, one after the other.
 SCALES = COARSEST, COARSE, HALF, FULL = (1 / 32, 1 / 8, 1 / 2, 1.0)
-_LEVEL = 6
 _COUNT = struct.Struct("<I")
 
 
@@ -71,7 +70,9 @@ class Pieces:
     @cached_property
     def stand_ins(self) -> list[Mesh | None]:
         """For each mesh one with few triangles, None where that is too small to be missed."""
-        return _stand_ins(self.meshes)
+        count = sum(len(mesh.triangles) for mesh in self.meshes)
+        kept = fewer_triangles(self.meshes, max(STAND_IN_SHARE, min(1.0, STAND_IN_TRIANGLES / max(1, count))))
+        return [with_triangles(mesh, few) if len(few) else None for mesh, few in zip(self.meshes, kept, strict=True)]
 
     @cached_property
     def light(self) -> NDArray[np.float16] | None:
@@ -143,7 +144,19 @@ class Pieces:
         )
 
     def _packed(self, meshes: Sequence[tuple[int, Mesh]]) -> bytes:
-        return _packed_meshes(meshes, [self.under_lamps(mesh) for _, mesh in meshes])
+        """Return meshes with their indices, and what lamps take of those under them."""
+        sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32)
+        rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
+        lit = [mesh for _, mesh in meshes if self.under_lamps(mesh)]
+        albedo = (np.full_like(one.light, UNKNOWN_ALBEDO) if one.albedo is None else one.albedo for one in lit)
+        more = [np.hstack([one.normals, one.light_uv, own]) for one, own in zip(lit, albedo, strict=True)]  # type: ignore
+        vertices, further = (np.concatenate([np.zeros((0, 8), np.float32), *each]) for each in (rows, more))
+        corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
+        planes = sizes.tobytes()
+        for array in (vertices, corners, further):  # differences from row to row, equal bytes of all rows together
+            values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
+            planes += np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
+        return _COUNT.pack(len(sizes)) + zlib.compress(planes)
 
     def blank(self) -> Scene:
         """Return the scene as it is known at the start.
@@ -191,35 +204,9 @@ def _cut(mesh: Mesh) -> list[Mesh]:
     return [mesh] if len(chunks) == 1 else [with_triangles(mesh, chunk) for chunk in chunks]
 
 
-def _stand_ins(meshes: Sequence[Mesh]) -> list[Mesh | None]:
-    count = sum(len(mesh.triangles) for mesh in meshes)
-    share = max(STAND_IN_SHARE, min(1.0, STAND_IN_TRIANGLES / max(1, count)))
-    kept = fewer_triangles(meshes, share)
-    return [
-        with_triangles(mesh, triangles) if len(triangles) else None
-        for mesh, triangles in zip(meshes, kept, strict=True)
-    ]
-
-
 # Positions, places on the texture and light, (n, 8); triangles; under lamps (n, 8) normals, places
 # in the light atlas and albedo.
 _Arrays = tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.float32] | None]
-
-
-def _packed_meshes(meshes: Sequence[tuple[int, Mesh]], under_lamps: Sequence[bool]) -> bytes:
-    """Return meshes with their indices, and what lamps take of those under them."""
-    sizes = np.array([(k, len(mesh.positions), len(mesh.triangles)) for k, mesh in meshes], np.uint32).reshape(-1, 3)
-    rows = [np.hstack([mesh.positions, mesh.uv, mesh.light]) for _, mesh in meshes]
-    lamps = [mesh for (_, mesh), is_lit in zip(meshes, under_lamps, strict=True) if is_lit]
-    albedo = (np.full_like(one.light, UNKNOWN_ALBEDO) if one.albedo is None else one.albedo for one in lamps)
-    lit = [np.hstack([one.normals, one.light_uv, own]) for one, own in zip(lamps, albedo, strict=True)]  # type: ignore
-    vertices, further = (np.concatenate([np.zeros((0, 8), np.float32), *each]) for each in (rows, lit))
-    corners = np.concatenate([np.zeros((0, 3), np.uint32), *(mesh.triangles for _, mesh in meshes)])
-    planes = sizes.tobytes()
-    for array in (vertices, corners, further):  # differences from row to row, equal bytes of all rows together
-        values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
-        planes += np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
-    return _COUNT.pack(len(sizes)) + zlib.compress(planes, _LEVEL)
 
 
 def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple[int, *_Arrays]]:

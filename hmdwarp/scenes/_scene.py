@@ -1,8 +1,8 @@
-"""A scene: meshes, textures, lamps, mirrors, moving bodies and background, checked together."""
+"""A scene: meshes, textures, lamps, mirrors, panels and background, checked together."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -10,13 +10,14 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
-from ..geometry import Mirror, Pose
+from ..errors import SceneError, in_brief
+from ..geometry import Mirror, Pose, View, is_a, real
 from ..geometry.view import MOST_MIRRORS
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
-from ._panels import MOST_PANELS, Panel
 from .input_events import InputLog
+from .shapes import Quad
 
+MOST_PANELS = 15  # a headset's runtime composes 16 layers at least, of which one is the picture
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
 Rgb = tuple[float, float, float]
@@ -68,18 +69,6 @@ class Lamp:
         return np.append(ahead, -outer * scale)
 
 
-def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:
-    """Return why the lamps cannot light the meshes, "" if they can."""
-    if len(lamps) > MOST_LAMPS:
-        return f"{len(lamps)} lamps: expected at most {MOST_LAMPS}"
-    for mesh in meshes:
-        if mesh.light_uv is not None and mesh.deformation is not None:
-            return f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
-        if lamps and mesh.material.reflectivity:
-            return f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces"
-    return ""
-
-
 SAME_DIRECTION = 1e-3  # rad, between the normals of one plane
 SAME_PLANE_M = 1e-3
 
@@ -92,34 +81,6 @@ class SceneMirror:
     meshes: tuple[Mesh, ...]
     normal_map: int  # index of the texture that disturbs the reflection, -1 for none; and by how much
     normal_scale: float
-
-
-def mirrors_of(scene: str, meshes: Sequence[Mesh], origin_m: NDArray[np.float64]) -> tuple[SceneMirror, ...]:
-    """Return all mirrors of the scene called `scene`, plane ones first.
-
-    Each curved mesh is a mirror of its own, the ball around its vertices.
-    Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror that
-    moves, and for more than MOST_MIRRORS.
-    """
-    groups: dict[tuple[Any, ...], list[Mesh]] = {}
-    for index, mesh in enumerate(meshes):
-        if not mesh.material.reflectivity:
-            continue
-        if mesh.body or mesh.deformation is not None:
-            raise SceneError(f"mesh '{mesh.name}': a mirror that moves; keep it still or set its reflectivity to 0")
-        what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
-        key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
-        groups.setdefault((*key, *what), []).append(mesh)
-    if len(groups) > MOST_MIRRORS:
-        raise SceneError(
-            f"scene '{scene}' has {len(groups)} mirrors: expected at most {MOST_MIRRORS}; one plane counts once"
-        )
-    ordered = sorted(groups.values(), key=lambda group: group[0].material.curved)
-    materials = [group[0].material for group in ordered]
-    return tuple(
-        SceneMirror(_shape(group, origin_m), tuple(group), material.normal_map, material.normal_scale)
-        for group, material in zip(ordered, materials, strict=True)
-    )
 
 
 def _plane_of(mesh: Mesh) -> NDArray[np.float64]:
@@ -207,6 +168,66 @@ class Background:
         return cls(colour, colour, colour)
 
 
+def _pictures(value: Any) -> tuple[Texture, ...]:
+    found = value if isinstance(value, tuple | list) else (value,)
+    return tuple(each if isinstance(each, Texture) else Texture("panel", each, repeat=False) for each in found)
+
+
+def _size(value: Any) -> tuple[float, float]:
+    try:
+        width, height = map(float, value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise SceneError(f"a panel's size is {in_brief(value)}: expected width and height in metres") from error
+    if not (0 < width < np.inf and 0 < height < np.inf):
+        raise SceneError(f"a panel is {width:g} x {height:g} m: expected finite lengths above 0")
+    return width, height
+
+
+@attrs.frozen(eq=False)
+class Panel:
+    """A picture in the world or fixed to the head, seen from its front: +z of its pose.
+
+    Errors: SceneError for pictures of another shape or type, and for a size that is not above 0.
+    """
+
+    # (h, w, 3 or 4) uint8 sRGB, the top row first; or several, which take turns.
+    pictures: tuple[Texture, ...] = attrs.field(converter=_pictures)
+    # Of its middle: world_from_panel, or head_from_panel.
+    pose: Pose = attrs.field(validator=is_a(Pose))
+    # Width along the pose's x, height along its y, in metres.
+    size_m: tuple[float, float] = attrs.field(converter=_size)
+    head_locked: bool = False
+    # Whether what is nearer in the picture hides it.
+    occluded: bool = False
+    # How long each picture stays.
+    seconds: float = attrs.field(default=1.0, converter=real)
+
+    def __attrs_post_init__(self) -> None:
+        if not self.pictures or not 0 < self.seconds < np.inf:
+            raise SceneError(
+                f"a panel of {len(self.pictures)} pictures for {self.seconds:g} s each: expected one or more, and a "
+                "finite time above 0"
+            )
+
+    def showing(self, time_ns: int) -> int:
+        """Return which of its pictures it shows at an instant."""
+        return int(time_ns // max(1, round(self.seconds * 1e9))) % len(self.pictures)
+
+    def eye_from_panel(self, view: View) -> Pose:
+        """Return where it is to an eye, without passing the world's origin."""
+        return self.pose.relative_to(view.head_from_eye if self.head_locked else view.pose)
+
+    def away_m(self, view: View) -> float:
+        """Return how far its middle is from an eye."""
+        return float(np.linalg.norm(self.eye_from_panel(view).position_m))
+
+    @property
+    def quad(self) -> Quad:
+        """The rectangle, in the panel's own axes."""
+        width, height = self.size_m
+        return Quad((0.0, 0.0, 0.0), (width / 2, 0.0, 0.0), (0.0, height / 2, 0.0))
+
+
 @attrs.define(eq=False, frozen=True, slots=False)
 class Scene:
     """Everything the server needs to draw, and where a viewer may stand.
@@ -252,14 +273,42 @@ class Scene:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
         if len(self.panels) > MOST_PANELS:
             raise SceneError(f"{len(self.panels)} panels: expected at most {MOST_PANELS}")
-        if problem := problem_with(self.meshes, self.lamps):
-            raise SceneError(problem)
+        if len(self.lamps) > MOST_LAMPS:
+            raise SceneError(f"{len(self.lamps)} lamps: expected at most {MOST_LAMPS}")
+        for mesh in self.meshes:
+            if mesh.light_uv is not None and mesh.deformation is not None:
+                raise SceneError(
+                    f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
+                )
+            if self.lamps and mesh.material.reflectivity:
+                raise SceneError(f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces")
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property
     def mirrors(self) -> tuple[SceneMirror, ...]:
-        """Mirrors, plane ones first; see mirrors_of for its errors."""
-        return mirrors_of(self.name, self.meshes, self.origin_m)
+        """Mirrors, plane ones first; each curved mesh is its own, the ball around its vertices.
+
+        Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror
+        that moves, and for more than MOST_MIRRORS.
+        """
+        groups: dict[tuple[Any, ...], list[Mesh]] = {}
+        for index, mesh in enumerate(self.meshes):
+            if not mesh.material.reflectivity:
+                continue
+            if mesh.body or mesh.deformation is not None:
+                raise SceneError(f"mesh '{mesh.name}': a mirror that moves; keep it still or set its reflectivity to 0")
+            what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
+            key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
+            groups.setdefault((*key, *what), []).append(mesh)
+        if len(groups) > MOST_MIRRORS:
+            raise SceneError(
+                f"scene '{self.name}' has {len(groups)} mirrors: expected at most {MOST_MIRRORS}; one plane counts once"
+            )
+        ordered = sorted(groups.values(), key=lambda group: group[0].material.curved)
+        return tuple(
+            SceneMirror(_shape(group, self.origin_m), tuple(group), like.normal_map, like.normal_scale)
+            for group, like in ((group, group[0].material) for group in ordered)
+        )
 
     def lit_ns(self, time_ns: int) -> int:
         """Return of which instant the light is in which the scene is seen at an instant."""

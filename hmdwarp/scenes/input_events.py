@@ -10,6 +10,7 @@ import random
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -28,6 +29,7 @@ EVERY_S = 0.7
 _AIM_RAD = math.radians(15)
 # Length of a direction, at least: squares of it are normal numbers.
 LEAST_WAY = 1e-9
+_TIME = attrgetter("time_ns")
 Triple = tuple[float, float, float]
 
 
@@ -126,9 +128,9 @@ class InputLog:
                 f"{event.action} '{target}': expected {' or '.join(self.things[target].takes)} of what it takes"
             )
         event, events = attrs.evolve(event, target=target), self.book.events[target]
-        if event in events[bisect_right(events, event.time_ns - 1, key=_time) :]:
+        if event in events[bisect_right(events, event.time_ns - 1, key=_TIME) :]:
             return event
-        at = bisect_right(events, event.time_ns, key=_time)
+        at = bisect_right(events, event.time_ns, key=_TIME)
         events.insert(at, event)
         del self.book.states[target][at + 1 :]
         return event
@@ -136,11 +138,11 @@ class InputLog:
     def of(self, target: str, time_ns: int) -> tuple[Sequence[InputEvent], int]:
         """Return the inputs that name a thing, oldest first, and how many are up to an instant."""
         events = self.book.events[target]
-        return events, bisect_right(events, time_ns, key=_time)
+        return events, bisect_right(events, time_ns, key=_TIME)
 
     def __iter__(self) -> Iterator[InputEvent]:
         """Iterate over all inputs, oldest first."""
-        return iter(sorted((event for events in self.book.events.values() for event in events), key=_time))
+        return iter(sorted((event for events in self.book.events.values() for event in events), key=_TIME))
 
     def __len__(self) -> int:
         return len(self.book)
@@ -163,10 +165,6 @@ class InputLog:
         return min(found)[1]
 
 
-def _time(event: InputEvent) -> int:
-    return event.time_ns
-
-
 def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: int) -> int:
     """Add the inputs of `seed:N`, or those in a file; return how many mean nothing that takes them.
 
@@ -177,7 +175,7 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
         found: Iterable[InputEvent] = _by_seed(seed_of(spec), list(log.things.values()), *span_ns)
     else:
         read = [attrs.evolve(event, time_ns=event.time_ns - epoch_ns) for event in read_inputs(Path(spec))]
-        found = sorted(read, key=_time)
+        found = sorted(read, key=_TIME)
     lost = 0
     for event in found:
         try:

@@ -1,13 +1,10 @@
 """Motions of rigid bodies (none, spinning, swinging, thrown, along a track), and deformations.
 
-They are pure functions of the scene's clock, in float64. Meshes deform as cloth in the wind, or as
-a skin over joints.
-Source: Magnenat-Thalmann et al. 1988, Joint-Dependent Local Deformations (linear blend skinning).
+They are pure functions of the scene's clock, in float64.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -237,10 +234,6 @@ def _points(value: ArrayLike) -> Array:
     return array
 
 
-def _point(value: ArrayLike) -> Array:
-    return np.asarray(_points(np.array([value]))[0])
-
-
 def _direction(value: ArrayLike) -> Array:
     array = np.array(value, np.float64)
     if array.shape != (3,) or not np.isfinite(array).all() or not np.linalg.norm(array) > 0:
@@ -286,114 +279,3 @@ class Waving:
         """Return (n, 3) m/s in world axes."""
         speed = 2 * np.pi / self.period_s * self.height_m * self.away * self._swing(time_ns, 1)
         return speed[:, None] * self.out
-
-
-@attrs.frozen(eq=False)
-class Joint:
-    """A swinging hinge; its angle is `middle_rad` + `swing_rad` * sin of the phase.
-
-    Errors: SceneError for an axis of length 0, numbers that are not finite and a period of 0.
-    """
-
-    name: str
-    parent: int  # index of the parent joint, lower than this joint's own; -1 for none
-    pivot: Array = attrs.field(converter=_point)  # (3,) at rest, metres relative to the scene's origin
-    axis: Array = attrs.field(converter=_direction)  # angles are right-handed about it
-    swing_rad: float = 0.0
-    middle_rad: float = 0.0
-    period_s: float = 1.0
-    phase: float = 0.0  # share of a period, 0 to 1
-
-    def __attrs_post_init__(self) -> None:
-        if not np.isfinite([self.swing_rad, self.middle_rad, self.period_s, self.phase]).all() or not self.period_s > 0:
-            raise SceneError(
-                f"joint '{self.name}': expected finite angles and a period above 0, found period {self.period_s:g} s"
-            )
-
-    def turn(self, time_ns: int) -> tuple[Array, Array]:
-        """Return 4x4 parent_from_joint, both in rest coordinates, and its change in 1/s."""
-        from scipy.spatial.transform import Rotation
-
-        place = 2 * np.pi * (time_ns * 1e-9 / self.period_s + self.phase)
-        rotation = Rotation.from_rotvec(self.axis * (self.middle_rad + self.swing_rad * np.sin(place))).as_matrix()
-        rate = self.swing_rad * np.cos(place) * 2 * np.pi / self.period_s
-        x, y, z = self.axis * rate
-        change = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation
-        moved, moving = np.eye(4), np.zeros((4, 4))
-        moved[:3, :3], moved[:3, 3] = rotation, self.pivot - rotation @ self.pivot
-        moving[:3, :3], moving[:3, 3] = change, -change @ self.pivot
-        return moved, moving
-
-
-def _indices(value: ArrayLike) -> NDArray[np.int64]:
-    return np.array(value, np.int64)
-
-
-@attrs.frozen(eq=False)
-class Skinned:
-    """A skin over joints: each vertex follows the weighted mean of its joints.
-
-    Errors: SceneError for an unknown joint, a parent that does not precede its child, and weights
-    that do not sum to 1.
-    """
-
-    rest: Array = attrs.field(converter=_points)  # (n, 3) metres
-    joints: Sequence[Joint] = attrs.field(converter=tuple[Joint, ...])  # parents before children
-    which: NDArray[np.int64] = attrs.field(converter=_indices)  # (n, k) indices into joints
-    weights: Array = attrs.field(converter=_array)  # (n, k), 0 or more, of sum 1
-
-    def __attrs_post_init__(self) -> None:
-        if self.which.ndim != 2 or len(self.which) != len(self.rest) or self.weights.shape != self.which.shape:
-            found = f"{len(self.rest)} points, joints {self.which.shape}, weights {self.weights.shape}"
-            raise SceneError(f"skin: {found}: expected (n, k) for both")
-        self._check_joints()
-        bad = ~(
-            np.isfinite(self.weights).all(axis=1)
-            & (self.weights >= 0).all(axis=1)
-            & (np.abs(self.weights.sum(axis=1) - 1) <= 1e-4)
-        )
-        if bad.any():
-            vertex = int(np.argmax(bad))
-            raise SceneError(
-                f"skin: weights {self.weights[vertex]} of vertex {vertex}: expected 0 or more each, with sum 1"
-            )
-
-    def _check_joints(self) -> None:
-        for index, joint in enumerate(self.joints):
-            if not -1 <= joint.parent < index:
-                raise SceneError(
-                    f"joint '{joint.name}', number {index}, hangs from joint {joint.parent}: "
-                    "expected -1 or one before it"
-                )
-        beyond = (self.which < 0) | (self.which >= len(self.joints))
-        if beyond.any():
-            vertex = int(np.argmax(beyond.any(axis=1)))
-            raise SceneError(
-                f"skin: vertex {vertex} uses joint {self.which[vertex].max()}, there are {len(self.joints)}"
-            )
-
-    def _blended(self, time_ns: int) -> tuple[Array, Array]:
-        """Return (n, 3, 4) transforms of the vertices, and their change in 1/s."""
-        moved: list[Array] = []
-        moving: list[Array] = []
-        for joint in self.joints:
-            turn, change = joint.turn(time_ns)
-            above = (moved[joint.parent], moving[joint.parent]) if joint.parent >= 0 else (np.eye(4), np.zeros((4, 4)))
-            moved.append(above[0] @ turn)
-            moving.append(above[1] @ turn + above[0] @ change)
-
-        def blend(matrices: list[Array]) -> Array:
-            return np.asarray(np.einsum("nk,nkij->nij", self.weights, np.array(matrices)[:, :3][self.which]))
-
-        return blend(moved), blend(moving)
-
-    def _applied(self, matrices: Array) -> Array:
-        return np.asarray(np.einsum("nij,nj->ni", matrices[:, :, :3], self.rest) + matrices[:, :, 3])
-
-    def positions(self, time_ns: int) -> Array:
-        """Return (n, 3) metres relative to the scene's origin."""
-        return self._applied(self._blended(time_ns)[0])
-
-    def velocities(self, time_ns: int) -> Array:
-        """Return (n, 3) m/s in world axes."""
-        return self._applied(self._blended(time_ns)[1])

@@ -84,9 +84,6 @@ class SceneOptions(Declared):
         return (*numbers, 0.0)[:4]
 
 
-# A scene's name or file, and how the file is read.
-
-
 def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") -> int:
     """Return the index of `name` among the names: a name first, else a number from 0.
 

@@ -23,7 +23,7 @@ from ..options import AUTO, parse_size
 from ..pipeline import PipelineOptions
 from ..report import counted
 from ..resources import __version__
-from ..run import RunOptions, figures
+from ..run import RunOptions, measured
 from ..scenes import inputs_beside
 from .design import live_options
 from .measure_options import MeasureOptions
@@ -165,7 +165,7 @@ def _how(run: RunOptions) -> dict[str, Any]:
 
 
 def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
-    found = figures(run, progress)
+    found = measured(run, progress).summary
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
     eyes_with_truth = run.source_kind.eyes

@@ -286,7 +286,7 @@ def test_a_folder_is_listed_as_it_was_read_and_its_sky_noted(recorded_sky):
     stated = read_stated([recorded_sky], SequenceOptions.of({"depth_scale": 0.001, "intrinsics": "60,60,39.5,29.5"}))
     answer = check(stated).as_json()
     by = {row["what"]: row["by"] for row in answer["assumptions"]}
-    assert by["depth scale"] == by["intrinsics"] == "user" and "nobody" in by.values()
+    assert by["depth scale"] == by["intrinsics"] == "user" and "default" in by.values()
     assert any("--no-depth far" in note for note in answer["notes"])
 
 

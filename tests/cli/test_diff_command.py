@@ -1,94 +1,155 @@
 """A run is equal to itself run again; what differs is told, and ends with status 4."""
 
 import json
-import re
+import shutil
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from hmdwarp.report import StoredRun
+
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
-    """Options of a tiny replay, and its folder."""
+    """Options of a tiny replay, and its folder, recorded as a baseline."""
     import sys
 
     from hmdwarp.cli import main
 
-    out = tmp_path_factory.mktemp("stored") / "run"
+    folder = tmp_path_factory.mktemp("stored")
     options = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against", "none"]
     options += ["--metrics-every", "2", "--images", "2", "--quiet"]
     before = sys.argv
-    sys.argv = ["hmdwarp", "replay", "look-around", *options, "--out", str(out)]
+    sys.argv = ["hmdwarp", "replay", "look-around", *options, "--out", str(folder / "first")]
+    sys.argv += ["--baseline", str(folder / "run"), "--update-baseline"]
     try:
         with pytest.raises(SystemExit) as left:
             main()
     finally:
         sys.argv = before
     assert not left.value.code
-    return options, out
+    return options, folder / "run"
 
 
-def test_a_replay_run_again_is_equal_and_requirements_are_read_of_it(command, stored, tmp_path):
+def copied(run, folder, **changes):
+    """A copy of a run. changes: of a picture, by the name of its panel (added levels, pixels)."""
+    shutil.copytree(run, folder)
+    name = min(path.name for path in run.glob("images/*.png"))
+    strip = np.asarray(Image.open(folder / "images" / name)).copy()
+    summary = json.loads((folder / "summary.json").read_text())
+    panels = [*summary["digests"][f"images/{name}"], "error"]
+    for panel, (levels, count) in changes.items():
+        left = panels.index(panel) * (strip.shape[1] + 6) // len(panels)  # 6 white pixels between two
+        part = strip[-20, left : left + count]
+        strip[-20, left : left + count] = np.where(part > 127, part - levels, part + levels)
+        summary["digests"][f"images/{name}"] |= {panel: "0" * 64} if panel != "error" else {}
+    Image.fromarray(strip).save(folder / "images" / name)
+    (folder / "summary.json").write_text(json.dumps(summary))
+    return summary, folder / "summary.json"
+
+
+def test_a_replay_run_again_is_equal_and_requirements_are_read_of_it(command, stored, tmp_path, monkeypatch):
     options, out = stored
-    junit = tmp_path / "junit.xml"
-    again = ["replay", "look-around", *options, "--out", tmp_path / "again", "--baseline", out]
-    command(*again, "--require", "psnr_db.mean>=1, none:flip.mean<=1", "--junit", junit).done()
-    assert junit.read_text().count("<testcase") == 3 and 'failures="0"' in junit.read_text()
-    assert command("diff", out, tmp_path / "again").done().out == "equal, but for times\n"
-    assert command("diff", out / "summary.json", tmp_path / "again").done()
+    junit, again = tmp_path / "junit.xml", tmp_path / "again"
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "step.md"))
+    ran = ["replay", "look-around", *options, "--out", again, "--baseline", out]
+    command(*ran, "--require", "psnr_db.mean>=1, none:flip.mean<=1", "--junit", junit).done()
+    suite = ElementTree.parse(junit).getroot()
+    names = {case.get("name") for case in suite}
+    assert suite.get("failures") == "0" and {"run", "psnr_db.mean >= 1", "quality.flip.p95", "filled.empty"} < names
+    verdict = "PASSED: 2 requirements met; baseline: identical except for timings"
+    assert (tmp_path / "step.md").read_text().startswith(f"### hmdwarp {verdict}\n")
+    gate = json.loads((again / "summary.json").read_text())["gate"]
+    assert gate["passed"] and gate["verdict"] == verdict and verdict in (again / "report.html").read_text()
+    assert command("diff", out, again).done().out == "identical except for timings\n"
+    assert command("diff", out / "summary.json", again).done()
     made = json.loads((out / "summary.json").read_text())["made_with"]
     assert {"commit", "options", "numpy", "moderngl", "python"} == {*made}
     # The baseline would be overwritten.
     command("replay", "look-around", *options, "--out", out, "--baseline", out).refused("another --out")
 
 
-def test_a_requirement_that_does_not_hold_leaves_all_results_and_status_4(command, stored, tmp_path):
+def test_a_red_run_says_why_everywhere_and_is_accepted_on_request(command, stored, tmp_path, monkeypatch):
     options, out = stored
-    done = command(
-        "replay", "look-around", *options, "--fill", "none", "--out", tmp_path / "run", "--baseline", out,
-        "--require", "psnr_db.mean>=99, total_ms.median/none:total_ms.median<0", "--junit", tmp_path / "junit.xml",
-    )  # fmt: skip
+    base, run = tmp_path / "base", tmp_path / "run"
+    shutil.copytree(out, base)
+    summary = json.loads((base / "summary.json").read_text())
+    summary["quality"]["psnr_db"]["mean"] += 1
+    summary["quality"]["flip"]["p95"] *= 2
+    (base / "summary.json").write_text(json.dumps(summary))
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "step.md"))
+    ran = ["replay", "look-around", *options, "--lens", "none", "--out", run, "--baseline", base, "--force"]
+    failing = ["--require", "psnr_db.mean>=99, flip.mean<=1", "--junit", tmp_path / "junit.xml"]
+    done = command(*ran, *failing)
+    verdict = "FAILED: 1 of 2 requirements; baseline: 1 figure worse, 1 better, 1 setting"
     lines = done.err.splitlines()
-    assert done.status == 4 and all(line.startswith("hmdwarp: ") for line in lines)
-    assert "psnr_db.mean>=99: it is" in lines[0] and "total_ms.median<0: it is" in lines[1]
-    assert "hmdwarp: baseline: set-up: fill was memory+pyramid, is none" in lines
-    *_, last = ElementTree.parse(tmp_path / "junit.xml").getroot().iter("failure")
-    assert ["hmdwarp: " + line for line in [last.get("message"), *last.text.splitlines()]] == lines[2:]
-    assert {"summary.json", "frames.csv", "report.html", "images", "diff.html"} <= {
-        p.name for p in (tmp_path / "run").iterdir()
-    }
+    assert done.status == 4 and lines[0] == f"hmdwarp: {verdict}"
+    assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "lens: radial -> none"
+    assert [line.split()[0] for line in lines[3:6]] == ["metric", "flip.p95", "psnr_db.mean"]  # the larger change first
+    assert lines[4].endswith("(-50.00 %)  better") and lines[5].split()[1] == "[dB]" and lines[5].endswith("worse")
+    assert lines[-1] == f"pictures and charts: {run / 'diff.html'}"
+    told = (tmp_path / "step.md").read_text()
+    assert told.startswith(f"### hmdwarp {verdict}\n") and all(line in told for line in lines[1:])
+    gate = json.loads((run / "summary.json").read_text())["gate"]
+    assert gate["verdict"] == verdict and [one["holds"] for one in gate["requirements"]] == [False, True]
+    assert [(one["name"], one["verdict"]) for one in gate["baseline"]["figures"]] == [
+        ("quality.flip.p95", "better"),
+        ("quality.psnr_db.mean", "worse"),
+    ]
+    page = (run / "report.html").read_text()
+    assert verdict in page and 'href="diff.html"' in page and "psnr_db.mean [dB]" in page.replace("<wbr>", "")
+    failures = {case.get("name") for case in ElementTree.parse(tmp_path / "junit.xml").getroot() if len(case)}
+    assert failures == {"psnr_db.mean >= 99", "quality.flip.p95", "quality.psnr_db.mean", "all else"}
+    # It is stored where the requirements are met, and equal then.
+    before = (base / "summary.json").read_bytes()
+    assert command(*ran, *failing, "--update-baseline").status == 4 and (base / "summary.json").read_bytes() == before
+    command(*ran, "--require", "flip.mean<=1", "--update-baseline").done()
+    command(*ran).done()
+    assert {"summary.json", "frames.csv", "images"} == {path.name for path in base.iterdir()}
+    command(*ran, "--baseline", tmp_path / "alone.json", "--update-baseline").done()
+    command(*ran, "--baseline", tmp_path / "alone.json").done()
 
 
-def test_a_changed_pixel_is_found_and_shown_and_a_tolerance_allows_it(command, stored, tmp_path):
+def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command, stored, tmp_path):
     _, out = stored
-    other = tmp_path / "other"
-    (other / "images").mkdir(parents=True)
-    summary = json.loads((out / "summary.json").read_text())
-    for path in out.glob("images/*.png"):
-        (other / "images" / path.name).write_bytes(path.read_bytes())
-    name = min(path.name for path in out.glob("images/*.png"))
-    picture = np.asarray(Image.open(out / "images" / name)).copy()
-    picture[20, 10, 0], picture[20, 11, 0] = picture[20, 10, 0] & 252, picture[20, 11, 0] | 3  # darker, brighter
-    Image.fromarray(picture).save(other / "images" / name)
-    summary["digests"][f"images/{name}"] = "0" * 64
+    summary, path = copied(out, tmp_path / "other", warped=(3, 2))
     summary["quality"]["psnr_db"]["mean"] += 0.01
-    (other / "summary.json").write_text(json.dumps(summary))
-    done = command("diff", out, other, "--out", tmp_path / "page", "--json")
-    assert done.status == 4 and done.err.count("\n") == 2
-    assert all(a != b for a, b in re.findall(r"figure: \S+ was (\S+), is (\S+)$", done.err, re.MULTILINE))
-    assert "figure: quality.psnr_db.mean was" in done.err and f"picture: images/{name} differs in" in done.err
+    path.write_text(json.dumps(summary))
+    done = command("diff", out, tmp_path / "other", "--out", tmp_path / "page", "--json")
+    assert done.status == 4 and done.err.startswith("hmdwarp: 1 figure better, 1 picture\n")
     found = json.loads(done.out)
-    assert not found["equal"] and found["pictures"][0]["largest"] <= 3
-    assert name in (tmp_path / "page" / "diff.html").read_text()
-    assert command("diff", out, other, "--tolerance", "psnr_db=0.02, pixel=3").done()
+    (picture,), (figure,) = found["pictures"], found["figures"]
+    assert not found["equal"] and picture["largest"] == 3 and picture["name"].endswith("-left.png, warped")
+    assert figure["unit"] == "dB" and figure["change"] == pytest.approx(0.01) and figure["verdict"] == "better"
+    page = (tmp_path / "page" / "diff.html").read_text()
+    assert picture["name"] in page and "absolute difference, x16" in page and 'value="blink"' in page
+    assert page.count("data:image/png") == 4  # stored, now, stored again over it, difference
+    two = 2 / (48 * 40)  # pixels of a panel
+    for allowed, equal in (
+        ("pixel=3", True),
+        ("pixel=2", False),
+        (f"pixels={100 * two}%", True),
+        ("pixels=0.001", False),
+    ):
+        done = command("diff", out, tmp_path / "other", "--tolerance", f"psnr_db=0.1%, {allowed}")
+        assert done.status == (0 if equal else 4), done
+    assert command("diff", out, tmp_path / "other", "--tolerance", "figures=1%, pixel=3").out == (
+        "identical within the tolerances (1 figure changed)\n"
+    )
+
+
+def test_false_colours_are_not_compared(command, stored, tmp_path):
+    _, out = stored
+    copied(out, tmp_path / "other", error=(100, 40))
+    command("diff", out, tmp_path / "other").done()
 
 
 def test_a_summary_alone_is_called_by_its_name(command, stored, tmp_path, monkeypatch):
     _, out = stored
-    summary = json.loads((out / "summary.json").read_text())
-    summary["digests"] = dict.fromkeys(summary["digests"], "0" * 64)
+    summary, _ = copied(out, tmp_path / "other", truth=(9, 1))
+    summary["digests"]["frames.csv"] = "0" * 64
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old.json").write_text(json.dumps(summary))
     done = command("diff", "old.json", out)
@@ -100,4 +161,7 @@ def test_what_is_no_replay_is_refused(command, stored, tmp_path):
     command("diff", out, tmp_path).refused("summary.json")
     (tmp_path / "summary.json").write_text("{}")
     command("diff", out, tmp_path).refused("no summary of schema")
+    old = {**StoredRun.of(out).summary, "digests": {"frames.csv": "0", "images/a.png": "0"}}
+    (tmp_path / "summary.json").write_text(json.dumps(old))
+    command("diff", out, tmp_path).refused("run it again")
     command("diff", out, out, "--tolerance", "psnr=1").refused("--tolerance psnr=1")

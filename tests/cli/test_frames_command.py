@@ -41,7 +41,7 @@ def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
     write_numbered(tmp_path / "numbered", taken(6))
     run = ("plan", "--frames", tmp_path / "numbered", "--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.001)
     found = command(*run).done()
-    assert "Assumed, as nobody says it" in found.out and "frame clock 30 frames per second" in " ".join(
+    assert "Assumed (not stated in the files)" in found.out and "frame clock 30 frames per second" in " ".join(
         found.out.split()
     )
 

@@ -260,13 +260,13 @@ def warp_picture(command, tmp_path):
 def test_what_nothing_states_of_a_picture_is_noted(warp_picture, tmp_path):
     write_pose(tmp_path / "a.json", depth_offset=0.5)
     done = warp_picture().done()
-    assert "note: Assumed, as nobody says it: depth scale 1 m per unit (--depth-scale states it)" in done.out
+    assert "note: Assumed (not stated in the files): depth scale 1 m per unit (override with --depth-scale)" in done.out
     assert "depth_offset is not read" in done.out
 
 
 def test_float_colour_of_no_stated_encoding_is_noted(warp, tmp_path):
     light = {"colour": np.full((8, 10, 3), 0.5, np.float32)}
-    assert "Assumed, as nobody says it: encoding linear (float colour)" in warp(light).done().out
+    assert "Assumed (not stated in the files): encoding linear (float colour)" in warp(light).done().out
     assert "Assumed" not in warp(light, None, "--encoding", "srgb", "--force").done().out
     assert "Assumed" not in warp({**light, "encoding": "srgb"}, None, "--force").done().out
     assert np.load(tmp_path / "out.npz")["encoding"] == "linear"  # a frame for the next warp, without a note

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
+from worlds import read
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
@@ -17,34 +18,42 @@ FOV = Fov.from_tangents([-1, 1, -1, 1])
 
 
 def warped(
-    gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, rendered_pose: Pose | None = None
+    gpu,
+    spec: str,
+    colour: np.ndarray,
+    depth: np.ndarray,
+    pose: Pose,
+    rendered_pose: Pose | None = None,
+    shown_size: tuple[int, int] | None = None,
+    fov: Fov = FOV,
 ) -> np.ndarray:
-    """(h, w, 4) what the eye at `pose` sees, through FOV, as large as the rendered picture.
+    """(h, w, 4) what the eye at `pose` sees, as large as the rendered picture if nothing is said.
 
     All bottom row first.
     """
     size, choice = depth.shape[::-1], parse_warp(spec)
+    shown_size = shown_size or size
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    canvas = Canvas(gpu.gl, size)
-    warp = choice.entry(gpu, size, size, choice.settings)
-    warp.run(PassInputs(EyeImage(View(rendered_pose or Pose(), FOV), *textures), View(pose, FOV)), canvas)
+    canvas = Canvas(gpu.gl, shown_size)
+    warp = choice.entry(gpu, size, shown_size, choice.settings)
+    warp.run(PassInputs(EyeImage(View(rendered_pose or Pose(), fov), *textures), View(pose, fov)), canvas)
     gpu.gl.memory_barrier()
-    out = np.frombuffer(canvas.texture.read(alignment=1), np.float16).reshape(*depth.shape, 4).astype(np.float64)
+    out = read(canvas.texture)
     for thing in (*textures, canvas):
         thing.release()
     warp.close()
     return out
 
 
-def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose) -> TwinInputs:
+def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, fov: Fov = FOV) -> TwinInputs:
     """The same for a twin; half floats and floats as the GPU gets them."""
     size = depth.shape[::-1]
     stored = colour.astype(np.float16).astype(np.float64), depth.astype(np.float32).astype(np.float64)
     sampler = 4 * 2.0**-24 * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
     settings = parse_warp(spec).settings
-    return TwinInputs(*stored, View(Pose(), FOV), View(pose, FOV), size, settings=settings, sampler_pixels=sampler)
+    return TwinInputs(*stored, View(Pose(), fov), View(pose, fov), size, settings=settings, sampler_pixels=sampler)
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:

@@ -5,12 +5,8 @@ What the rendered picture did not see stays empty, at the border of the picture 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
-from reference import gather
-from reference.picture import TwinInputs
 
 from hmdwarp.client import PassInputs, build_plan
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
@@ -69,60 +65,6 @@ def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rend
     assert (got == 0).all()
 
 
-def test_the_border_of_the_picture_itself_is_seen(gpu):
-    """A turn about the view axis by a quarter shows the whole square picture again, its outermost
-    half pixels included.
-    """
-    size = (12, 12)
-    quarter = Pose(orientation_xyzw=(0, 0, math.sqrt(0.5), math.sqrt(0.5)))
-    for depth in (0.0, 0.5):
-        got = backward(gpu, white(size), np.full(size[::-1], depth), np.full(size[::-1], depth), quarter)
-        assert (got == 1).all()
-
-
-def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu):
-    """A square at 1 m before a wall at 4 m, seen from 0.4 m to the right at 30 pixels per tangent.
-
-    12 px against 3 px of parallax.
-    """
-    y, x = np.mgrid[:60, :60]
-    rendered = np.where((y >= 20) & (y < 40) & (x >= 20) & (x < 40), 1.0, 0.25)
-    now = np.where((y >= 20) & (y < 40) & (x >= 8) & (x < 28), 1.0, 0.25)
-    colour = np.stack([rendered, x / 60, y / 60, np.ones_like(rendered)], axis=-1).astype(np.float16).astype(np.float64)
-    got = backward(gpu, colour, rendered, now, Pose((0.4, 0, 0)))
-    hole = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
-    left_view = x >= 57
-    # A pixel at the rim of the hole may take the colour of the same wall from the texel across the
-    # corner.
-    rim = hole & ~((y >= 21) & (y < 39) & (x >= 29) & (x < 36))
-    assert np.array_equal((got[..., 3] == 0)[~rim], (hole | left_view)[~rim])
-    # Everywhere else the colour is the rendered one of the same surface: its depth is in red, and
-    # no other surface bled into it.
-    seen = got[..., 3] == 1
-    assert np.array_equal(got[..., 0][seen], now[seen])
-    from_x = np.where(now == 1.0, x + 12, x + 3)
-    # Whole pixels of parallax, so bilinear looks fall on centres: the sampler's 1/256 px of a slope
-    # of 1/60, and half floats.
-    assert np.abs(got[..., 1] - from_x / 60)[seen & ~rim].max() <= 1 / 60 / 256 + 2 * 2.0**-11 + 2.0**-10
-
-
-def test_without_the_test_what_was_hidden_takes_the_colour_of_what_hid_it(gpu):
-    """The same square and wall, and no depth that could tell them apart.
-
-    The wall that comes into view is fetched 3 px further right, where the square was rendered.
-    """
-    y, x = np.mgrid[:60, :60]
-    square = (y >= 20) & (y < 40) & (x >= 20) & (x < 40)
-    now = np.where((y >= 20) & (y < 40) & (x >= 8) & (x < 28), 1.0, 0.25)
-    colour = np.stack([square, ~square, 0 * x, 0 * x + 1], axis=-1).astype(float)
-    no_depth = np.full((60, 60), np.nan)
-    got = backward(gpu, colour, no_depth, now, Pose((0.4, 0, 0)), settings=BackwardSettings(test="off"))
-    painted = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
-    assert np.array_equal(got[painted], colour[30, 30] * np.ones((painted.sum(), 1)))
-    # Nothing is empty but what lies beyond the picture, to the right: 3 px of the wall.
-    assert np.array_equal(got[..., 3] == 0, x >= 57)
-
-
 def test_without_the_test_the_rendered_depth_is_not_in_the_frame(gpu):
     plan = build_plan((), "backward:test=off", "interpolate", "none", client_geometry=True)
     assert plan.layers == ("rendered.colour",)
@@ -150,35 +92,6 @@ def test_the_tolerance_is_where_it_says(gpu, own, share, side):
 def test_without_own_depth_nothing_is_known(gpu):
     got = backward(gpu, white((5, 5)), np.full((5, 5), 0.5), np.full((5, 5), -1.0), Pose((0.01, 0, 0)))
     assert (got == 0).all()
-
-
-def test_points_behind_the_rendered_eye_were_not_seen(gpu):
-    """The eye has stepped 1 m back and sees, at 0.5 m, what lay behind the rendered one."""
-    got = backward(gpu, white((9, 9)), np.full((9, 9), 0.5), np.full((9, 9), 2.0), Pose((0, 0, 1)))
-    assert (got == 0).all()
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_steep_and_random_depths_equal_the_twin_at_the_border(gpu, seed):
-    """Small pictures, where half of all looks touch the border, with depths that agree here and
-    there.
-    """
-    rng = np.random.default_rng(seed)
-    size = (9, 7)
-    rendered_depth = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
-    client = rng.choice([0.0, 0.5, 1.0, -1.0], size[::-1])
-    colour = np.where(rendered_depth[..., None] >= 0, np.append(rng.uniform(0, 1, 3), 1), 0) * np.ones((*size[::-1], 1))
-    colour = colour.astype(np.float16).astype(np.float64)
-    pose = Pose(rng.normal(scale=0.02, size=3), (*rng.normal(scale=0.02, size=3), 1))
-    got = backward(gpu, colour, rendered_depth, client, pose)
-    settings = BackwardSettings()
-    wanted = gather.backward(
-        TwinInputs(colour, rendered_depth, View(Pose(), FOV), View(pose, FOV), size, client, settings=settings)
-    )
-    decided = ~wanted.undecided
-    assert decided.sum() > 30
-    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-    assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 
 
 def test_depth_that_was_coded_coarsely_leaves_no_holes_where_the_frame_says_so(gpu):

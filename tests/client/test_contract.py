@@ -6,17 +6,31 @@ import numpy as np
 import pytest
 from holed import Holed
 from reference.interpolate import interpolate
-from reference.picture import ReferencePicture
 from together import together
-from worlds import World, every_choice
+from worlds import World, assert_equals_twin, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
 from hmdwarp.client.fills.plain import minimum_count
+from hmdwarp.client.warp_kinds.mesh import MOST_SIDE
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 
 # The 64-bit path of forward wants what few drivers have; tests/client/test_forward.py holds it
 # against the other.
 CHOICES = [spec for spec in every_choice() if spec != "forward:path=atomic64"]
+# Numbers that nobody's baseline is; words are among the choices.
+SETTINGS = [
+    "search:gap=0.5,tolerance=0.1",
+    "iterative:slanted=3",
+    "iterative:seed=rotation,steps=5",
+    "iterative:steps=1,tolerance=0.1,converged=2",
+    "mesh_adaptive:tolerance=0",
+    "mesh_adaptive:block=4,tolerance=0.02",
+    "mesh:grid=2",
+    "mesh:grid=9",
+    "mesh:grid=17,ring=0.1",
+    "mesh:grid=30,ring=0",
+]
 SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 
 
@@ -28,24 +42,13 @@ def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
     assert np.array_equal(world.warp(gpu, name), wanted)
 
 
-@pytest.mark.parametrize("name", CHOICES)
+@pytest.mark.parametrize("name", [*CHOICES, *SETTINGS])
 @together("seed", range(6))
 def test_shader_equals_the_float64_twin(gpu, name, seed):
     size = SIZES[seed % len(SIZES)]
     shown = size if seed % 2 else (size[0] + 6, max(size[1] - 5, 1))
     world = World(gpu, seed, size, shown)
     assert_equals_twin(world.warp(gpu, name), world.reference(name))
-
-
-def assert_equals_twin(got: np.ndarray, wanted: ReferencePicture) -> None:
-    decided = ~wanted.undecided
-    # Rounding may decide only near borders between pixels and near equal depths: a few pixels in a
-    # hundred at these sizes.
-    if decided.size > 1000:
-        assert decided.mean() > 0.9
-    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-    difference = np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1)
-    assert (difference <= wanted.tolerance)[decided].all(), f"worst {difference[decided].max()}"
 
 
 @pytest.mark.parametrize("name", CHOICES)
@@ -81,6 +84,20 @@ def test_a_guard_band_is_cut_off_exactly(gpu, name, guard):
     world.client = world.inverse_depth[cut]
     world.upload(gpu)
     assert np.array_equal(world.warp(gpu, name), world.colour[cut])
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "most"),
+    [
+        ("forward", (16384, 16384), "a rendered picture of 16384x16384: 'forward' takes at most"),
+        ("forward_raster", (16385, 2), "a rendered picture of 16385x2: 'forward_raster' takes at most 16384 pixels a"),
+        ("mesh", (MOST_SIDE + 1, 4), f"at most {MOST_SIDE}"),
+    ],
+)
+def test_a_rendered_picture_beyond_what_names_its_pixels_is_refused(gpu, name, size, most):
+    choice = parse_warp(name)
+    with pytest.raises(InputError, match=most):
+        choice.entry(gpu, size, (8, 8), choice.settings)
 
 
 FILLS = [name for name in every_fill() if parse_fills(name)]

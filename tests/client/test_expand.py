@@ -99,47 +99,6 @@ def test_shaders_are_their_twins_and_the_sharp_part_is_bit_for_bit(gpu, grid, se
     assert np.array_equal(again[sharp], colour[sharp]) and np.array_equal(depth_again[sharp], depth[sharp])
 
 
-@on_grids
-def test_what_comes_back_is_off_by_no_more_than_the_coarse_picture_samples(gpu, grid, seed):
-    """A pixel is a weighted mean of means of the pixels around it: between the least and the most.
-
-    So is the pixel itself, where it is covered; both rounded to halves.
-    """
-    colour, depth = picture(seed, grid.size)
-    *_, again, depth_again = sent_and_expanded(gpu, colour, depth, grid)
-    covered = depth >= 0
-    for before, after, rounding in ((colour, again, 2 * HALF), (depth, depth_again, 2 * ROUNDING)):
-        low, high = twin.within(before, grid, covered)
-        some = after[..., 3] > 0 if after.ndim == 3 else after >= 0
-        assert (after[some] <= high[some] + rounding * np.abs(high[some])).all()
-        assert (after[some] >= low[some] - rounding * np.abs(high[some])).all()
-        assert (some >= covered).all(), "nothing that was drawn is lost"
-
-
-@on_grids
-def test_near_and_far_are_never_mixed(gpu, grid, seed):
-    """Each of the two planes spans less than a tenth: what lies between them would be a mixture."""
-    colour, depth = picture(seed, grid.size)
-    _, sent, _, again = sent_and_expanded(gpu, colour, depth, grid)
-    for found in (sent, again):
-        near, far, empty = (np.abs(found - 2.015) < 0.016), (np.abs(found - 0.402) < 0.0021), found == -1
-        assert (near | far | empty).all()
-
-
-def test_planes_and_ramps_come_back_exactly_but_for_the_outermost_half_pixel(gpu):
-    """Linear between centres: the mean of a block is its centre's; there is no seam to see."""
-    grid = FoveaGrid((67, 53), 4, (5, 2), (6, 7))
-    x, y = np.meshgrid(np.arange(67) + 0.5, np.arange(53) + 0.5)
-    depth = np.float32(1 + 0.001 * x - 0.0007 * y).astype(float)
-    colour = np.dstack([x / 256, y / 256, (x + y) / 256, np.ones_like(x)])  # multiples of 1/512: halves
-    *_, again, depth_again = sent_and_expanded(gpu, colour, depth, grid)
-    inner = np.s_[2:-2, 2:-2]
-    assert np.allclose(again[inner], colour[inner], rtol=HALF)
-    assert np.allclose(depth_again[inner], depth[inner], rtol=ROUNDING)
-    # There the nearest centre's value stands: at most 1.5 pixels away.
-    assert np.abs(depth_again - depth).max() <= 1.5 * 0.0017 + ROUNDING
-
-
 # --- the grid -----------------------------------------------------------------------------------
 
 

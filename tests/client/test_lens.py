@@ -106,54 +106,6 @@ def test_the_pass_equals_its_twin(gpu, name, eye, shown_size, panel_size):
             assert decided.mean() > 0.95
 
 
-@pytest.mark.parametrize("name", WITH_LENS)
-@pytest.mark.parametrize("eye", [0, 1])
-def test_a_ramp_shows_the_polynomial_itself(gpu, name, eye):
-    """A picture whose value is the place.
-
-    What comes out says, without a twin, where each colour of each pixel looked.
-    """
-    headset, shown_size, panel_size = load_headset(name), (33, 45), (57, 61)
-    for axis in (0, 1):
-        place = (np.arange(shown_size[axis]) + 0.5) / shown_size[axis]
-        ramp = np.broadcast_to(
-            place[None, :, None] if axis == 0 else place[:, None, None], (shown_size[1], shown_size[0], 4)
-        )
-        got = through_the_lens(gpu, ramp, headset, eye, panel_size)
-        for channel, colour in enumerate(COLOURS):
-            uv, error = places(headset, eye, panel_size, colour)
-            inside = ((uv > error) & (uv < 1 - error)).all(axis=-1)
-            half_pixel = 0.5 / shown_size[axis]
-            wanted = np.clip(uv[..., axis], half_pixel, 1 - half_pixel)  # beyond the last centre the edge is continued
-            # The ramp is stored as half floats (2^-11), read at a place with its errors, stored
-            # again (2^-10).
-            tolerance = (
-                2.0**-11 + HALF_UNIT + error[..., axis] + sampler_error_pixels(gpu, shown_size) / shown_size[axis]
-            )
-            assert (np.abs(got[..., channel] - wanted) <= tolerance)[inside].all()
-            assert inside.sum() > 500
-
-
-@pytest.mark.parametrize("name", WITH_LENS)
-@pytest.mark.parametrize("eye", [0, 1])
-def test_black_where_more_is_seen_than_was_rendered(gpu, name, eye):
-    headset, panel_size = load_headset(name), (61, 71)
-    white = np.ones((30, 30, 4))
-    got = through_the_lens(gpu, white, headset, eye, panel_size)
-    outside_any = np.zeros(panel_size[::-1], bool)
-    for channel, colour in enumerate(COLOURS):
-        uv, error = places(headset, eye, panel_size, colour)
-        outside = ((uv < -error) | (uv > 1 + error)).any(axis=-1)
-        inside = ((uv > error) & (uv < 1 - error)).all(axis=-1)
-        assert (got[..., channel][outside] == 0).all()
-        assert (got[..., channel][inside] == 1).all()
-        outside_any |= outside
-    assert outside_any.any(), "then this shows nothing"
-    uv, error = places(headset, eye, panel_size, "green")
-    outside = ((uv < -error) | (uv > 1 + error)).any(axis=-1)
-    assert (got[..., 3][outside] == 0).all(), "coverage goes with green"
-
-
 def test_holes_keep_their_coverage(gpu):
     headset, panel_size = load_headset("rift-dk1"), (41, 43)
     got = through_the_lens(gpu, np.zeros((30, 30, 4)), headset, 0, panel_size)

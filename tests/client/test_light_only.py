@@ -176,23 +176,20 @@ def test_without_latency_the_replay_is_the_truth():
     assert error <= 3 * HALF
 
 
-def test_a_client_without_the_scene_is_refused():
-    with pytest.raises(PlanError, match="geometry on the client"):
-        build_plan((NAME,), "forward", "none", "none", client_geometry=False, named=(NAME,))
-
-
-@pytest.mark.parametrize("fill", ["model", "memory+relight", "composite"])
-def test_a_fill_that_draws_colours_is_refused(fill):
-    """They would be multiplied with the albedo once more."""
-    with pytest.raises(PlanError, match="draws the scene in its colours"):
-        build_plan((NAME,), "backward", fill, "none", client_geometry=True, named=(NAME,), forced=(NAME,))
-
-
-def test_soft_bodies_are_refused_beside_it():
-    """They divide the late picture by the albedo, and here it is light."""
-    both = (NAME, "soft_bodies")
-    with pytest.raises(PlanError, match="leave one of them out"):
-        build_plan(both, "backward", "none", "none", client_geometry=True, named=both, forced=both)
+@pytest.mark.parametrize(
+    ("beside", "fill", "geometry", "why"),
+    [
+        ((), "none", False, "geometry on the client"),
+        # They would be multiplied with the albedo once more.
+        *(((), fill, True, "draws the scene in its colours") for fill in ("model", "memory+relight", "composite")),
+        # They divide the late picture by the albedo, and here it is light.
+        (("soft_bodies",), "none", True, "leave one of them out"),
+    ],
+)
+def test_what_cannot_be_beside_it_is_refused(beside, fill, geometry, why):
+    names = (NAME, *beside)
+    with pytest.raises(PlanError, match=why):
+        build_plan(names, "backward", fill, "none", client_geometry=geometry, named=names, forced=names)
 
 
 def test_no_scene_asks_for_it_and_its_reason_is_the_name():

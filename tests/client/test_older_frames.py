@@ -166,22 +166,6 @@ def test_it_is_the_average_that_float64_finds_by_another_route():
     assert np.median(off) < 3e-4
 
 
-@pytest.mark.parametrize(("frames", "expected"), [(2, 1 / 2), (3, 1 / 3), (4, 1 / 4)])
-def test_noise_of_frames_that_agree_averages_out(frames, expected):
-    clean, depth = drawn(view(0))
-    older = [((noisy(drawn(view(k))[0], k), drawn(view(k))[1]), view(k)) for k in range(1, frames)]
-    truth = warped(frames, (clean, depth), [(drawn(of), of) for _, of in older])
-    found = warped(frames, (noisy(clean, 9), depth), older)
-    alone = warped(1, (noisy(clean, 9), depth)), warped(1, (clean, depth))
-    flat = np.asarray(found.coverage) > 0.5
-    left = (np.asarray(found.colour) - np.asarray(truth.colour))[flat].var()
-    # Means of blocks are the newest frame's: they keep 1/50 of its variance; and not every pixel
-    # was seen by every frame.
-    assert (
-        expected * 0.9 < left / (np.asarray(alone[0].colour) - np.asarray(alone[1].colour))[flat].var() < expected + 0.1
-    )
-
-
 def test_an_eye_that_has_not_moved_sees_the_newest_frame_to_the_last_bit():
     newest = noisy(drawn(view(0))[0], 1), drawn(view(0))[1]
     older = [((noisy(drawn(view(1))[0], 2), drawn(view(1))[1]), view(1))]

@@ -225,32 +225,6 @@ def test_the_box_holds_all_that_is_seen(name):
     assert columns.max() < box[2] and rows.max() < box[3]
 
 
-def stripes(period, wide=128, high=96):
-    """Columns of white and black, each half a period wide."""
-    bright = (np.arange(wide) // (period // 2)) % 2
-    return np.repeat(np.broadcast_to(255 * bright, (high, wide)).astype(np.uint8)[..., None], 3, axis=2)
-
-
-def contrast(light):
-    return float(np.std(light[24:-24, 32:-32, 0]))
-
-
-@pytest.mark.parametrize("period", [2, 4])
-@pytest.mark.parametrize(
-    "pose", [Pose(), Pose((0.002, 0.001, 0.0), turned(0.02, 0.01)), Pose((0, 0, 0), turned(0, 0, 0.03))]
-)
-def test_text_is_as_sharp_as_drawn_at_the_newest_pose(gpu, period, pose):
-    """Stripes of one pixel (half of the pixel grid's frequency) and of two."""
-    size, view = (128, 96), View(pose, Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
-    panel = Panel(stripes(period), Pose((0, 0, -1.0)), (1.28, 0.96))
-    server = Server(gpu, Scene("panel", "", (), panels=[panel]))
-    drawn = read(server.draw(view, size).colour)
-    server.close()
-    found = laid(gpu, [panel], view, np.ones((96, 128, 4)))
-    assert contrast(found) == pytest.approx(contrast(drawn), rel=0.05)
-    assert contrast(drawn) > 0.1
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -317,19 +291,3 @@ def through_lens(gpu, panel, view, headset, eye, shown_size, size, last=None):
     made.run_through_lens(inputs, canvas)
     gl.memory_barrier()
     return read(canvas.texture)
-
-
-def test_through_the_lens_text_is_sharper_than_resampled(gpu):
-    """Stripes of one shown pixel, half of one off, keep more contrast in one sample."""
-    chosen, shown_size, size = load_headset("rift-dk1"), (320, 400), (320, 400)
-    view = chosen.views(Pose())[0]
-    left, right, down, up = view.fov.tangents
-    place = (view.pose.position_m[0] + (left + right) / 2 + 0.5 * (right - left) / 320, (down + up) / 2, -1.0)
-    panel = Panel(stripes(2, 320, 400), Pose(place), (right - left, up - down))
-    fused = through_lens(gpu, panel, view, chosen, 0, shown_size, size)
-    shown, display = Canvas(gpu.gl, shown_size), Canvas(gpu.gl, size)
-    shown.texture.write(laid(gpu, [panel], view, np.ones((400, 320, 4))).astype(np.float16).tobytes(), alignment=1)
-    lenses.get(chosen.lens.model)(gpu, chosen, size).run(shown, view.fov, 0, display)
-    gpu.gl.memory_barrier()
-    middle = (slice(150, 250), slice(120, 200), 1)
-    assert np.std(fused[middle]) > 1.05 * np.std(read(display.texture)[middle])

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-import attrs
 import numpy as np
 import pytest
 from holed import Holed
@@ -16,10 +15,6 @@ from reference.pyramid import Chosen, pyramid
 
 from hmdwarp.client import parse_fills
 from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BEYOND, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
-from hmdwarp.geometry import Pose
-
-from .filled import filled
-from .rendered_pictures import square_before_a_wall
 
 
 def wanted_of(holed: Holed, text: str = "pyramid") -> tuple[np.ndarray, np.ndarray]:
@@ -74,24 +69,6 @@ def test_without_a_floor_what_is_infinitely_far_is_one_surface(gpu):
     assert np.abs(depth - wanted_depth).max() <= 1e-3
 
 
-def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):
-    """20 columns of hole, the red half of the picture at 1 m, the green one at 4 m.
-
-    The share of red is that of x = 3.6 tolerances. The rendered view would have seen red go on.
-    """
-    holed = Holed(gpu, 1, (96, 80), empty=0)
-    holed.inputs = attrs.evolve(holed.inputs, shown=holed.inputs.rendered.view)
-    holed.colour[:, :48], holed.inverse_depth[:, :48] = (1, 0, 0, 1), 1.0
-    holed.colour[:, 48:], holed.inverse_depth[:, 48:] = (0, 1, 0, 1), 0.25
-    hole = np.zeros((80, 96), bool)
-    hole[:, 38:58] = True
-    holed.empty(hole)
-    got, depth = holed.fill(gpu, "pyramid")
-    assert got[hole][:, 0].mean() < 0.1
-    assert (got[:, 42:58, 1] > 0.9).all()
-    assert np.abs(depth[:, 42:58] - 0.25).max() < 0.05
-
-
 def test_a_crack_in_what_is_near_stays_near(gpu):
     """One pixel wide, beside a far surface a few pixels away.
 
@@ -106,17 +83,6 @@ def test_a_crack_in_what_is_near_stays_near(gpu):
     got, depth = holed.fill(gpu, "pyramid")
     assert np.abs(got[crack] - (1, 0, 0, 1)).max() <= 2.0**-8
     assert np.abs(depth[crack] - 1).max() <= 1e-3
-
-
-def test_places_that_a_moving_head_uncovers_are_filled_from_the_wall(gpu):
-    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
-    before, after = filled(gpu, "search", "pyramid", colour, depth, Pose((0.4, 0, 0)))
-    y, x = np.mgrid[:60, :60]
-    hole = (y >= 20) & (y < 40) & (x >= 28) & (x < 37)
-    assert (before[hole, 3] == 0).all()
-    assert (after[..., 3] == 1).all()
-    assert after[hole][:, 0].mean() < 0.35  # red: 1 the thing, 0.25 the wall
-    assert np.abs(after[:, 57:, 0] - 0.25).max() <= 2.0**-8
 
 
 def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):

@@ -97,19 +97,6 @@ def test_mirrors_are_much_better_than_glued_on(gpu, server, by, turn):
     assert error(found, truth, where) < error(even, truth, where)
 
 
-@pytest.mark.parametrize(("by", "turn"), MOVES)
-def test_a_curved_mirror_is_never_worse_than_glued_on(gpu, server, by, turn):
-    """By a warp that leaves silhouettes alone: `fringe=front` moves a pixel of the mirror with what
-    is in front of it.
-    """
-    warp = "iterative:sheet=0,fringe=own"
-    view = moved(by, turn)
-    truth, where = truth_of(server, view), mirrors_of(server, view, Needs(reflection=Mirrored.CURVED))
-    glued, covered = shown(gpu, server, view, tuple(n for n in EVERY if n != "curved_reflections"), warp=warp)
-    found, _ = shown(gpu, server, view, warp=warp)
-    assert error(found, truth, where & covered) <= error(glued, truth, where & covered)
-
-
 @pytest.mark.parametrize("warp", ["forward", "iterative", "mesh"])
 def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     """Every mirror of this scene shows something bright, its own colour is what is dark."""
@@ -131,18 +118,6 @@ def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
     assert found.shape == middle.shape
     where = mirrors_of(server, first, Needs(reflection=Mirrored.PLANE)) & covered
     assert error(found, middle, where) < 0.01
-
-
-def test_running_compiles_and_allocates_nothing(gpu, server):
-    plan = build_plan(EVERY, "multi", "interpolate", "none", client_geometry=False)
-    frames = [server.draw_frame([VIEW], 0, SIZE, needs=plan.needs) for _ in range(2)]
-    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    inputs = PassInputs(frames[0].eyes[0], moved((0.1, 0, 0)), others=(frames[1].eyes[0],) * plan.needs.others.past)
-    before = len(gpu.shaders)
-    for _ in range(2):
-        compensator.run(inputs)
-    assert len(gpu.shaders) == before
-    compensator.close()
 
 
 @pytest.mark.parametrize("name", NAMES)

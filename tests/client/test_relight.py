@@ -98,13 +98,6 @@ def test_a_model_without_depth_fills_the_same(gpu):
     assert np.array_equal(shown.fill("model:share=0.3", depth=False)[0], shown.fill("model:share=0.3")[0])
 
 
-def test_fewer_triangles_are_nearly_as_good(gpu):
-    shown = Shown(gpu, "spheres")
-    # A tenth of the triangles moves silhouettes by less than a pixel here; black holes would be off
-    # by the picture's own brightness.
-    assert shown.error(shown.fill("model:share=0.1")[0]) < 0.3 * shown.error(shown.colour)
-
-
 def test_near_surfaces_do_not_hide_covered_pixels(gpu):
     """A wall that the near plane cuts.
 
@@ -163,32 +156,6 @@ def test_relight_equals_its_twin(gpu, scene, size, light):
     assert np.array_equal(got[~shown.holes], shown.colour[~shown.holes])
 
 
-@pytest.mark.parametrize("scene", ["planes", "spheres"])
-@pytest.mark.parametrize("light", ["none", "baked"])
-def test_holes_take_the_light_of_the_picture(gpu, scene, light):
-    """In light that is half as strong and warmer than what is baked, the model is off by that.
-
-    Relit it is off by a third of it at most.
-    """
-    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
-    shown = Shown(gpu, scene, (0.6, 0.5, 0.35), holes=((x // 10) % 2 == 0) & ((y // 10) % 2 == 0))
-    assert shown.error(shown.fill(f"relight:light={light}")[0]) < 0.34 * shown.error(shown.fill("model")[0])
-
-
-def test_no_texture_is_copied(gpu):
-    """Light read off a checkered wall next to the hole is plain.
-
-    What fills the hole is its own albedo times one colour.
-    """
-    shown = Shown(gpu, "planes", (0.6, 0.5, 0.35))
-    got, albedo = shown.fill("relight:light=none")[0], shown.of_model(lit=False)[0]
-    wall = shown.holes & (np.abs(shown.depth - np.median(shown.depth[shown.holes])) < 1e-6)
-    light = got[wall, :3] / albedo[wall, :3]
-    # Of the model's own light 3 % remain beside as much albedo; the rest is one light over all of
-    # it, dark fields and bright ones.
-    assert light.std(axis=0).max() < 0.06 * light.mean()
-
-
 def test_without_anything_like_it_in_sight_the_models_own_light_is_left(gpu):
     shown = Shown(gpu, "spheres")
     shown.shown_depth = np.full_like(shown.shown_depth, -1)
@@ -206,13 +173,3 @@ def test_samples_are_the_same_every_time_and_within_reach():
     assert np.median(np.hypot(*offsets.T)) == pytest.approx(20, abs=1)
     x, y = offsets[(offsets != 0).all(axis=1)].T
     assert np.bincount((x > 0) + 2 * (y > 0)) / len(x) == pytest.approx([0.25] * 4, abs=0.02)
-
-
-@pytest.mark.parametrize("name", ["model", "model:texture=0.25,light=off", "relight"])
-def test_running_allocates_no_objects(gpu, name):
-    shown = Shown(gpu, "spheres")
-    shown.fill(name)
-    compiled, models = len(gpu.shaders), shown.geometry.weights()
-    shown.fill(name)
-    assert len(gpu.shaders) == compiled
-    assert shown.geometry.weights() == models

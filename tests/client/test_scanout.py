@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from panels import assert_equals_twin, panel_of, world_before
+from panels import panel_of, world_before
 from reference.fused import fused
 from reference.scanout import direction_error, row_view, scanned_out
 from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, vectors
-from worlds import World, read, twin_of
+from worlds import World, assert_equals_twin, read, twin_of
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import Output, warps

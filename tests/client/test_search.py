@@ -7,27 +7,12 @@ with every setting.
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from reference.search import search
-from worlds import World
+from worlds import assert_equals_twin
 
 from hmdwarp.geometry import Pose
 
 from .rendered_pictures import asked, square_before_a_wall, warped
-
-# A bilinear look off by the sampler's 1/256 px in a ramp of 1/60 a pixel, and a half float stored.
-RAMP = 1 / 60 / 256 + 2.0**-10
-
-
-@pytest.mark.parametrize("spec", ["search", "search:gap=0.5,tolerance=0.1"])
-@pytest.mark.parametrize("seed", range(40, 43))
-def test_every_setting_equals_brute_force(gpu, spec, seed):
-    world = World(gpu, seed, [(67, 53), (64, 64)][seed % 2])
-    got, wanted = world.warp(gpu, spec), world.reference(spec)
-    decided = ~wanted.undecided
-    assert decided.mean() > 0.9
-    assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-    assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 
 
 def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
@@ -42,96 +27,8 @@ def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
     colour = np.concatenate([rng.uniform(0, 1, (11, 301, 3)), np.ones((11, 301, 1))], axis=-1)
     for pose in (Pose((0.6, 0.01, 0)), Pose((0.3, 0, -0.3), (0, 0.1, 0, 1))):
         got, wanted = warped(gpu, "search", colour, depth, pose), search(asked(gpu, "search", colour, depth, pose))
-        decided = ~wanted.undecided
-        assert (
-            decided.mean() > 0.6
-        )  # a long ray comes near many corners, and one row runs along a line between quarters
-        assert np.array_equal(got[..., 3][decided], wanted.colour[..., 3][decided])
-        assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
-
-
-def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu):
-    """Seen from 0.4 m to the right at 30 pixels per tangent.
-
-    12 px of parallax at 1 m, 3 px at 4 m.
-    """
-    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
-    got = warped(gpu, "search", colour, depth, Pose((0.4, 0, 0)))
-    y, x = np.mgrid[:60, :60]
-    thing, hole = ((y >= 20) & (y < 40) & (x >= a) & (x < b) for a, b in ((8, 28), (28, 37)))
-    assert np.array_equal(got[..., 3] == 0, hole | (x >= 57))
-    seen = got[..., 3] == 1
-    assert np.abs(got[..., 0] - np.where(thing, 1.0, 0.25))[seen].max() <= 2.0**-10  # no colour crosses a silhouette
-    assert np.abs(got[..., 1] - np.where(thing, x + 12, x + 3) / 60)[seen].max() <= RAMP
-
-
-@pytest.mark.parametrize("width", [1, 2, 3])
-def test_the_thinnest_thing_in_front_is_found_whole_and_what_is_behind_it_too(gpu, width):
-    """A post before a wall, moved by 12 px.
-
-    Each of its columns once, the wall elsewhere, and a hole as wide as the post.
-    """
-    colour, depth = square_before_a_wall(np.s_[:, 30 : 30 + width])
-    got = warped(gpu, "search", colour, depth, Pose((0.4, 0, 0)))
-    assert np.array_equal(np.argwhere(got[7, :, 0] > 0.99)[:, 0], np.arange(18, 18 + width))
-    assert np.array_equal(np.argwhere(got[7, :57, 3] == 0)[:, 0], np.arange(27, 27 + width))
-
-
-def test_the_nearest_of_three_surfaces_on_one_ray_wins(gpu):
-    """Three posts at 1, 1.5 and 3 m that from 0.6 m to the right stand behind one another, at
-    column 20.
-    """
-    colour, depth = square_before_a_wall(np.s_[:0, :0])
-    for near, moved in ((1.0, 18), (2 / 3, 12), (1 / 3, 6)):
-        depth[:, 20 + moved] = near
-    colour[..., 0] = depth
-    got = warped(gpu, "search", colour, depth, Pose((0.6, 0, 0)))
-    assert (got[:, 20, 0] > 0.99).all()
-
-
-def test_a_slanted_plane_is_exact(gpu):
-    """Inverse depth 0.5 + 0.2 x at the tangent x, seen from 0.2 m to the right.
-
-    x_shown = x - 0.2 (0.5 + 0.2 x) of the tangent.
-    """
-    x = (np.arange(60) + 0.5) / 30 - 1
-    depth = np.tile(0.5 + 0.2 * x, (60, 1))
-    colour = np.stack([np.tile(x + 1, (60, 1)), depth, np.zeros((60, 60)), np.ones((60, 60))], axis=-1)
-    got = warped(gpu, "search", colour, depth, Pose((0.2, 0, 0)))
-    from_x = (x + 0.1) / (1 - 0.04)
-    assert (got[:, np.abs(from_x) < 1, 3] == 1).all()
-    inside = np.abs(from_x) < 1 - 1 / 60  # further out the rendered ramp ends half a pixel before the border
-    assert np.abs(got[..., 0] - (from_x + 1))[:, inside].max() <= 2 * (1 / 30 / 256 + 2.0**-10)
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1.0, -1e-40])
-def test_no_depth_stays_a_hole_and_does_not_spread(gpu, bad):
-    colour, depth = np.full((24, 24, 4), 0.5), np.full((24, 24), 0.5)
-    colour[..., 3] = 1
-    colour[10:13, 10:13], depth[10:13, 10:13] = 0, bad
-    got = warped(gpu, "search", colour, depth, Pose((0.1, 0.05, 0)))  # 0.6 and 0.3 px
-    assert np.isin(got[..., :3], (0, 0.5)).all()
-    assert 4 <= (got[1:-1, 1:-1, 3] == 0).sum() <= 16
-
-
-@pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
-def test_a_surface_behind_an_eye_is_not_mirrored(gpu, pose):
-    """Past a wall at 2 m, and turned round.
-
-    The rendered picture shows nothing of what is before the eye.
-    """
-    assert (warped(gpu, "search", np.ones((21, 21, 4)), np.full((21, 21), 0.5), pose) == 0).all()
-
-
-@pytest.mark.parametrize("step_m", [1e-9, 1e-6])
-def test_a_tiny_motion_leaves_no_hole(gpu, step_m):
-    rng = np.random.default_rng(4)
-    colour, depth = np.ones((40, 40, 4)), rng.choice([0.0, 0.3, 2.0, 1000.0], (40, 40))
-    colour[..., :3] = rng.uniform(0, 2, (40, 40, 3))
-    got = warped(gpu, "search", colour, depth, Pose((-step_m, -step_m, step_m)))
-    assert (got[1:-1, 1:-1, 3] == 1).all()
-    # 30 px x 1000 1/m x 2e-6 m = 0.06 px at most, along each axis, of a contrast below 2.
-    assert np.abs(got - colour)[1:-1, 1:-1].max() <= 2 * 2 * (30 * 1000 * 2 * step_m + 1 / 256) + 2.0**-9
+        # A long ray comes near many corners, and one row runs along a line between quarters.
+        assert_equals_twin(got, wanted, 0.6)
 
 
 def test_too_few_steps_end_in_holes(gpu):

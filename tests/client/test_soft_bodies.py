@@ -134,46 +134,12 @@ def test_the_pass_does_what_rays_do(gpu, now, age_ms, late):
     assert shown.covered.sum() > 400
 
 
-def test_a_still_head_and_a_still_body_are_the_late_picture(gpu):
-    shown = Shown(gpu, HERE, 0)
-    # Albedo, late colour over it, and the product: three half floats, and 1e-4 of the baked light.
-    assert np.abs(shown.out - shown.late).max() <= 4 * HALF * shown.late.max()
-    assert np.array_equal(shown.out[~shown.covered], shown.late[~shown.covered])
-    assert np.array_equal(shown.out_depth, shown.late_depth)
-
-
-@pytest.mark.parametrize("age_ms", [200, 400, 800])
-def test_silhouettes_are_those_of_the_instant_to_the_last_pixel(gpu, age_ms):
-    shown = Shown(gpu, THERE, age_ms)
-    drawn = shown.out_depth != shown.before_depth
-    assert np.array_equal(drawn, shown.covered)
-    # Its light is baked, so where the late picture saw a place the result is the truth.
-    off = np.abs(shown.out - shown.truth)[shown.covered]
-    assert np.median(off) < 0.01 and off.mean() < 0.02
-    assert shown.taken.sum() > 400 and (shown.taken != shown.covered).sum() > 100, "it has moved"
-
-
-def test_its_light_is_the_late_picture_s(gpu):
-    gain = np.array((0.5, 1.2, 0.8))
-    dim, plain = Shown(gpu, THERE, 400, gain=tuple(gain)), Shown(gpu, THERE, 400)
-    ratio = dim.out[plain.covered][:, :3] / plain.out[plain.covered][:, :3]
-    assert np.abs(np.median(ratio, axis=0) - gain).max() < 0.01
-    assert (np.abs(ratio - gain).max(axis=1) < 0.1).mean() > 0.9
-
-
 def test_all_of_it_is_taken_out_and_nothing_else(gpu):
     shown = Shown(gpu, THERE, 400)
     for left in shown.left_colour:
         assert (left[shown.taken] == 0).all()
         assert np.array_equal(left[~shown.taken], shown.late[~shown.taken])
     assert np.array_equal(shown.left_depth == -1, shown.taken)
-
-
-def test_places_that_the_late_picture_did_not_see_have_baked_light(gpu):
-    """The late eye looked the other way."""
-    away = View(Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)), FOV)
-    shown = Shown(gpu, HERE, 100, late=away, gain=(0.1, 0.1, 0.1))
-    assert np.abs(shown.out - shown.truth).max() <= 2 * HALF
 
 
 def test_far_from_the_world_s_origin_it_is_the_same(gpu):

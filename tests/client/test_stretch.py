@@ -59,16 +59,6 @@ def test_foreground_is_never_smeared(gpu, step):
     assert (after[inner][..., 3] == 1).all()
 
 
-def test_the_guess_is_what_lies_on_the_line_that_things_moved_on(gpu):
-    """The head moves to the right: rows keep their height, which is the blue of the picture."""
-    colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
-    before, after = filled(gpu, "search", "stretch:spread=0", colour, depth, Pose((0.4, 0, 0)))
-    y, x = np.nonzero((before[..., 3] == 0) & (after[..., 3] == 1))
-    assert set(x) == set(range(28, 37))
-    # The search between two rows blends their blues, which differ by 1 / 60.
-    assert np.abs(after[y, x, 2] - y / 60).max() <= 1 / 60
-
-
 def test_places_outside_the_rendered_view_stay_empty(gpu):
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     before, after = filled(gpu, "search", "stretch", colour, depth, Pose((0.4, 0, 0)))

@@ -13,7 +13,7 @@ from reference.veil import lay_over
 from worlds import World, read
 
 from hmdwarp.client import ShownPicture
-from hmdwarp.client.effects import Tools, effects
+from hmdwarp.client.effects import Tools
 from hmdwarp.client.effects.overlay import OverlayPass
 from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
 from hmdwarp.client.warps.iterative import OF_A_PART
@@ -112,15 +112,6 @@ def test_where_the_shown_depth_is_not_known_the_veil_is_before_it(gpu):
     assert np.array_equal(veiled.lay(UNKNOWN), veiled.lay(0.0))
 
 
-def test_a_veil_of_nothing_changes_nothing(gpu):
-    veiled = Veiled(gpu, 4, SIZES[1])
-    veiled.world.colour[:] = 0
-    veiled.world.inverse_depth[:] = -1
-    veiled.passing[:] = 1
-    veiled.world.upload(gpu)
-    assert np.array_equal(veiled.lay(), veiled.behind)
-
-
 @pytest.mark.parametrize("size", [(64, 48), (33, 17), (1, 1)])
 def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(gpu, size):
     rng, gl = np.random.default_rng(size[0]), gpu.gl
@@ -180,11 +171,6 @@ def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs
     # pixels or two, either may be in front.
     assert (error <= 12 * HALF_UNIT).mean() > 0.985
     assert np.median(error) <= HALF_UNIT
-
-
-def test_each_says_what_is_seen_without_it():
-    for name in ("transparency", "overlay"):
-        assert effects.get(name).without and effects.get(name).name == name
 
 
 def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):

@@ -27,24 +27,16 @@ from hmdwarp.poses import PoseSource, synthesise
 SMALL = (48, 60)
 
 
-# --- displays, and what happens to them from outside ---
+class Backend:
+    """How a display is opened here, and what happens to it from outside."""
 
-
-class Stub:
-    """The pattern for a new display."""
-
-    name = "stub"
+    name = ""
     user_ends: Callable[[Display], None] | None = None  # has the user end the display
     goes_away: Callable[[], None] | None = None  # makes it lost ..
     comes_back: Callable[[], None] | None = None  # .. and lets it be reopened
 
-    def open(self) -> Display:
-        from .stub_display import StubDisplay
 
-        return StubDisplay(DisplayOptions(size=SMALL))
-
-
-class Offscreen(Stub):
+class Offscreen(Backend):
     """A display without a screen."""
 
     name = "offscreen"
@@ -55,7 +47,7 @@ class Offscreen(Stub):
         return OffscreenDisplay(DisplayOptions(size=SMALL, trace=synthesise("look-around", seed=1, seconds=2)))
 
 
-class Window(Stub):
+class Window(Backend):
     """A window of this X server."""
 
     name = "desktop"
@@ -69,7 +61,7 @@ class Window(Stub):
         display._window.end()
 
 
-class OpenXr(Stub):
+class OpenXr(Backend):
     """A headset of Monado."""
 
     name = "openxr"
@@ -95,11 +87,11 @@ class OpenXr(Stub):
         xr.request_exit_session(display._connection.session.handle)
 
 
-BACKENDS = {"stub": Stub, "offscreen": Offscreen, "window": Window, "openxr": OpenXr}
+BACKENDS = {"offscreen": Offscreen, "window": Window, "openxr": OpenXr}
 
 
 @contextmanager
-def opened(backend: Stub) -> Iterator[Display]:
+def opened(backend: Backend) -> Iterator[Display]:
     display = backend.open()
     try:
         yield display
@@ -123,7 +115,7 @@ def refresh(display: Display, times: int = 1) -> None:
 # --- cases on an open display ---
 
 
-def has_what_a_run_asks_for(display: Display, backend: Stub) -> None:
+def has_what_a_run_asks_for(display: Display, backend: Backend) -> None:
     """The members hold what the protocol says, in its units."""
     assert display.name == backend.name
     assert display.about and all(isinstance(text, str) for text in (*display.about, *display.about.values()))
@@ -136,7 +128,7 @@ def has_what_a_run_asks_for(display: Display, backend: Stub) -> None:
     assert display.headset is None or not display.distorts  # the lens is corrected once
 
 
-def has_eyes(display: Display, backend: Stub) -> None:
+def has_eyes(display: Display, backend: Backend) -> None:
     head = display.source.head_at(display.now_ns()).pose
     views = display.eyes.views(head)
     assert len(views) in (1, 2)
@@ -147,7 +139,7 @@ def has_eyes(display: Display, backend: Stub) -> None:
         assert views[0].head_from_eye.position_m[0] < views[1].head_from_eye.position_m[0]
 
 
-def answers_ticks(display: Display, backend: Stub) -> None:
+def answers_ticks(display: Display, backend: Backend) -> None:
     """Each tick is to come, and is answered by one show() within its refresh."""
     for _ in range(4):
         before_ns = display.now_ns()
@@ -159,7 +151,7 @@ def answers_ticks(display: Display, backend: Stub) -> None:
         assert tick.missed >= 0 and isinstance(tick.notice, str) and isinstance(tick.render, bool)
 
 
-def has_one_clock_that_never_goes_back(display: Display, backend: Stub) -> None:
+def has_one_clock_that_never_goes_back(display: Display, backend: Backend) -> None:
     ticks, instants = [], [display.now_ns()]
     for _ in range(8):
         ticks.append(next_tick(display))
@@ -171,7 +163,7 @@ def has_one_clock_that_never_goes_back(display: Display, backend: Stub) -> None:
     assert all(tick.period_ns > 0.99e9 / display.rate_hz for tick in ticks)
 
 
-def has_a_head_on_its_clock(display: Display, backend: Stub) -> None:
+def has_a_head_on_its_clock(display: Display, backend: Backend) -> None:
     assert isinstance(display.source, PoseSource)
     display.source.start()
     tick, before_ns = next_tick(display), display.now_ns()
@@ -205,7 +197,7 @@ class Question:
         return np.full((20, 60), 255, np.uint8)
 
 
-def shows_pictures(display: Display, backend: Stub) -> None:
+def shows_pictures(display: Display, backend: Backend) -> None:
     """Linear light of each eye, with depth where the display takes it, under any label."""
     gl, made = display.gpu.gl, []
     for view in display.eyes.views(display.source.head_at(display.now_ns()).pose):
@@ -221,7 +213,7 @@ def shows_pictures(display: Display, backend: Stub) -> None:
     assert gl.error == "GL_NO_ERROR"
 
 
-def looks_at_another_view_and_back(display: Display, backend: Stub) -> None:
+def looks_at_another_view_and_back(display: Display, backend: Backend) -> None:
     def seen() -> tuple[object, ...]:
         return len(display.eyes.views(display.source.head_at(display.now_ns()).pose)), display.size, display.headset
 
@@ -234,7 +226,7 @@ def looks_at_another_view_and_back(display: Display, backend: Stub) -> None:
     assert seen() == before
 
 
-def restarts(display: Display, backend: Stub) -> None:
+def restarts(display: Display, backend: Backend) -> None:
     """The head goes on or begins anew; the clock goes on."""
     refresh(display, 2)
     before_ns, source = display.now_ns(), display.source
@@ -243,13 +235,13 @@ def restarts(display: Display, backend: Stub) -> None:
     refresh(display)
 
 
-def asks_for_nothing_by_itself(display: Display, backend: Stub) -> None:
+def asks_for_nothing_by_itself(display: Display, backend: Backend) -> None:
     display.commands()
     refresh(display, 2)
     assert list(display.commands()) == []
 
 
-def takes_a_status(display: Display, backend: Stub) -> None:
+def takes_a_status(display: Display, backend: Backend) -> None:
     status = Status(values={"latency": 50.0, "scene": "room", "warp": "forward", "fill": "none"})
     for _ in range(2):
         display.show_status(status)
@@ -260,7 +252,7 @@ def takes_a_status(display: Display, backend: Stub) -> None:
 # --- cases that end the display ---
 
 
-def ends_with_a_reason(backend: Stub) -> None:
+def ends_with_a_reason(backend: Backend) -> None:
     """Closed, from wait() or show(), once the user ends it; then it closes like any other."""
     if backend.user_ends is None:
         return
@@ -275,7 +267,7 @@ def ends_with_a_reason(backend: Stub) -> None:
         display.close()
 
 
-def is_lost_and_comes_back(backend: Stub) -> None:
+def is_lost_and_comes_back(backend: Backend) -> None:
     """Lost with words; reopen() says whether it is back, and the gpu stays the same."""
     with opened(backend) as display:
         refresh(display, 2)
@@ -299,7 +291,7 @@ def is_lost_and_comes_back(backend: Stub) -> None:
         assert display.gpu is gpu
 
 
-def closes_twice_in_any_state(backend: Stub) -> None:
+def closes_twice_in_any_state(backend: Backend) -> None:
     """Unused, in the middle of a tick, and after a tick; each time another one can be opened."""
     for ticks, answers in ((0, 0), (1, 0), (1, 1)):
         display = backend.open()

@@ -66,10 +66,7 @@ class Live:
     @property
     def geometry(self) -> tuple[int, int, int, int]:
         """x, y, w, h on the screen."""
-        lines = dict(
-            line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines()
-        )
-        return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
+        return self.screen.geometry(self.window)
 
     def press(self, *keys: str) -> None:
         """Each key once."""

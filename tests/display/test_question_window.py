@@ -71,10 +71,7 @@ class Asking:
         until(lambda: self.now(what) == wanted, f"{what} == {wanted}", lambda: f"{what} is {self.now(what)}")
 
     def geometry(self) -> tuple[int, int, int, int]:
-        lines = dict(
-            line.split("=") for line in self.screen.do("getwindowgeometry", "--shell", self.window).splitlines()
-        )
-        return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
+        return self.screen.geometry(self.window)
 
     def to(self, across: float, up: float) -> tuple[int, int]:
         """The mouse to a place of the left eye's half, as shares of it from bottom left.

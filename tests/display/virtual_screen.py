@@ -73,6 +73,11 @@ class VirtualScreen:
         )
         return done.stdout.strip()
 
+    def geometry(self, window: str) -> tuple[int, int, int, int]:
+        """x, y, w, h of a window."""
+        lines = dict(line.split("=") for line in self.do("getwindowgeometry", "--shell", window).splitlines())
+        return tuple(int(lines[name]) for name in ("X", "Y", "WIDTH", "HEIGHT"))
+
     def picture(self) -> np.ndarray:
         """(h, w, 3) bytes, top row first, of the whole screen as it is now.
 

@@ -8,7 +8,7 @@ import pytest
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.pipeline import Refresh
 from hmdwarp.scenes import Panel, Scene, SceneSource, scenes
-from hmdwarp.scenes.library._models import textures_named
+from hmdwarp.scenes.library import textures_named
 
 from .live_runs import Here, quick
 from .monado import ON_SCREEN, REMOTE, UNSEEN

@@ -44,14 +44,14 @@ def test_facts_that_the_user_states_are_the_users(tmp_path):
 def test_trace_info_prints_nobody_with_the_option(tmp_path):
     path = write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")
     text = run("info", path)
-    assert "nobody says so; --axes states it" in text
+    assert "default; set with --axes" in text
     data = json.loads(run("info", path, "--json"))
-    assert {"what": "clock", "value": "seconds", "by": "nobody", "option": "--time-unit"} in data["assumptions"]
+    assert {"what": "clock", "value": "seconds", "by": "default", "option": "--time-unit"} in data["assumptions"]
 
 
 @pytest.mark.parametrize(
     ("who", "said"),
-    [(By.NOBODY, "nobody says so; --scale states it"), (By.FILE, "by the file"), (By.USER, "by the user")],
+    [(By.NOBODY, "default; set with --scale"), (By.FILE, "by the file"), (By.USER, "by the user")],
 )
 def test_an_assumption_says_who_says_it(who, said):
     one = Assumption("length", "1 m per unit", who, "--scale")
@@ -61,7 +61,9 @@ def test_an_assumption_says_who_says_it(who, said):
 
 def test_notes_name_what_nobody_says(tmp_path):
     notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes()
-    assert any("as nobody says it" in note and "length 1 m per unit (--scale states it)" in note for note in notes)
+    assert any(
+        "not stated in the files" in note and "length 1 m per unit (override with --scale)" in note for note in notes
+    )
     assert sum(note.count("--axes") for note in notes) == 1
     assert load_trace("walk").notes() == []
 

@@ -118,6 +118,8 @@ def test_frame_numbers_are_a_clock(tmp_path, name, stated):
     track = load_trace(path, TraceOptions(rate=90, **stated)).track
     kept = np.r_[:101, 160:360]
     assert np.abs(track.time_ns - TRACK.time_ns[kept]).max() <= 1 and track.at(1_300_000_000).origin is Origin.HELD
+    write(path, [[str(10**15 + i), *r[1:]] for i, r in enumerate(TABLE)], f"{name},{POSE}")
+    assert "is over 146 years from frame 0" in refusal(path, rate=90, **stated)
 
 
 @pytest.mark.parametrize("lost", [np.r_[100:145], np.r_[50:53, 200:230], np.r_[330:360]])

@@ -76,7 +76,7 @@ def test_4_every_unit_of_time_is_found_and_stated(tmp_path, name):
     assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // step * step)
     assert loaded.time_unit == unit
     assert loaded.track.epoch_ns == epoch
-    assert abs(loaded.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
+    assert abs(loaded.track.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
     assert unit in found(loaded, "unit-guessed").done and " Hz" in found(loaded, "unit-guessed").done
 
 
@@ -107,7 +107,7 @@ def test_5_bare_ticks_are_read_alike(tmp_path):
     path = write(tmp_path / "bare.txt", rows(TRACK, stamp=STAMPS["ticks"][0]), header="", separator=" ")
     loaded = load_trace(path)
     assert kinds(loaded) >= {"order-assumed"}
-    assert (loaded.format, loaded.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
+    assert (loaded.format, loaded.track.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
 
 
 @pytest.mark.parametrize(
@@ -307,7 +307,7 @@ def test_14_units_in_brackets_belong_to_a_header_and_scale_what_they_name(tmp_pa
 
 def test_14_a_rate_overrides_a_clock_and_says_so(tmp_path):
     loaded = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(rate=30))
-    assert loaded.rate_hz == pytest.approx(30)
+    assert loaded.track.rate_hz == pytest.approx(30)
     assert "put aside" in found(loaded, "clock-by-rate").what
 
 

@@ -18,7 +18,7 @@ from hmdwarp.errors import MachineError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_up
-from hmdwarp.poses.reading.columns import find_columns
+from hmdwarp.poses.reading.header import find_columns
 
 from .traces import WRITERS, head, kinds, rows, same_motion, save, unit_quaternions, write
 

@@ -20,7 +20,7 @@ MEASURE = """
 import json, re, sys, time
 from pathlib import Path
 from hmdwarp.poses import load_trace
-import hmdwarp.poses.reading.cleaning, hmdwarp.poses.reading.rows, hmdwarp.poses.writing
+import hmdwarp.poses.reading.cleaning, hmdwarp.poses.reading.text_table, hmdwarp.poses.writing
 def peak():  # ru_maxrss would count what the parent held when it forked
     return int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
 before = peak()
@@ -67,7 +67,7 @@ def test_memory_is_bounded_by_the_rows(tmp_path):
 def test_chunks_meet_without_a_seam(tmp_path, monkeypatch):
     """The same file in chunks of any size, down to a few rows, is the same track."""
     from hmdwarp.poses import load_trace
-    from hmdwarp.poses.reading import rows
+    from hmdwarp.poses.reading import text_table
 
     path = tmp_path / "seams.csv"
     large_file(path, 500)
@@ -75,7 +75,7 @@ def test_chunks_meet_without_a_seam(tmp_path, monkeypatch):
     path.write_text(text.replace("\n", "\n# a remark\n", 40).rstrip("\n"))
     whole = load_trace(path)
     for size in (97, 1000, 4096):
-        monkeypatch.setattr(rows, "CHUNK_BYTES", size)
+        monkeypatch.setattr(text_table, "CHUNK_BYTES", size)
         parts = load_trace(path)
         assert np.array_equal(parts.track.time_ns, whole.track.time_ns)
         assert np.array_equal(parts.track.orientation_xyzw, whole.track.orientation_xyzw)

@@ -39,7 +39,7 @@ def test_each_real_file_reads_as_known(real_traces, name):
     loaded = load_trace(real_traces / name)
     assert loaded.format == format_name
     assert len(loaded.track) == count
-    assert round(loaded.rate_hz) == rate
+    assert round(loaded.track.rate_hz) == rate
     assert loaded.track.duration_ns // 10**9 == seconds
     assert kinds(loaded) == set(defects.split())
 
@@ -166,7 +166,7 @@ def test_shipped_people_are_described_level_and_licensed():
         turning = " / ".join(f"{speed:.1f}" for speed in figures.angular_speed_deg_s[:3])
         moving = " / ".join(f"{figures.linear_speed_m_s[place]:.2f}" for place in (0, 2))
         what = track.origin.rpartition("; ")[2]
-        assert f"| `{name}` | " in page and f"| {what} | {loaded.rate_hz:.0f} | {turning} | {moving} |" in page
+        assert f"| `{name}` | " in page and f"| {what} | {loaded.track.rate_hz:.0f} | {turning} | {moving} |" in page
         assert 20 <= track.duration_ns * 1e-9 <= 40.1 and path.stat().st_size < 300_000
         head = path.read_text(encoding="utf-8").split("time_ns")[0]
         assert all(f"# {fact}: " in head for fact in ("origin", "axes", "device", "licence", "changed"))

@@ -63,7 +63,7 @@ def test_recordings_load_clean_at_90_hz_from_a_standing_head(kind):
     assert [d.kind for d in loaded.defects] == []
     assert loaded.track.duration_ns / 1e9 == pytest.approx(KINDS[kind].seconds)
     assert loaded.notes() == []
-    assert loaded.rate_hz == pytest.approx(90, rel=1e-6)
+    assert loaded.track.rate_hz == pytest.approx(90, rel=1e-6)
     assert f"hmdwarp trace synth {kind}" in loaded.track.origin
     start = loaded.track.pose(0)
     assert np.allclose(start.position_m, [0, 1.6, 0], rtol=0, atol=1e-6)

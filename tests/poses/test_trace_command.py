@@ -117,7 +117,7 @@ def test_synth_writes_the_shipped_bytes_and_takes_its_options(tmp_path):
     assert out.read_bytes() == (resources.folder("recordings") / "walk.csv").read_bytes()
     run("synth", "walk", "--out", out, "--seed", 5, "--seconds", 2, "--rate", 50, "--force")
     loaded = load_trace(out)
-    assert (len(loaded.track), round(loaded.rate_hz)) == (101, 50)
+    assert (len(loaded.track), round(loaded.track.rate_hz)) == (101, 50)
     assert "--seed 5 --seconds 2 --rate 50" in loaded.track.origin
     run("synth", "sideways", "--out", out, "--speed", 1, "--amplitude", 0.4, "--seconds", 2, "--force")
     assert load_trace(out).track.position_m[:, 0].max() == pytest.approx(0.4, abs=1e-3)

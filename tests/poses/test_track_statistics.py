@@ -42,7 +42,7 @@ def test_rate_duration_gaps_and_jumps():
     assert figures.rate_hz == pytest.approx(60, rel=1e-6)
     assert figures.mean_rate_hz == pytest.approx(99 / (99 / 60 + 2))
     (gap,) = figures.gaps
-    assert (gap.start_ns, round(gap.length_ns / 1e6)) == (int(track.time_ns[49]), 2017)
+    assert (gap["start_s"], round(gap["length_s"] * 1e3)) == (int(track.time_ns[49]) / 1e9, 2017)
     assert figures.jumps == 1
 
 

@@ -102,18 +102,3 @@ def sampled(picture: Array, grid: FoveaGrid, place: Array) -> Array:
     below = (1 - across) * picture[low[1], low[0]] + across * picture[low[1], high[0]]
     above = (1 - across) * picture[high[1], low[0]] + across * picture[high[1], high[0]]
     return (1 - up) * below + up * above
-
-
-def within(values: Array, grid: FoveaGrid, covered: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """The least and the most, (h, w, ..), of the covered pixels that a pixel is made of.
-
-    Those which the pixels around it hold: the coarse picture's own sampling error lies between.
-    """
-    mask = covered if values.ndim == 2 else covered[..., None]
-    low, high = (
-        _sums(np.where(mask, values, none), grid, of) for none, of in ((np.inf, np.minimum), (-np.inf, np.maximum))
-    )
-    (left, right, _), (below, above, _) = (_neighbours(held) for held in counts(grid))
-    at = [(rows, columns) for rows in (below, above) for columns in (left, right)]
-    lows, highs = ([bound[np.ix_(*each)] for each in at] for bound in (low, high))
-    return np.min(lows, axis=0), np.max(highs, axis=0)

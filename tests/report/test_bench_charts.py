@@ -11,13 +11,15 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from PIL import Image
+from skimage.color import deltaE_ciede2000, rgb2lab
 
+from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.metrics import REGIONS, aggregate
-from hmdwarp.report import PAGE, PAPER, Series, canvas, css_variables, draw_numbers, markers_of, time_series, warp_of
-from hmdwarp.report.bench.page import pareto_chart, pareto_plot_png, pareto_text, region_parts, regions_chart
-from hmdwarp.report.bench.rows import bench_table, cases
+from hmdwarp.report import Look, Series, canvas, css_variables, draw_numbers, paper_bytes, time_series
+from hmdwarp.report.bench.page import looks_of, pareto_chart, pareto_text, region_parts, regions_chart
+from hmdwarp.report.bench.rows import cases, row_name
 
-from .bench_samples import WARPS, a_bench, a_row, some_rows
+from .bench_samples import WARPS, a_row, some_rows
 from .samples import some_rows as some_frames
 
 NASTY = "<b>&'\"$x_1$</b>--> ]]> 漢字"
@@ -71,35 +73,44 @@ def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
         seen |= ids
 
 
-def test_warps_and_baselines_have_names_and_a_key():
+def test_the_front_and_the_best_of_each_warp_have_numbers_that_the_key_explains():
     rows = some_rows(traces=("walk",), latencies=(200.0,))
     rows += [a_row("mesh:grid=64", fill, "walk", baseline="CloudXR.js") for fill in ("none", "pyramid")]
     (case,) = cases(rows)
     for measure in ("flip", "psnr_db"):
         found = words(pareto_chart(case, measure))
         key = key_of(pareto_chart(case, measure))
-        assert key.keys() == {*WARPS, "mesh:grid=64 (CloudXR.js)"}
+        assert {name.split(" + ")[0].removesuffix(" (CloudXR.js)") for name in key} == {*WARPS, "mesh:grid=64"}
+        assert {row_name(row) for row in case.front(measure)} <= key.keys()
         assert sorted(map(int, key.values())) == [*range(1, len(key) + 1)]
         assert [name for name, number in key.items() if number not in found] == [], "beside a point"
-        assert {"fill none", "fill interpolate", "fill pyramid"} <= set(found)
 
 
 def test_the_front_is_filled_bold_and_in_words():
     case = one_case(fills=("interpolate",))
     text = pareto_chart(case)
-    best = {row["warp"] for row in case.front()}
+    best = {row_name(row) for row in case.front()}
     bold = {m[1] for m in re.finditer(r'<text style="[^"]*(?:bold|700)[^"]*"[^>]*>([^<]*)', text)}
     key = key_of(text)
     assert bold == {key[name] for name in best} and 1 < len(best) < len(case.rows)
-    assert [name for name in best if f"{name} with fill interpolate" not in pareto_text(case)] == []
+    assert [name for name in best if name.replace(" + ", " with fill ") not in pareto_text(case)] == []
     hollow = len(re.findall(r"<use [^>]*fill: none|<use [^>]*fill-opacity: 0", text))
-    filled = len(re.findall(r"<use [^>]*fill: var\(--warp", text))
-    # The list of colours is filled too.
-    assert (filled, hollow >= len(case.rows) - len(best)) == (len(best) + len(WARPS), True)
+    filled = len(re.findall(r"<use [^>]*fill: var\(--series", text))
+    # The marks of the key are filled too.
+    assert (filled, hollow >= len(case.rows) - len(best)) == (len(best) + len(key), True)
     for measure, worst in (("flip", 1), ("psnr_db", 0)):  # the staircase begins there
         axes = pareto_chart(case, measure).figure.axes[0]
         (stairs,) = (line for line in axes.lines if line.get_drawstyle() == "steps-post")
         assert stairs.get_ydata()[0] == axes.get_ylim()[worst]
+
+
+@pytest.mark.parametrize("measure", ["flip", "psnr_db"])
+def test_each_point_stands_on_the_interval_of_its_mean(measure):
+    case = one_case(fills=("interpolate",))
+    axes = pareto_chart(case, measure).figure.axes[0]
+    (spans,) = (one for one in axes.collections if hasattr(one, "get_segments"))
+    drawn = sorted(tuple(segment[:, 1]) for segment in spans.get_segments())
+    assert drawn == sorted(tuple(row["quality"][measure]["interval"]) for row in case.rows)
 
 
 def test_the_same_data_give_the_same_chart():
@@ -119,7 +130,7 @@ def test_few_points_or_none(count, measure):
 
 def test_without_a_row_that_the_client_can_run_there_is_no_front():
     (case,) = cases([a_row("mesh", lacks="it takes the whole scene"), a_row("backward", lacks="so does this")])
-    assert "mesh" in key_of(pareto_chart(case)) and "the bench's client can run none" in pareto_text(case)
+    assert "mesh + interpolate" in key_of(pareto_chart(case)) and "the bench's client can run none" in pareto_text(case)
 
 
 def test_odd_values_can_be_drawn():
@@ -132,7 +143,7 @@ def test_odd_values_can_be_drawn():
         ]
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
-            assert "mesh" in key_of(pareto_chart(case, measure))
+            assert "mesh + interpolate" in key_of(pareto_chart(case, measure))
     nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in REGIONS}
     assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
 
@@ -144,76 +155,56 @@ def test_names_are_text_whatever_they_hold():
         assert "<b>" not in text and any(NASTY in word for word in words(text))
 
 
-def test_a_spec_with_settings_looks_like_its_warp():
-    specs = ["mesh", "mesh:cut=slope", "mesh:cut=identity", "new_warp"]
-    assert {PAGE.warp(spec) for spec in specs[:3]} == {PAGE.warp("mesh")} != {PAGE.warp("forward")}
-    assert (
-        PAGE.warp("new_warp").startswith("#") and PAPER.warp("new_warp").startswith("#") and warp_of("a:b=1,c=2") == "a"
-    )
-    assert key_of(pareto_chart(cases([a_row(spec) for spec in specs])[0])).keys() == {*specs}
+def test_warps_share_their_looks_in_all_charts_of_a_page():
+    rows = some_rows(traces=("walk",), latencies=(200.0,))
+    looks = looks_of(rows)
+    assert [*looks] == [*dict.fromkeys(row["warp"] for row in rows)]
+    assert len({(look.color, look.marker) for look in map(Look.of, range(56))}) == 56
+    (case,) = cases(rows)
+    others = pareto_chart(case, "psnr_db", looks=looks), pareto_chart(case, looks=looks, width_in=3.35)
+    for chart in (pareto_chart(case, looks=looks), *others):
+        marks = chart.figure.legends[0].legend_handles
+        for mark in marks:
+            warp = mark.get_label().split(" ")[1]
+            assert (mark.get_color(), mark.get_marker()) == (looks[warp].color, looks[warp].marker), warp
 
 
-def test_markers_do_not_depend_on_who_else_is_there_for_known_fills_and_never_coincide():
-    fills = [f"fill-{letter}" for letter in "abcdefgh"]
-    chosen = markers_of(["interpolate", *fills, "none"])
-    assert len(set(chosen.values())) == 10
-    assert (
-        markers_of(["none"])["none"] == chosen["none"]
-        and markers_of(["interpolate"])["interpolate"] == chosen["interpolate"]
-    )
+def linear_of(colour: str) -> np.ndarray:
+    return linear_from_srgb(np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255)
 
 
 def luminance(colour: str) -> float:
     """Source: WCAG 2.2, relative luminance."""
-    channels = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
-    return float(linear @ (0.2126, 0.7152, 0.0722))
+    return float(linear_of(colour) @ (0.2126, 0.7152, 0.0722))
 
 
-@pytest.mark.parametrize("dark, card", [(False, "#ffffff"), (True, "#1c2126")])
-def test_every_warp_s_colour_can_be_seen_and_none_is_another_s(dark, card):
-    """Contrast of 3 to the paper, what WCAG 2.2 asks of graphics (1.4.11); card: the page's own."""
-    colours = dict(re.findall(r"(--warp-[\w-]+): (#\w{6})", css_variables(dark)))
-    assert len(colours) == len(set(colours.values())) >= len(WARPS)
-    pairs = {name: sorted((luminance(colour), luminance(card))) for name, colour in colours.items()}
-    assert [name for name, (low, high) in pairs.items() if (high + 0.05) / (low + 0.05) < 3] == []
-
-
-# Of linear red, green and blue. Source: Vienot, Brettel and Mollon 1999, Digital video colourmaps
-# for checking the legibility of displays by dichromats; grey: WCAG 2.2, relative luminance.
+# Of linear light, at full severity. Source: Machado, Oliveira and Fernandes 2009, A
+# physiologically-based model for simulation of color vision deficiency, table 1.
 SEEN_AS = {
-    "deuteranopia": ((0.29275, 0.70725, 0.0), (0.29275, 0.70725, 0.0), (-0.02234, 0.02234, 1.0)),
-    "protanopia": ((0.11238, 0.88762, 0.0), (0.11238, 0.88762, 0.0), (0.00401, -0.00401, 1.0)),
-    "grey": ((0.2126, 0.7152, 0.0722),) * 3,
+    "all": np.eye(3),
+    "deuteranopia": np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    ),
 }
 
 
 @pytest.mark.parametrize("sight", SEEN_AS)
-def test_warps_whose_colours_merge_have_numbers_and_lines_of_their_own(sight):
-    """Where two are within 0.12 of a channel's range, no one tells small marks apart by them."""
+@pytest.mark.parametrize("dark, card", [(False, "#ffffff"), (True, "#1c2126")])
+def test_every_colour_can_be_seen_and_none_is_another_s(dark, card, sight):
+    """Contrast of 3 to the paper, what WCAG 2.2 asks of graphics (1.4.11); card: the page's own.
 
-    def seen(colour: str) -> np.ndarray:
-        encoded = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-        return np.clip(np.asarray(SEEN_AS[sight]) @ encoded**2.2, 0, 1) ** (1 / 2.2)
-
-    colours = {name: seen(PAPER.warp(name)) for name in WARPS}
-    merged = {
-        name
-        for name in WARPS
-        if any(np.abs(colours[name] - colours[other]).max() < 0.12 for other in WARPS if other != name)
-    }
-    assert merged, "the colours alone would do: is this test needed?"
-    (case,) = cases(some_rows(WARPS, traces=("walk",), latencies=(200.0,)))
-    text = pareto_chart(case)
-    named, key = words(text), key_of(text)
-    fills = len({row["fill"] for row in case.rows})
-    for name in merged:
-        assert key[name] in named, "beside a point"
-        variable = re.escape(f"var(--warp-{name.replace('_', '-')})")
-        lines = re.findall(
-            rf'<path d="([^"]*)"[^>]*style="fill: none; stroke: {variable}; [^"]*stroke-width: 0.7', text
-        )
-        assert [len(re.findall("[ML]", line)) for line in lines] == [fills], name
+    15 by CIEDE2000 is over six times what is just seen (2.3), as small marks need.
+    """
+    colours = re.findall(r"--series-\d: (#\w{6})", css_variables(dark))
+    assert len(colours) == 8
+    contrasts = [sorted((luminance(colour), luminance(card))) for colour in colours]
+    assert [
+        colour for colour, (low, high) in zip(colours, contrasts, strict=True) if (high + 0.05) / (low + 0.05) < 3
+    ] == []
+    light = np.array([linear_of(colour) for colour in colours]) @ SEEN_AS[sight].T
+    seen = rgb2lab(srgb_from_linear(np.clip(light, 0, 1))[None])[0]
+    apart = {pair: float(deltaE_ciede2000(*seen[[*pair]])) for pair in itertools.combinations(range(8), 2)}
+    assert {pair: far for pair, far in apart.items() if far < 15} == {}
 
 
 def test_numbers_stand_beside_their_points_and_apart():
@@ -221,7 +212,7 @@ def test_numbers_stand_beside_their_points_and_apart():
     rng = np.random.default_rng(3)
     points = rng.uniform(0.2, 0.8, (40, 2))
     with canvas("", (6.0, 5.0), box=(0.5, 0.5, 5.9, 4.9)) as axes:
-        draw_numbers(axes, {index: index + 1 for index in range(40)}, points, np.zeros(40, bool), PAGE)
+        draw_numbers(axes, {index: index + 1 for index in range(40)}, points, np.zeros(40, bool))
         renderer = axes.figure.canvas.get_renderer()
         boxes = [text.get_window_extent(renderer) for text in axes.texts]
         assert all(np.hypot(*text.get_position()) < 24 for text in axes.texts)
@@ -239,19 +230,12 @@ def test_regions_add_up_to_the_whole():
     assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
 
 
-@pytest.mark.parametrize("columns", [None, 1])
-def test_the_picture_for_the_readme(tmp_path, columns):
-    rows = some_rows(warps=list(WARPS)[::3], fills=("interpolate",), traces=("walk",), latencies=(200.0,))
-    path = tmp_path / "pareto.png"
-    pareto_plot_png(path, [*rows, a_row(trace=NASTY)], columns=columns)
-    data = path.read_bytes()
-    with Image.open(io.BytesIO(data)) as image:
+@pytest.mark.parametrize("width_in", [3.35, 7.0])
+def test_a_chart_for_a_column_of_a_paper_is_a_picture_on_white(width_in):
+    (case,) = cases([*some_rows(traces=("walk",), latencies=(200.0,)), a_row(NASTY, trace="walk")])
+    chart = pareto_chart(case, width_in=width_in)
+    with Image.open(io.BytesIO(paper_bytes(chart, "png"))) as image:
         picture = np.asarray(image.convert("RGB"))
-    assert picture.shape[1] == 1600 and (picture[0] == 255).all()
+    assert picture.shape[1] == pytest.approx(200 * width_in, abs=1) and (picture[0] == 255).all()
     assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 50
-    pareto_plot_png(path, [], columns=columns)
-    assert [p.name for p in tmp_path.iterdir()] == ["pareto.png"]
-
-
-def test_a_whole_bench_fits_the_terminal():
-    assert bench_table(a_bench()["rows"]).row_count == 180 + 6
+    assert pareto_chart(case).at_width(width_in) == chart

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.bench.rows import COLUMNS, DECISION, bench_table, cases, common
+from hmdwarp.report.bench.rows import COLUMNS, DECISION, bench_table, cases, common, verdict_text
 
 from .bench_samples import WARPS, a_row, some_rows
 
@@ -139,3 +139,30 @@ def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing
 def _beside(row, by):
     """The row's FLIP at each instant, now that much more and now that much less."""
     return {at: value + by * (-1) ** n for n, (at, value) in enumerate(row["at_instants"]["flip"].items())}
+
+
+def _with(row, name, mean, at):
+    quality = {**row["quality"], name: {**row["quality"][name], "mean": mean}}
+    return {**row, "quality": quality, "at_instants": {**row["at_instants"], name: at}}
+
+
+def test_a_lead_that_holds_wins_one_that_does_not_ties_and_a_metric_that_disagrees_is_named():
+    best, other = a_row("layered", "none"), a_row("rotation", "none")
+    (case,) = cases([other, best])
+    assert (case.verdict()["best"], case.verdict()["disagree"]) == (["layered"], [])
+    assert verdict_text(case.verdict()) == "look-around, 200 ms: layered wins by FLIP."
+    near = _with(other, "flip", best["quality"]["flip"]["mean"] + 1e-4, _beside(best, 0.02))
+    better = {at: value + 2.0 for at, value in best["at_instants"]["psnr_db"].items()}
+    (case,) = cases([_with(near, "psnr_db", best["quality"]["psnr_db"]["mean"] + 2, better), best])
+    told = case.verdict()
+    assert told["best"] == ["layered", "rotation"] and [one["metric"] for one in told["disagree"]][:1] == ["psnr_db"]
+    assert told["disagree"][0]["difference"] == pytest.approx(2) and told["disagree"][0]["best"] == "rotation"
+    text = verdict_text(told)
+    assert "a tie by FLIP: layered and rotation." in text and "PSNR disagrees: rotation is better by 2.00 dB" in text
+    assert case.within(best["time_ms"]["total"]["median"] - 1e-9).verdict()["best"] == ["rotation"]
+    few = [
+        {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}
+        for row in case.rows
+    ]
+    assert "no winner: intervals need 6 instants" in verdict_text(cases(few)[0].verdict())
+    assert cases([{**row, "lacks": "compute"} for row in case.rows])[0].verdict()["best"] == []

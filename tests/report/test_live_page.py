@@ -31,7 +31,7 @@ def a_live_summary(**changes) -> dict:
         "seconds": 12.5, "refreshes": 1001, "missed": 9, "waiting": 3, "unseen": 2, "over": 40, "timed": 1001,
         "age_ms": pair(203.4, 211.0), "pose_age_ms": pair(1.25, 1.9), "period_ms": pair(12.5, 13.1), "budget_ms": 12.5,
         "refresh_ms": {name: pair(*ms) for name, ms in REFRESH.items()},
-        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "by hand"}],
+        "changes": [{"time_s": 3.5, "frame": 280, "what": {"latency": [200.0, 250.0]}, "reason": "manual"}],
         "change_count": 1, "notices": {"tracking lost": 12}, "lost": [],
         "garbage_collector": {"between": True, "collections": [1001, 0, 0], "total_ms": 12.0, "longest_ms": 0.4},
         "sampled_every": 1,
@@ -61,7 +61,7 @@ def test_the_lines_say_what_counts():
     assert told == [
         "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9 %, at most 4 in a row)",
         "judder                  0.032 deg RMS", "frame age at display    203.40 ms, p95 211.00",
-        "pose age at hand-over   1.25 ms, p95 1.90", "from picture to picture 12.50 ms, p95 13.10",
+        "pose age at submission  1.25 ms, p95 1.90", "from picture to picture 12.50 ms, p95 13.10",
         "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
         "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
         "holes before the fill   2.13 %, p95 2.13", "note: A <note>.",

@@ -235,7 +235,7 @@ class TestInChromium:
         assert found["wider"] <= 0  # nothing sticks out sideways, tables scroll in their own box
         darkness = sum(map(int, re.findall(r"\d+", found["paper"])[:3]))
         assert darkness < 150 if dark else darkness > 600
-        assert found["line"] == ("rgb(109, 179, 255)" if dark else "rgb(11, 99, 197)")
+        assert found["line"] == "rgb(0, 114, 178)"
 
     def test_the_probe_sees_faults(self, tmp_path):
         """Otherwise the test above proves nothing.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from hmdwarp.options import PaperOptions
 from hmdwarp.report import OutputFolder, write_paper
 from hmdwarp.report.bench.page import bench_page
 
-from .bench_samples import a_bench, some_rows
+from .bench_samples import a_bench, a_row, some_rows
 
 ALL = PaperOptions(tables=("latex", "csv", "markdown"), plots=("svg", "pdf"))
 
@@ -35,11 +36,11 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_each_table_and_chart_is_there_in_each_kind(files):
-    stems = {kind: {name[: -len(kind)] for name in files if name.endswith(kind)} for kind in (".tex", ".csv", ".md")}
-    assert stems[".tex"] == stems[".csv"] == stems[".md"] and len(stems[".tex"]) >= 3
-    assert {name[:-4] for name in files if name.endswith(".svg")} == {
-        name[:-4] for name in files if name.endswith(".pdf")
-    }
+    kinds = (".tex", ".csv", ".md", ".svg", ".pdf", "-figure.tex")
+    stems = {kind: {name[: -len(kind)] for name in files if name.endswith(kind)} for kind in kinds}
+    assert stems[".svg"] == stems[".pdf"] == stems["-figure.tex"] and len(stems[".pdf"]) >= 3
+    tables = stems[".tex"] - {f"{stem}-figure" for stem in stems[".pdf"]}
+    assert tables == stems[".csv"] == stems[".md"] == {"table-1", "regions-1"}
 
 
 def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_meaning(files):
@@ -47,18 +48,55 @@ def test_latex_has_as_many_cells_in_each_line_as_columns_and_no_letter_with_a_me
         if not name.endswith(".tex"):
             continue
         text = content.decode()
+        kind = "figure" if name.endswith("-figure.tex") else "table"
+        assert re.search(rf"\\begin{{{kind}\*?}}\[t\]\n\\centering\n", text) and "\\caption{" in text, name
+        assert f"\\label{{{kind[:3]}:{name.removesuffix('.tex').removesuffix('-figure')}}}" in text
+        if kind == "figure":
+            assert re.search(r"\{(.+\.pdf)\}", text)[1] in files
+            continue
         columns = re.search(r"\\begin\{tabular\}\{([lr]+)\}", text)[1]
         lines = [line for line in text.splitlines() if line.endswith(r"\\") and "multicolumn" not in line]
         assert lines and all(len(re.findall(r"(?<!\\)&", line)) == len(columns) - 1 for line in lines), name
         assert not re.search(r"(?<!\\)[%#_~^]", re.sub(r"\$[^$]*\$", "", "\n".join(lines))), name
         assert [text.count(rule) for rule in (r"\toprule", r"\bottomrule")] == [1, 1]
-    assert r"50 \% \& \#1\_\{x\}" in files["table-2.tex"].decode()
+    assert r"50 \% \& \#1\_\{x\}" in files["table-1.tex"].decode()
 
 
 def test_heads_have_units_and_intervals_are_written(files):
-    (head, *rows) = csv.reader(files["table-2.csv"].decode().splitlines())
+    (head, *rows) = csv.reader(files["table-1.csv"].decode().splitlines())
     assert {"time [ms]", "PSNR [dB]", "FLIP", "FLIP ±"} <= set(head)
     assert len(rows) == 6 and all(len(row) == len(head) for row in rows)
+
+
+def test_each_metric_has_its_interval_and_bold_is_the_best_of_a_column():
+    """Of two with one error in all instants none is better: both are bold, as the quickest is."""
+    rows = [a_row("forward"), a_row("rotation"), a_row("splat")]
+    rows[2] |= {name: rows[0][name] for name in ("quality", "at_instants")}
+    page = bench_page(a_bench(rows=rows))
+    with OutputFolder(Path(tempfile.mkdtemp()) / "out", owned=(), last="bench.json") as out:
+        write_paper(out, page, PaperOptions(tables=("latex",)))
+        lines = out.path("paper/table-1.tex").read_text().splitlines()
+        out.write_json("bench.json", {})
+    heads = next(line for line in lines if line.startswith("warp")).removesuffix(r" \\").split(" & ")
+    cells = {
+        line.split(" & ")[0].split(" ")[-1]: line.split(" & ") for line in lines if r"$ 0." in line and " & " in line
+    }
+    for column, head in enumerate(heads):
+        bold = {warp for warp, own in cells.items() if own[column].startswith(r"\textbf")}
+        if head.split(" ")[0] in ("FLIP", "PSNR", "SSIM", "flicker"):
+            assert bold == {"forward", "splat"}, head
+            assert all(re.fullmatch(r"\S+ \$\\pm\$ \S+", own[column]) for own in cells.values()), head
+        elif head == "time [ms]":
+            assert bold == {min(rows, key=lambda row: row["time_ms"]["total"]["median"])["warp"]}
+
+
+@pytest.mark.parametrize(("columns", "inches"), [(1, 3.35), (2, 7.0)])
+def test_a_plot_is_as_wide_as_its_columns(columns, inches, tmp_path):
+    files = written(tmp_path, PaperOptions(plots=("pdf",), columns=columns))
+    boxes = {name: re.search(rb"/MediaBox \[ 0 0 ([\d.]+)", content)[1] for name, content in files.items()}
+    assert {name: float(width) / 72 for name, width in boxes.items()} == pytest.approx(
+        dict.fromkeys(boxes, inches), abs=0.01
+    )
 
 
 def test_charts_are_whole_and_hold_no_stand_in_of_a_page(files):

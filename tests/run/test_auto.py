@@ -35,10 +35,6 @@ def auto(path: Path, **options):
     return {"warp": "auto", "budget_ms": AMPLE_MS, "bench": path, **options}
 
 
-# --- what is refused
-# --------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "options, told",
     [
@@ -115,26 +111,32 @@ def test_a_replay_wants_a_choice_that_was_made(options, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-# --- from a file
-# --------------------------------------------------------------------------------------------------
+OTHER = {"guard": 1.5, "latency_ms": 400.0, "scene": "room"}
 
 
-def test_rows_of_the_run_s_size_come_first(tmp_path):
-    rows = [a_row("none", "none", 1.0, 0.3), a_row("none", "none", 99.0, 0.3, size=[1920, 1080])]
-    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)))
-    assert [level.total_ms for level in found.levels] == [1.0]
-    assert found.notes == (MEASURED,)
-
-
-def test_another_size_counts_in_proportion(tmp_path):
-    rows = [a_row("none", "none", 8.0, 0.3, size=[192, 160]), a_row("none", "none", 1.0, 0.3, size=[48, 40])]
-    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)))
-    assert [level.total_ms for level in found.levels] == [2.0]
-    assert found.notes == (
-        MEASURED,
-        "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 "
-        "times.",
+@pytest.mark.parametrize(
+    ("rows", "ms", "told"),
+    [
+        ([(1.0, {}), (99.0, {"size": [1920, 1080]})], 1.0, ()),  # those of the run's size come first
+        (
+            [(8.0, {"size": [192, 160]}), (1.0, {"size": [48, 40]})],
+            2.0,
+            ("at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 times.",),
+        ),
+        (
+            [(1.0, OTHER)],
+            1.0,
+            ("with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room (this run: planes).",),
+        ),
+    ],
+)
+def test_terms_of_a_bench_that_are_not_the_run_s_are_told(tmp_path, rows, ms, told):
+    found = levels_from_file(
+        a_bench(tmp_path / "b.json", [a_row("none", "none", each, 0.3, **more) for each, more in rows]),
+        small(**auto(tmp_path)),
     )
+    assert [level.total_ms for level in found.levels] == [ms]
+    assert found.notes == (MEASURED, *(f"b.json was measured {each}" for each in told))
 
 
 def test_unknown_warps_of_a_bench_are_left_out(tmp_path):
@@ -162,19 +164,6 @@ def test_a_run_without_a_lens_takes_the_times_without_theirs(tmp_path):
     found = levels_from_file(a_bench(tmp_path / "b.json", [a_row("none", "none", 5.0, 0.3)]), lensed)
     assert found.levels[0].total_ms == 5.0
     assert found.notes[1:] == ("b.json was measured without a lens: the time of lens radial comes on top.",)
-
-
-def test_other_terms_are_told(tmp_path):
-    rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
-    _, note = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path))).notes
-    assert (
-        note == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room "
-        "(this run: planes)."
-    )
-
-
-# --- a choice
-# --------------------------------------------------------------------------------------------------
 
 
 def test_the_best_within_the_budget_is_named_with_its_command_line_and_why(tmp_path):
@@ -300,21 +289,12 @@ def test_a_trial_of_its_own(few):
     assert times == sorted(times) and errors == sorted(errors, reverse=True) and len(times) > 1
 
 
-def test_a_choice_by_a_trial_of_its_own_is_the_best_of_what_it_found(few):
-    choice = choose(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3))
-    assert choice.level == choice.levels[-1] and choice.following is None
-
-
 def test_a_trial_leaves_out_what_is_out_of_reach(few):
     options = small(warp="auto", budget_ms=1e-6, seconds=0.3)
     found = levels_by_short_bench(options, source_of(options), lambda text: None)
     # The cheapest stays, to be told in the refusal.
     assert len({level.warp for level in found.levels}) == 1
     assert "took more than 2 times the budget" in found.notes[0]
-
-
-# --- the compensator
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("budget_ms", "gets_them"), [(1.5, False), (2.5, True)])

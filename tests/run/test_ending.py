@@ -99,7 +99,6 @@ def test_another_thread_has_no_signals_and_needs_none(handlers):
 
 
 # --- whole runs
-# --------------------------------------------------------------------------------------------------
 
 
 def test_ctrl_c_ends_a_run_after_the_refresh_under_way(monkeypatch, handlers, tmp_path):

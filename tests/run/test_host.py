@@ -66,7 +66,6 @@ class Running:
 
 
 # --- latency
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("latency_ms", [0.0, 20.0, 55.0, 120.0])
@@ -116,7 +115,6 @@ def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
 
 
 # --- passes
-# --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -166,7 +164,6 @@ def test_an_empty_change_keeps_the_pipeline(gpu):
 
 
 # --- what cannot be
-# --------------------------------------------------------------------------------------------------
 
 IMPOSSIBLE = [
     {"warp": "fward"},
@@ -214,7 +211,6 @@ def test_a_warp_for_two_eyes_is_refused_in_the_flat_view(gpu):
 
 
 # --- nothing is left behind
-# ----------------------------------------------------------------------------------------------
 
 TOUR = [
     Command("latency"), Command("latency", back=True), Command("warp", "backward"), Command("fill", "pyramid"),

@@ -107,7 +107,6 @@ def test_bands_cover_all_rows_and_keep_their_pixel_centres(pose, step, angle, fo
 
 
 # --- whole replays
-# --------------------------------------------------------------------------------------------------
 
 TURNING = {
     "trace": "fast-turns", "warp": "rotation", "start_s": 1.0, "seconds": 0.5, "latency_ms": 33.0, "guard": 1.5,

@@ -19,7 +19,7 @@ from .glb import IN_PLACE
 # Red above green on the left, blue above yellow on the right, in 8 x 8 pixels.
 CORNERS = np.array([[(255, 0, 0), (0, 0, 255)], [(0, 255, 0), (255, 255, 0)]], np.uint8)
 PICTURE = CORNERS.repeat(4, axis=0).repeat(4, axis=1)
-ASSUMED = "assumed, as nobody says it: a unit is a metre (--scene-scale)"
+ASSUMED = "assumed (not stated in the file): a unit is a metre (--scene-scale)"
 
 
 def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -81,14 +81,14 @@ def test_an_obj_keeps_its_texture(tmp_path):
     ("options", "expected"),
     [
         ({"up": "z"}, ASSUMED),
-        ({"scale": 0.5}, "assumed, as nobody says it: y is up (--scene-up)"),
+        ({"scale": 0.5}, "assumed (not stated in the file): y is up (--scene-up)"),
         ({"scale": 0.5, "up": "z"}, None),
     ],
 )
 def test_what_nobody_says_of_an_obj_is_noted_until_an_option_says_it(tmp_path, options, expected):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
     scene = load_scene(tmp_path / "a.obj", SceneOptions(viewpoint="0,1.6,0", **options))
-    assert [note for note in scene.notes if "nobody" in note] == ([f"a.obj: {expected}"] if expected else [])
+    assert [note for note in scene.notes if "assumed" in note] == ([f"a.obj: {expected}"] if expected else [])
 
 
 def test_an_obj_without_its_material_file_is_grey_and_says_so(tmp_path):

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Pose
-from hmdwarp.scenes import Body, Joint, Mesh, Pendulum, Scene, Skinned, Spinning, Thrown, Track, Waving, load_scene
+from hmdwarp.scenes import Body, Deformation, Mesh, Pendulum, Scene, Spinning, Thrown, Track, Waving, load_scene
 
 S = 1_000_000_000
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1), (0, 0, 0)], np.float64)
@@ -78,16 +78,9 @@ def test_a_track_that_ends_stands_still_there():
 # --- what deforms ---
 
 
-def arm() -> Skinned:
-    """An upper arm and a forearm along -y; the elbow's vertices hang on both."""
-    y = np.linspace(0, -1, 21)
-    rest = np.stack([0.1 * np.cos(9 * y), y, 0.1 * np.sin(9 * y)], axis=1)
-    joints = (
-        Joint("shoulder", -1, (0, 0, 0), (0, 0, 1), swing_rad=0.8, period_s=1.7, phase=0.2),
-        Joint("elbow", 0, (0, -0.5, 0), (1, 0, 0.2), swing_rad=0.6, middle_rad=0.4, period_s=0.9),
-    )
-    share = np.clip((-y - 0.4) / 0.2, 0, 1)
-    return Skinned(rest, joints, np.tile((0, 1), (21, 1)), np.stack([1 - share, share], axis=1))
+def figure() -> Deformation:
+    """A skin over joints, of which each turns those below it."""
+    return next(mesh.deformation for mesh in load_scene("parade").meshes if mesh.name == "figure-fabric")
 
 
 def cloth() -> Waving:
@@ -96,24 +89,13 @@ def cloth() -> Waving:
     return Waving(rest, away, (0, 0.3, 1), height_m=0.2, length_m=0.9, period_s=1.4, lag=0.1 * away)
 
 
-@pytest.mark.parametrize("made", [arm, cloth])
+@pytest.mark.parametrize("made", [figure, cloth])
 @pytest.mark.parametrize("time_ns", [0, 333_333_333, 5 * S])
 def test_a_deformation_is_as_fast_as_it_says(made, time_ns):
     one, step = made(), 10_000
     speed = (one.positions(time_ns + step) - one.positions(time_ns - step)) / (2 * step * 1e-9)
     assert np.abs(speed - one.velocities(time_ns)).max() < 1e-6
     assert np.abs(speed).max() > 0.1
-
-
-def test_a_skin_follows_its_bones():
-    """Ends that hang on one joint keep their shape; both joints turn the forearm."""
-    skin, time_ns = arm(), 400_000_000
-    found = skin.positions(time_ns)
-    shoulder, elbow = (joint.turn(time_ns)[0] for joint in skin.joints)
-    for part, matrix in ((slice(0, 8), shoulder), (slice(13, 21), shoulder @ elbow)):
-        assert np.allclose(found[part], skin.rest[part] @ matrix[:3, :3].T + matrix[:3, 3])
-    assert np.allclose(shoulder @ (0, 0, 0, 1), (0, 0, 0, 1))
-    assert np.allclose(elbow @ (0, -0.5, 0, 1), (0, -0.5, 0, 1))
 
 
 def test_cloth_is_held_at_its_edge():
@@ -135,10 +117,6 @@ KEYS = [0, 1, 2, 3, 4]
 FAN = [Body("one", MOTIONS["spinning"])]
 
 
-def skin(**changes) -> Skinned:
-    return attrs.evolve(arm(), **changes)
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -155,18 +133,9 @@ def skin(**changes) -> Skinned:
         (lambda: Spinning(Pose(), (0, 0, 1), np.nan), "a finite speed"),
         (lambda: Thrown(Pose(), (0, 1, 0), 0.0), "period_s 0.0: expected a time above 0"),
         (lambda: Thrown(Pose(), (0, np.nan, 0), 1.0), "three finite numbers"),
-        (lambda: skin(weights=np.full((21, 2), 0.4)), r"\[0.4 0.4\] of vertex 0: expected 0 or more each, with sum 1"),
-        (lambda: skin(weights=np.tile((1.5, -0.5), (21, 1))), "of vertex 0: expected 0 or more"),
-        (lambda: skin(weights=np.full((21, 2), np.nan)), "of vertex 0"),
-        (lambda: skin(weights=np.ones((21, 1))), r"weights \(21, 1\): expected \(n, k\) for both"),
-        (lambda: skin(which=np.tile((0, 2), (21, 1))), "vertex 0 uses joint 2, there are 2"),
-        (lambda: skin(which=np.tile((0, -1), (21, 1))), "vertex 0 uses joint 0"),
-        (lambda: skin(joints=(arm().joints[1],)), "'elbow', number 0, hangs from joint 0: expected -1 or one before"),
-        (lambda: skin(rest=np.full((21, 3), np.inf)), "finite numbers"),
         (lambda: attrs.evolve(cloth(), away=np.ones(3)), "15 points and distances of shape"),
         (lambda: attrs.evolve(cloth(), period_s=0.0), "period 0 s: expected both above 0"),
         (lambda: attrs.evolve(cloth(), out=(0, 0, 0)), "longer than 0"),
-        (lambda: Joint("knee", -1, (0, 0, 0), (1, 0, 0), period_s=0.0), "'knee': .*a period above 0, found period 0 s"),
         (lambda: Scene("bent", "", [triangle(body=2)], bodies=FAN), "'triangle' belongs to body 2, the scene has 1"),
         (lambda: triangle(body=1, deformation=cloth()), "belongs to body 1 and deforms by itself: expected only one"),
     ],

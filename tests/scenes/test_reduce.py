@@ -5,12 +5,12 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from mirrored import shapes_of
 
 import hmdwarp.scenes
 from hmdwarp.client.effects import effects
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import Body, Material, Mesh, Scene, Texture, load_scene, unlit
-from hmdwarp.scenes.library.spheres import BALLS
+from hmdwarp.scenes import Ball, Body, Material, Mesh, Scene, Texture, load_scene, unlit
 
 from .surfaces import Surface, box, join, patch
 
@@ -120,7 +120,7 @@ def test_every_vertex_is_one_of_the_original_ones_with_all_it_had(balls):
 
 def test_a_reduced_ball_keeps_its_shape(balls):
     scene, kept = balls
-    for mesh, ball in zip(kept.meshes, BALLS, strict=False):
+    for mesh, ball in zip(kept.meshes, shapes_of("spheres", Ball), strict=False):
         middles = mesh.positions[mesh.triangles].mean(axis=1)
         distance = np.linalg.norm(middles - ball.centre, axis=1)
         # The triangles go where most area is, so the smallest ball gets fewest: about 370 of its

@@ -153,7 +153,7 @@ class Killed:
     """Sessions of one study until `kills` of its runs were killed and the last session is complete.
 
     told: by all witnesses. tally: what the program was about when it was killed. codes: whose
-    sessions. place: of the data.
+    sessions.
     """
 
     folder: Path
@@ -162,7 +162,6 @@ class Killed:
     told: list[list] = attrs.field(factory=list)
     tally: Counter = attrs.field(factory=Counter)
     codes: list[str] = attrs.field(factory=list)
-    place: Path | None = None
 
     def run(self) -> None:
         """All of it."""
@@ -187,7 +186,7 @@ class Killed:
     @property
     def store(self) -> Path:
         """Where the data are."""
-        return self.place or self.folder / "data"
+        return self.folder / "data"
 
     def _session(self, arguments: list[str], chance: random.Random, usual: dict[Callable, Life]) -> None:
         """One participant's, killed until it is over or there were kills enough."""
@@ -242,8 +241,9 @@ def faults(killed: Killed) -> list[str]:
 def _of_the_file(store: Path) -> list[str]:
     with sqlite3.connect(store / "study.sqlite3") as db:
         found = db.execute("PRAGMA integrity_check").fetchone()[0]
+        astray = db.execute("PRAGMA foreign_key_check").fetchall()
     db.close()
-    return [] if found == "ok" else [f"integrity_check: {found}"]
+    return [f"integrity_check: {found}, {astray}"] if found != "ok" or astray else []
 
 
 def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
@@ -268,6 +268,13 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
     ]
     events = Counter((code_of[event.session], event.kind, event.key) for event in contents.events)
     told = Counter(tuple(line[1:]) for line in killed.told if line[0] == "event")
+    written = Counter(
+        (event.session, event.key, event.data["revision"], event.data["value"])
+        for event in contents.events
+        if event.kind == "answer"
+    )
+    kept = Counter((answer.session, answer.key, answer.revision, answer.value) for answer in contents.answers)
+    out += [f"an answer and its line in the journal are not one: {one}" for one in (written - kept) + (kept - written)]
     return out + [f"journal lines missing: {lost}" for lost in told - events]
 
 

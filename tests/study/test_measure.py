@@ -20,7 +20,7 @@ from hmdwarp.run import RunOptions, figures, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.export.export_rows import columns_for
-from hmdwarp.study.measure import Measurements, run_options
+from hmdwarp.study.measure import run_options
 from hmdwarp.study.store import PERSON, Store
 
 TEXT = """
@@ -238,12 +238,6 @@ def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
         assert setup.schedule.first_ns == cut.time_ns[0] >= EPOCH_NS
     with set_up_replay(attrs.evolve(options, as_recorded=False)) as setup:
         assert setup.schedule.first_ns == 0 and np.abs(setup.track.position_m[:, 0]).max() < 10
-
-
-def test_counts_of_one_are_singular():
-    assert Measurements(1, 1, (), 1).describe() == [
-        "1 showing measured at 1 refresh, both eyes of each, 1 was measured before"
-    ]
 
 
 RATED = attrs.evolve(OPTIONS, jod_s=0.1)

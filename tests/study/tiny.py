@@ -5,7 +5,6 @@ command that runs it.
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from commands import hmdwarp
 from .session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = (sys.executable, "-m", "hmdwarp")
 PATIENCE_S = 600  # against hanging; nothing here takes a tenth of it on an idle machine
 
 STUDY = """schema = 1

@@ -196,7 +196,7 @@ def test_a_server_started_anew(worn, tmp_path, keeps_its_secret):
     browser.until(says("not there"))
     browser.does("globalThis.before = hmdwarp.session.shown.number")
     with Serving("--web", f"127.0.0.1:{port_of(address)}", *options):
-        browser.until(GOES_ON if keeps_its_secret else says("does not know this browser any more"))
+        browser.until(GOES_ON if keeps_its_secret else says("does not accept this browser any more"))
 
 
 HAND = "headset.controllers.right"

@@ -266,6 +266,15 @@ def test_a_long_press_hides_the_panel_and_a_drag_does_not(page):
     mouse(("Released", 450))
 
 
+def test_a_busy_processor_is_not_taken_for_a_slow_link(page):
+    browser = page("trace=walk&size=320")
+    browser.until("hmdwarp.session.shown")
+    blocks = "const then = performance.now() + 400; while (performance.now() < then);"
+    browser.does(f"setInterval(() => {{ {blocks} }}, 900), 0")
+    browser.does("new Promise((go) => setTimeout(go, 9000))")
+    assert browser.does("hmdwarp.session.pace.mbit === Infinity && hmdwarp.session.pace.way > 0")
+
+
 def test_a_lost_context_is_told(page):
     browser = page("raw&trace=walk&size=128")
     browser.does("hmdwarp.chain.gl.getExtension('WEBGL_lose_context').loseContext()")
@@ -275,7 +284,11 @@ def test_a_lost_context_is_told(page):
 def test_nothing_is_wrong_on_the_page(page):
     browser = page("raw&trace=none-such&size=128", (390, 700))
     browser.does("document.getElementById('more').click()")
-    browser.until("document.getElementById('figures').rows.length > 5")
+    browser.until("document.getElementById('rows').rows.length > 5")
     assert "There is no trace none-such" in browser.does("document.getElementById('told').textContent")
+    assert "NaN" not in browser.does("document.body.innerText")
+    assert browser.does("document.getElementById('chain').value === hmdwarp.session.inUse")
+    panel, image = (f"document.getElementById('{name}').getBoundingClientRect()" for name in ("panel", "shown"))
+    assert browser.does(f"{image}.height > 0.4 * innerHeight && {panel}.top - {image}.bottom") >= 0, "a phone's image"
     assert browser.does("document.documentElement.scrollWidth - innerWidth") <= 0
     assert browser.said == []

@@ -11,7 +11,7 @@ import typer
 
 from ...errors import InputError
 from ...options import Declared, Number, PaperOptions, force_field, group, option, out_field
-from .._options import QUIET, Said, command_line, takes
+from .._options import JSON, QUIET, Said, command_line, print_results, takes
 from ._options import pilot_field, simulated_field, store_field
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class AnalyseOptions(Declared):
             raise InputError("--pilot and --simulated: they are never mixed; analyse one after the other")
 
 
-@takes(AnalyseOptions, QUIET)
+@takes(AnalyseOptions, JSON, QUIET)
 def analyse(said: Said) -> None:
     """Analyse ratings: exact tests, intervals, order effects; writes tables, plots and one page.
 
@@ -86,9 +86,7 @@ def analyse(said: Said) -> None:
         resampling = Resampling(options.seed, options.resamples)
         data = run(ratings, resampling, options.family or (), published)
         page = write_analysis(out, data, command_line(), options.paper)
-    if not said["quiet"]:
-        _print(data)
-        typer.echo(f"report: {page}")
+    print_results(said, data, lambda: _print(data), page)
 
 
 def _print(data: dict[str, Any]) -> None:

@@ -59,6 +59,7 @@ class ExportCommand(Declared):
     parquet: bool | None = option(
         None, "Write ratings.parquet; by default where pyarrow is installed.", off="--no-parquet"
     )
+    without_motion: bool = option(False, "Leave out the head motion, by which people can be recognised.")
 
 
 @takes(ExportCommand, QUIET)
@@ -75,7 +76,7 @@ def export(said: Said) -> None:
     design = load_design(wanted.study, checked=False)
     with Store(folder_to_read(design, wanted.data.store, origin), study=design.name) as data:
         contents = data.contents(pilot=wanted.data.pilot)
-    options = ExportOptions(origin=origin, parquet=wanted.parquet, force=wanted.force)
+    options = ExportOptions(origin, wanted.parquet, wanted.force, not wanted.without_motion)
     with steps("recordings", quiet=said["quiet"]) as (progress, _):
         made = run(contents, design, wanted.out, options, progress)
     if not said["quiet"]:
@@ -103,12 +104,13 @@ def withdraw(said: Said) -> None:
     code = options.code
     folder, design = store_of(options.study, options.data)
     with Store(folder, study=None if design is None else design.name, say=typer.echo) as opened:
-        if not options.yes and not opened.finish_withdrawal(code):
-            if not sys.stdin.isatty():
+        if not opened.finish_withdrawal(code):
+            if not options.yes and not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
             found = opened.holdings(code)
             typer.echo(f"{folder} holds of participant {found.code}: {found.describe()}.")
-            if not typer.confirm("Erase it for good?"):
+            typer.echo(f"Exports call this participant {found.sub}: write it down, it is erased as well.")
+            if not options.yes and not typer.confirm("Erase it for good?"):
                 typer.echo("Nothing was erased.")
                 return
         erased = opened.withdraw(code)

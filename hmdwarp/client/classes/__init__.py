@@ -34,6 +34,9 @@ class Client:
     decoder_mpx_s: float = math.inf
     # From the server, Mbit/s.
     download_mbit_s: float = math.inf
+    # As its makers state them; infinite where none is known, and times are those of this machine.
+    memory_gb_s: float = math.inf
+    compute_tflops: float = math.inf
 
     def has(self, scene: str) -> bool:
         """Return whether it has as much of the scene, one of SCENES."""
@@ -64,9 +67,7 @@ def load_client(name: str) -> Client:
 
 
 def _client(name: str, data: Table) -> Client:
-    def limit(key: str) -> float:
-        return data.within(key, 0.0, _MOST, math.inf, above=True)
-
+    limits = ("budget_ms", "decoder_mpx_s", "download_mbit_s", "memory_gb_s", "compute_tflops")
     return Client(
         name=data.line("name", name),
         summary=data.line("summary"),
@@ -74,9 +75,7 @@ def _client(name: str, data: Table) -> Client:
         scene=data.word("scene", SCENES),
         compute_shaders=data.flag("compute_shaders"),
         more_layers=data.flag("more_layers", True),
-        budget_ms=limit("budget_ms"),
-        decoder_mpx_s=limit("decoder_mpx_s"),
-        download_mbit_s=limit("download_mbit_s"),
+        **{key: data.within(key, 0.0, _MOST, math.inf, above=True) for key in limits},
     )
 
 

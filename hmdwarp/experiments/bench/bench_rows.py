@@ -24,7 +24,7 @@ from ...metrics import (
     metrics,
     pooled,
 )
-from ...report.bench.rows import COLUMNS, Columns, cases, choice_terms
+from ...report.bench.rows import COLUMNS, Columns, cases, row_name
 from ...resources import __version__, import_extra
 from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplayRun
@@ -48,6 +48,8 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
     can), and the system that the warp stands for as a baseline ("" if none).
     """
     combination = measured.combination
+    # Nothing without an oracle.
+    pixels, seen, error = (math.fsum(column) for column in zip((0, 0, 0.0), *measured.where_seen, strict=True))
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
@@ -65,7 +67,7 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
         },
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
-        **_where_seen(measured.where_seen),
+        **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
     }
 
@@ -74,14 +76,6 @@ def _lacks(combination: Combination, client: Client) -> str:
     if combination.is_outside:
         return ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
     return lacking(combination.plan, client)
-
-
-def _where_seen(pictures: Sequence[tuple[int, int, float]]) -> dict[str, Any]:
-    """Return `where_seen`: share and PSNR of what the late frame saw; nothing without an oracle."""
-    pixels, seen, error = (math.fsum(column) for column in zip(*pictures, strict=True)) if pictures else (0, 0, 0)
-    if not seen:
-        return {}
-    return {"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}}
 
 
 def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
@@ -158,40 +152,12 @@ def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
         total = row["time_ms"]["total"]["median"]
         return f"{metrics.get(PRIMARY).short_figure.label} {row['quality'][PRIMARY]['mean']:.3f} in {total:.2f} ms"
 
-    names = ", ".join(dict.fromkeys(map(_pair, lacking)))
+    names = ", ".join(dict.fromkeys(map(row_name, lacking)))
     notes = [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
     for case in cases(rows):
         ordered = [row for row in case.ordered() if row["quality"][PRIMARY]["mean"] is not None]
         best = next((row for row in ordered if not row["lacks"]), None)
         if best is not None and ordered[0]["lacks"]:
-            gain = f"{case.label}: a client that can run {_pair(ordered[0])} would have {figures(ordered[0])}"
-            notes.append(f"{gain}, where {_pair(best)} has {figures(best)}; {ordered[0]['lacks']}.")
+            gain = f"{case.label}: a client that can run {row_name(ordered[0])} would have {figures(ordered[0])}"
+            notes.append(f"{gain}, where {row_name(best)} has {figures(best)}; {ordered[0]['lacks']}.")
     return notes
-
-
-def _pair(row: Row) -> str:
-    return str(row["warp"]) if row["fill"] == "none" else f"{row['warp']} + {row['fill']}"
-
-
-def answer(choice: Mapping[str, Any]) -> list[str]:
-    """Return the best combination within the budget, then the gain and cost of the next step up.
-
-    choice: as in bench.json.
-    """
-    step, where = choice["next"], f" ({choice_terms(choice)})"
-    best = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {_described(choice)}{where}."
-    use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
-    if step is None:
-        return [best, use, "Nothing that was measured is more accurate, however long it takes."]
-    gains = [f"{1 - step['flip'] / choice['flip']:.0%} less FLIP error"] if choice["flip"] else []
-    if None not in (choice["psnr_db"], step["psnr_db"]):
-        change = step["psnr_db"] - choice["psnr_db"]
-        gains.append(f"{abs(change):.2f} dB {'more' if change >= 0 else 'less'} PSNR")
-    following = f"The next step up is {_described(step)}; {' and '.join(gains)}"
-    return [best, use, f"{following} for {step['total_ms'] - choice['total_ms']:.2f} ms more."]
-
-
-def _described(entry: Mapping[str, Any]) -> str:
-    fill = "without a fill" if entry["fill"] == "none" else f"with fill {entry['fill']}"
-    psnr = "" if entry["psnr_db"] is None else f" and PSNR {entry['psnr_db']:.2f} dB"
-    return f"warp {entry['warp']} {fill}: mean FLIP {entry['flip']:.4f}{psnr}, {entry['total_ms']:.2f} ms"

@@ -25,7 +25,16 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import Gpu
 from ...gpu.timers import check_clocks
 from ...headsets import Headset
-from ...metrics import BOUND, MeasuringProcesses, QualityPool, blocks_apart, check_rating, clip_length
+from ...metrics import (
+    BOUND,
+    PRIMARY,
+    MeasuringProcesses,
+    QualityJob,
+    QualityPool,
+    blocks_apart,
+    check_rating,
+    clip_length,
+)
 from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
@@ -37,13 +46,14 @@ from ...pipeline.sizes import check_held, eye_sizes
 from ...pipeline.source import Source
 from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
+from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
-from ...report.bench.rows import COLUMNS, first_cases
-from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination
+from ...report.bench.rows import COLUMNS, cases, first_cases, row_name
+from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, instants_of
 from ...run.options import refuse_one_name
 from ...run.replay_setup import set_up_replay
 from ...run.run_summary import machine_of
-from ...run.side_by_side import Comparison, rate_clips
+from ...run.side_by_side import Comparison, SideBySide, rate_clips
 from ...sources.sequences.readers import readers
 from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment
 from .bench_rows import (
@@ -74,7 +84,9 @@ from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .suite_means import suite_entry
 from .suites import cost_text, suites
 
-ROWS = "rows"
+ROWS, CROPS = "rows", "crops.npz"
+MOST_METHODS = 5  # side by side
+MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 
 @functools.cache
@@ -132,7 +144,44 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
             found = rate_clips(setup, batch, options.instants, steps)
         ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
     measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
-    return Result({**about, ROWS: measured})
+    crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
+    return Result({**about, ROWS: measured}, {CROPS: packed(crops)} if crops else {})
+
+
+def _crops(
+    work: BenchCase, chosen: Sequence[Sequence[Combination]], rows: Sequence[tuple[Combination, Row]], pool: QualityPool
+) -> list[Crops]:
+    """Show the best of each of the first warps again: at the worst instant and a typical one."""
+    (case,), made_by = cases(row for _, row in rows), {id(row): c for c, row in rows}
+    ranked = [row for row in case.ordered() if row["quality"][PRIMARY]["mean"] is not None]
+    warps = [*dict.fromkeys(row["warp"] for row in ranked)][:MOST_METHODS]
+    best = [next(row for row in ranked if row["warp"] == warp) for warp in warps]
+    flips = sorted((flip, int(number)) for row in best[:1] for number, flip in row["at_instants"][PRIMARY].items())
+    numbers = {"worst": flips[-1][1], "typical": flips[(len(flips) - 1) // 2][1]} if flips else {}
+    for batch in chosen:
+        wanted = [made_by[id(row)] for row in best if made_by[id(row)] in batch]
+        if not wanted:
+            continue
+        with (
+            set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
+            SideBySide(setup, wanted) as beside,
+        ):
+            chosen = instants_of(setup.schedule.count, work.options.instants)
+            turns = {number: chosen.index(number) for number in numbers.values()}
+            for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
+                if number not in turns:
+                    beside.teach(refresh)
+                    continue
+                eye = turns[number] % len(refresh.inputs)
+                pictures = beside.pictures(refresh, eye, beside.truth(refresh.inputs[eye]))
+                for combination, picture in zip(wanted, pictures, strict=True):
+                    setup.hand_in(pool, (number, *_named(combination)), QualityJob(picture), keep=True)
+            pool.wait()
+    kept = {each.key: each for each in pool.kept}
+    return [
+        Crops.of(which, {row_name(row): kept[number, *_named(made_by[id(row)])] for row in best})
+        for which, number in numbers.items()
+    ]
 
 
 def _named(combination: Combination) -> tuple[str, ...]:
@@ -277,7 +326,8 @@ def bench(
                 "choice": choice,
             }
         )
-        write_bench(out, data, options)
+        files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, MOST_CROPS))
+        write_bench(out, data, options, [unpacked(path.read_bytes()) if path.exists() else [] for path in files])
     return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
 
 
@@ -319,27 +369,32 @@ def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple
     """Return the choice for the budget, or why there is none: too small a one discards no run."""
     if budget_ms is None:
         return None, ""
-    can = (row for row in rows if not row["lacks"] and not row.get("strategy"))
+    unread = {*LONG} - {"at_instants"}
+    can = [{k: row[k] for k in row if k not in unread} for row in rows if not (row["lacks"] or row.get("strategy"))]
     try:
-        return choose(({name: value for name, value in row.items() if name not in LONG} for row in can), budget_ms), ""
+        choice = choose(can, budget_ms)
+        return {**choice, "winners": [case.within(budget_ms).verdict() for case in cases(can)[:MOST_CROPS]]}, ""
     except InputError as error:
         return None, str(error)
 
 
-def write_bench(out: OutputFolder, data: dict[str, Any], options: BenchOptions | MergeOptions) -> None:
+def write_bench(
+    out: OutputFolder, data: dict[str, Any], options: BenchOptions | MergeOptions, crops: Sequence[Sequence[Crops]] = ()
+) -> None:
     """Write the table, the page and bench.json, whose content is `data`; the options say what else.
 
-    Errors: MachineError where Parquet lacks its package.
+    crops: of the first cases. Errors: MachineError where Parquet lacks its package.
     """
     out.write_csv("bench.csv", flat(data["rows"], COLUMNS), NAMES)
     if options.parquet:
         write_parquet(out.path("bench.parquet"), data["rows"])
     rows, count = first_cases(data["rows"], MOST_SHOWN)
+    data["winners"] = [case.verdict() for case in cases(rows.values())]
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
     notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
-    out.write_text("bench.html", bench_page({**data, "rows": [*rows.values()], "notes": notes}).html())
+    out.write_text("bench.html", bench_page({**data, "rows": [*rows.values()], "notes": notes}, crops).html())
     if isinstance(options, BenchOptions) and options.paper.is_wanted:
-        write_paper(out, bench_page(data), options.paper)
+        write_paper(out, bench_page(data, crops), options.paper)
     out.write_json("bench.json", data)
 
 

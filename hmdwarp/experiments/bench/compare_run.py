@@ -123,7 +123,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
             run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
             build_plan_for(run, headset, None)
             plan = build_plan_for(run, headset, scene)
-            source.check_eyes(plan.needs, 2)
+            source.check([plan], plan.needs)
         except (PlanError, InputError) as error:
             if options.strategies or not (isinstance(error, PlanError) or options.frames):
                 raise

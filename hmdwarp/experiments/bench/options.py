@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -157,17 +157,14 @@ class BenchOptions(RecordedOptions):
         return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
 
 
-def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
-    return tuple(path_of(text, "DIR") for text in texts)
-
-
 @attrs.frozen(kw_only=True)
 class MergeOptions(Declared):
     """Which benches to join. Errors: InputError for fewer than two folders."""
 
     folders: tuple[Path, ...] = option(
-        attrs.NOTHING, "Folders of benches, two or more.", kind=list, positional=True, metavar="DIR", parse=_folders
-    )
+        attrs.NOTHING, "Folders of benches, two or more.", kind=list, positional=True, metavar="DIR",
+        parse=lambda texts: tuple(path_of(text, "DIR") for text in texts),
+    )  # fmt: skip
     out: Path = out_field(attrs.NOTHING, "Folder for bench.csv, bench.json and bench.html of all.")
     parquet: bool = parquet_field()
     force: bool = force_field()
@@ -198,7 +195,7 @@ class CompareOptions(RecordedOptions):
 
     # Sets what is run, in scenes and over links of which there may be several; "" for none.
     suite: str = _suite(
-        "comparison: {}. It says what is run, over links that are lived, and takes means over all heads and scenes."
+        "comparison: {}. It says what is run, over emulated links, and takes means over all heads and scenes."
     )
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(

@@ -89,19 +89,16 @@ def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> di
     clusters = Clusters.of(map(_case, group))
     entry: dict[str, Any] = {"heads": len(set(clusters.heads)), "scenes": len(set(clusters.scenes))}
     entry |= {name: clusters.mean(_values(group, name)) | clusters.tail(group, name) for name in MEASURES}
-    entry["halves"] = {half: _of_half(group, half) for half in (FIT, HELD_OUT)}
+    halves = {half: [row for row in group if half_of(*_case(row)) == half] for half in (FIT, HELD_OUT)}
+    entry["halves"] = {
+        half: {"cases": len(rows), **{name: _mean(_values(rows, name)) if rows else None for name in MEASURES}}
+        for half, rows in halves.items()
+    }
     both = [(row, best_of[_case(row)]) for row in group if _case(row) in best_of]
     entry["behind"] = Clusters.of(_case(row) for row, _ in both).mean([_value(row, PRIMARY) - of for row, of in both])
     seen = [row["where_seen"]["psnr_db"] for row in group if "where_seen" in row]
     entry["where_seen_db"] = clusters.mean(seen) if len(seen) == len(group) else None
     return entry
-
-
-def _of_half(group: Sequence[Row], half: str) -> dict[str, Any]:
-    """Return the means of a method's cases in a half of scenes and heads, None without one."""
-    rows = [row for row in group if half_of(*_case(row)) == half]
-    means = {name: _mean(_values(rows, name)) if rows else None for name in MEASURES}
-    return {"cases": len(rows), **means}
 
 
 def _case(row: Row) -> tuple[str, str]:

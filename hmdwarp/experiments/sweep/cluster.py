@@ -47,9 +47,14 @@ def run_on_cluster(
             log = logging.getLogger(name)
             log.handlers, log.propagate = [logging.NullHandler()], False
     with _connected(distributed, cluster, say) as client:
-        _check_programs(client)
+        for name, found in client.run(_program, on_error="return").items():
+            if found != whole_program_hash():
+                raise MachineError(_other_program(name))
         sender, waiting = _Sender(client, work), deque(groups_of(cases))
-        ahead = 1 if in_turn else _most_ahead(cluster, len(waiting))
+        # Groups sent and not back: one for each worker here, as what waits on a worker counts as
+        # run there when that dies of another. A scheduler elsewhere gets all: it may start workers.
+        local = re.fullmatch(LOCAL, cluster)
+        ahead = 1 if in_turn else int(local[1]) if local else len(waiting)
         completed = distributed.as_completed(
             [sender.send(waiting.popleft()) for _ in range(min(ahead, len(waiting)))], loop=client.loop
         )
@@ -69,16 +74,6 @@ def run_on_cluster(
         finally:
             with suppress(Exception):  # of a scheduler that is gone
                 client.cancel(list(sender.sent))
-
-
-def _most_ahead(cluster: str, groups: int) -> int:
-    """Return how many groups may be sent and not be back.
-
-    One for each worker here: a group that waits on a worker counts as run there when the worker
-    dies of another one. A scheduler elsewhere gets all, as it may start workers for them.
-    """
-    local = re.fullmatch(LOCAL, cluster)
-    return int(local[1]) if local else groups
 
 
 class _Sender:
@@ -179,13 +174,6 @@ def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
         client.close()
         if local:
             made.close()
-
-
-def _check_programs(client: Any) -> None:
-    """Check that the workers that are there have this program. Errors: MachineError."""
-    for name, found in client.run(_program, on_error="return").items():
-        if found != whole_program_hash():
-            raise MachineError(_other_program(name))
 
 
 def _program() -> str:

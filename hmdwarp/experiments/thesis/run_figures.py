@@ -31,11 +31,11 @@ from ...pipeline.sizes import refreshes_of
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg
-from ...run import RunOptions, figures, set_up_replay
+from ...run import RunOptions, measured, set_up_replay
 from ...run.combinations import Combination
 from ...run.replay_setup import ReplayRun
 from ...run.side_by_side import refreshes
-from ...run.truth import coverage, shown_picture, true_picture
+from ...run.truth import coverage, draw_truth, shown_picture
 from ...scenes import load_scene
 from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 
@@ -246,7 +246,7 @@ class _Seen:
 
     @classmethod
     def of(cls, setup: ReplayRun, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = true_picture(setup.server, refresh.inputs[eye], setup.sizes.shown, depth=is_measured)
+        drawn = draw_truth(setup.server, refresh.inputs[eye], setup.sizes.shown, depth=is_measured)
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
         return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
@@ -334,7 +334,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
         network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
-    summary = figures(
+    summary = measured(
         RunOptions(
             trace=run.trace,
             scene=run.scene,
@@ -356,7 +356,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             metrics_every=10**6,
             workers=0,
         )
-    )
+    ).summary
     link = summary["link"]
     per_eye, frames = link["mbit_s"] / 2, link["frames"]
     settled = frames["never_shown"] + frames["shown"]  # the rest is still under way

@@ -65,7 +65,10 @@ def run_thesis(
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
-    chosen = [_quick(each) if options.quick else each for each in experiments_named(options.only)]
+    chosen = list(experiments_named(options.only))
+    if options.quick:  # the middle speed of each motion
+        middle = [tuple(cell for cell in each.cells if all(map(is_quick, cell.runs))) for each in chosen]
+        chosen = [attrs.evolve(each, cells=cells or each.cells) for each, cells in zip(chosen, middle, strict=True)]
     how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
     runs = tuple(dict.fromkeys(run for each in chosen for run in each.runs()))
     # Of any experiment, not only of those chosen: what is kept serves another choice too.
@@ -190,12 +193,6 @@ class _Runner:
                 self._apart.add(frames)  # one of them is at fault: the others go on
                 return self._look(run, how)
         return self._looked[run]
-
-
-def _quick(experiment: Experiment) -> Experiment:
-    """Return the experiment with the middle speed of each motion only."""
-    cells = tuple(cell for cell in experiment.cells if all(is_quick(run) for run in cell.runs))
-    return attrs.evolve(experiment, cells=cells or experiment.cells)
 
 
 def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:

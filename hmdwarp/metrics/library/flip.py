@@ -1,7 +1,5 @@
 """FLIP, the mean of its map; see flip_map."""
 
-import numpy as np
-
 from ..job import Input
 from ..metric import Metric, metrics
 
@@ -10,7 +8,7 @@ metrics.register(
         name="flip",
         order=30,
         most=1.0,
-        compute=lambda m: float(m.alike.flip_map.mean(dtype=np.float64)),
+        compute=lambda m: float(m.alike.flip_map.mean(dtype=float)),
         needs=Input.TRUTH | Input.ALIKE,
         label="FLIP",
         bench_rank=float("inf"),

@@ -19,6 +19,6 @@ metrics.register(
         description="Structural similarity to a picture without latency, 1 is the same",
         explanation="Structural similarity, Gaussian window of 11×11 pixels (σ 1.5), borders included; higher is "
         "better.",
-        study_title="likeness (SSIM)",
+        study_title="structural similarity (SSIM)",
     )
 )

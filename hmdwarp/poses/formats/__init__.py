@@ -6,18 +6,16 @@ from collections.abc import Mapping
 from typing import IO, Any
 
 import attrs
-import numpy as np
 
-from ...errors import InputError, TraceError
+from ...errors import TraceError
 from ...registry import Registry
-from ..assumptions import Assumption, By, Defect, Layout
-from ..options import FRAMES, TraceOptions
+from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
+from ..options import TraceOptions
 from ..reading import layouts
-from ..reading.axes import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
+from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.columns import column_of_frames
-from ..reading.file_head import Head, is_number
-from ..reading.rows import RowReader
+from ..reading.header import is_number
+from ..reading.text_table import Head, RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
 from ..writing import WRITERS
@@ -44,6 +42,7 @@ class TraceFormat:
     recognised = ""  # by one of `reading.layouts.SNIFFS`
     read_as = ""  # one of `reading.layouts.LAYOUTS`
     written_as = ""  # one of `writing.WRITERS`
+    written: Mapping[str, Any] = {}  # what that has to know
     writes = False  # whether `write` works
     binary = False  # whether `write` takes a stream of bytes
     axes_written = OPENXR  # of the files that `write` makes
@@ -53,7 +52,7 @@ class TraceFormat:
         if self.recognised:
             return layouts.SNIFFS[self.recognised](head)
         if self.kind:
-            return 100 if head.source.kind == self.kind else 0
+            return 100 if head.kind == self.kind else 0
         names = head.names
         if self.bare and names is None:
             same = (head.separator or "") == self.bare["separator"] and head.width in self.bare["widths"]
@@ -63,7 +62,7 @@ class TraceFormat:
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
-        facts = {**self.facts, **head.source.made.facts}
+        facts = {**self.facts, **({} if head.made is None else head.made.facts)}
         if self.read_as:
             return layouts.LAYOUTS[self.read_as](head, options, facts)
         if head.names is None and self.bare_order:
@@ -78,40 +77,25 @@ class TraceFormat:
         unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
         scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
         clock = UNIT_NAMES[unit] if unit else "what makes a tracker's rate"
+        way, way_by = DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY)
         order = self.order or f"as the names say{f', {self.bare_order} without a header' if self.bare_order else ''}"
         return (
-            Assumption(CLOCK, clock, By.FORMAT if unit else By.NOBODY),
-            Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
-            Assumption(AXES, axes.label(), axes_by, "--axes"),
-            Assumption(ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
-            Assumption(POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"),
+            Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.NOBODY),
+            Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
+            Assumption(Fact.AXES, axes.label(), axes_by, "--axes"),
+            Assumption(Fact.ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
+            Assumption(Fact.POSE, way, way_by, "--pose"),
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
-        if self.kind and head.source.kind != self.kind:
+        if self.kind and head.kind != self.kind:
             what = self.file or f"file of format {self.name}"
             raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
-        layout = self.layout(head, options)
-        if options.time_column is not None:
-            layout = attrs.evolve(layout, time=layouts.column_of(head, options.time_column), unit=None, rest=None)
-        if (axes := axes_stated(head)) is not None:
+        layout = layouts.with_clock(head, self.layout(head, options), options)
+        if (axes := layouts.axes_stated(head)) is not None:
             layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
-        counted = _frames(head, layout, options)
-        if counted is not None:
-            layout = attrs.evolve(layout, time=counted, unit=FRAMES, rest=None)
-        elif layout.time is None and options.rate is None:
-            raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
-        elif options.rate is not None:
-            layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
-        reader = RowReader(head, layout, options.lost_rows)
-        rows = reader.read()
-        layout = attrs.evolve(layout, caveats=(*head.source.made.defects, *layout.caveats, *reader.defects))
-        origins = (text.removeprefix("origin:").strip() for _, text in head.comments if text.startswith("origin:"))
-        loaded = Cleaner(head, rows, layout, options, reader.ends_with_newline).clean(next(origins, ""))
-        columns = layouts.columns_read(head, layout, loaded.device)
-        read = Assumption(COLUMNS, columns, layout.columns_by, "--columns")
-        loaded = attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
+        loaded = Cleaner(RowReader(head, layout, options).read()).clean(self.name)
         if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
             layouts.refuse_hanging(head, loaded.track)
         return loaded
@@ -120,7 +104,7 @@ class TraceFormat:
         """Write a track so that reading it gives the same poses bit for bit."""
         if not self.written_as:
             raise TraceError(f"format {self.name} is read, not written")
-        WRITERS[self.written_as](track, stream)
+        WRITERS[self.written_as](track, stream, **self.written)
 
 
 def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
@@ -149,40 +133,3 @@ class StatedColumns(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return what --columns says."""
         return layouts.stated_layout(head, options)
-
-
-def _frames(head: Head, layout: Layout, options: TraceOptions) -> int | None:
-    """Return the column of frame numbers that --trace-rate turns into times, None without one."""
-    column = column_of_frames(head.names or [])
-    if options.time_unit == FRAMES:
-        if options.rate is None:
-            raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
-        time = layout.time if options.time_column or options.columns or column is None else column
-        if time is None:
-            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
-        return time
-    if column is None or options.rate is None:
-        return None
-    numbers = head.numbers((column,))[:, 0]
-    steps = np.diff(numbers)
-    rises = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all()) and float(np.median(steps)) == 1
-    return column if rises else None
-
-
-def axes_stated(head: Head) -> str | None:
-    """Return the axes that a comment of the file states, as `parse_axes` takes them.
-
-    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
-    """
-    for _, text in head.comments:
-        key, _, value = text.partition(":")
-        if key.strip().lower() != "axes":
-            continue
-        if OPENXR in value.lower():
-            return OPENXR
-        try:
-            parse_axes(value)
-        except InputError:
-            continue
-        return value
-    return None

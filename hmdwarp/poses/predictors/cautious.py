@@ -9,7 +9,6 @@ foretold for now, against what the head did. What it foretold too far counts mor
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
@@ -38,15 +37,12 @@ MOVES_NS = 105 * _MS  # walking does not fade: it goes on for this long
 WEIGHT_MISSED, WEIGHT_TOO_FAR = 0.25, 4.0  # of the squared errors of the past predictions
 
 KNOWN_NS = max(ENDED_NS) + TESTED_NS + WINDOW_NS
-_ENDED, _COUNT = np.array(ENDED_NS, np.int64), len(ENDED_NS)
+_COUNT = len(ENDED_NS)
 # Before now: the two ends of the window, and of each past prediction now, then, and its window's.
-_BACK_NS = np.concatenate([(0, WINDOW_NS), _ENDED, _ENDED + TESTED_NS, _ENDED + TESTED_NS + WINDOW_NS])
-_BACK = tuple(_BACK_NS.tolist())
+_BACK_NS = (0, WINDOW_NS, *(ended + back for back in (0, TESTED_NS, TESTED_NS + WINDOW_NS) for ended in ENDED_NS))
 # From which of these to which: the last window, those of the past predictions, what came of them.
-_WAYS = (
-    (1, 0), *((2 + 2 * _COUNT + i, 2 + _COUNT + i) for i in range(_COUNT)),
-    *((2 + _COUNT + i, 2 + i) for i in range(_COUNT)),
-)  # fmt: skip
+_FROM = (1, *range(2 + 2 * _COUNT, 2 + 3 * _COUNT), *range(2 + _COUNT, 2 + 2 * _COUNT))
+_TO = (0, *range(2 + _COUNT, 2 + 2 * _COUNT), *range(2, 2 + _COUNT))
 
 
 def turns_ns(ahead_ns: int) -> float:
@@ -54,20 +50,22 @@ def turns_ns(ahead_ns: int) -> float:
     return -FADES_NS * float(np.expm1(-ahead_ns / FADES_NS))
 
 
-def confidence(moving: Array, missed: Array) -> Array:
-    """Return 0..1: how far to trust a motion, (n,).
+def _trusted(ways: Array, known: NDArray[np.bool_]) -> Array:
+    """Return the motion of the last window, (.., 3), scaled by 0..1: how far to trust it.
 
-    moving: what the present speed foretells for TESTED_NS, (n, 3), rotation vector or way. missed:
-    by how much the last predictions for as long came out too far, (n, k, 3). 1 where they were
-    right; the units do not matter.
+    ways: rotation vectors or ways from _FROM to _TO, (1 + 2 k, .., 3). known: where there are poses
+    at _BACK_NS, (2 + 3 k, ..). A prediction from before counts as wrong by its whole length.
     """
-    squared = np.einsum("ni,ni->n", moving, moving)[:, None]
-    moves = squared > 0
-    along = np.maximum(np.einsum("nki,ni->nk", missed, moving), 0.0)
-    too_far = along * (along / np.where(moves, squared, 1.0))
-    doubt = WEIGHT_MISSED * np.einsum("nki,nki->nk", missed, missed) + WEIGHT_TOO_FAR * too_far
-    total = squared[:, 0] + doubt.mean(axis=1)
-    return np.asarray(squared[:, 0] / np.where(total > 0, total, 1.0))
+    share, windows, came = TESTED_NS / WINDOW_NS, ways[1 : 1 + _COUNT], ways[1 + _COUNT :]
+    moving = share * ways[0]
+    missed = np.where(known[2 + 2 * _COUNT :, ..., None], share * windows - came, moving)
+    squared = (moving * moving).sum(axis=-1)
+    along = np.maximum((missed * moving).sum(axis=-1), 0.0)
+    too_far = along * along / np.where(squared > 0, squared, 1.0)
+    doubt = WEIGHT_MISSED * (missed * missed).sum(axis=-1) + WEIGHT_TOO_FAR * too_far
+    total = squared + doubt.mean(axis=0)
+    trust = np.where(known[1], squared / np.where(total > 0, total, 1.0), 0.0)
+    return np.asarray(trust[..., None] * ways[0])
 
 
 def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:
@@ -132,88 +130,37 @@ def _followed(recent: _Recent, ahead_ns: int) -> Pose:
         i -= 1
     first_ns = times[i]
     heads: dict[int, tuple[list[float], list[float]]] = {}
-    places, turns, known, turned, moved = [], [], [], [], []
-    for back in _BACK:
+    for back in _BACK_NS:
         if back not in heads:
             heads[back] = recent.at(now_ns - back)
-        places.append(heads[back][0])
-        turns.append(heads[back][1])
-        known.append(now_ns - back >= first_ns)
-    for first, last in _WAYS:
-        a, b = places[first], places[last]
-        moved.append((b[0] - a[0], b[1] - a[1], b[2] - a[2]))
-        turned.append(quaternions.turn(turns[first], turns[last]))
-    (u, v, w), (x, y, z), place = _trusted_one(turned, known), _trusted_one(moved, known), places[0]
-    angle, length = turns_ns(ahead_ns) / WINDOW_NS, min(ahead_ns, MOVES_NS) / WINDOW_NS
-    position = np.array([place[0] + length * x, place[1] + length * y, place[2] + length * z])
-    return trusted_pose(position, quaternions.turned(turns[0], (angle * u, angle * v, angle * w)))
-
-
-def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tuple[float, float, float]:
-    """Return `_trusted` of one motion: ways between _WAYS, known at each of _BACK."""
-    x, y, z = ways[0]
-    if not known[1]:
-        return 0.0, 0.0, 0.0
-    share = TESTED_NS / WINDOW_NS
-    fx, fy, fz = share * x, share * y, share * z
-    squared = fx * fx + fy * fy + fz * fz
-    if squared == 0:
-        return 0.0, 0.0, 0.0
-    doubt = 0.0
-    for i in range(_COUNT):
-        mx, my, mz = fx, fy, fz
-        if known[2 + 2 * _COUNT + i]:
-            (ux, uy, uz), (vx, vy, vz) = ways[1 + i], ways[1 + _COUNT + i]
-            mx, my, mz = share * ux - vx, share * uy - vy, share * uz - vz
-        along = max(mx * fx + my * fy + mz * fz, 0.0)
-        doubt += WEIGHT_MISSED * (mx * mx + my * my + mz * mz) + WEIGHT_TOO_FAR * (along * (along / squared))
-    trust = squared / (squared + doubt / _COUNT)
-    return trust * x, trust * y, trust * z
+    places, turns = zip(*(heads[back] for back in _BACK_NS), strict=True)
+    known = np.array([now_ns - back >= first_ns for back in _BACK_NS])
+    p = np.array(places)
+    turned = np.array([quaternions.turn(turns[a], turns[b]) for a, b in zip(_FROM, _TO, strict=True)])
+    turn = turns_ns(ahead_ns) / WINDOW_NS * _trusted(turned, known)
+    moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
+    return trusted_pose(p[0] + moved, quaternions.turned(turns[0], turn.tolist()))
 
 
 def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
     """Extrapolate from each of `now_ns`, (n,)."""
     ahead_ns = min(ahead_ns, HORIZON_NS)
-    instants = now_ns[:, None] - _BACK_NS
+    instants = now_ns - np.array(_BACK_NS)[:, None]
     found = track.sample_many(instants.ravel())
     q, p = found.orientation_xyzw.reshape(*instants.shape, 4), found.position_m.reshape(*instants.shape, 3)
     runs = track.run_of(instants.ravel()).reshape(instants.shape)
-    known = (runs == runs[:, :1]) & (instants >= track.start_ns)
-
-    def turn(first: slice, last: slice) -> Array:
-        return quaternions.vector_between(q[:, first], q[:, last])
-
-    def move(first: slice, last: slice) -> Array:
-        return p[:, last] - p[:, first]
-
-    turned = quaternions.from_rotation_vector(turns_ns(ahead_ns) / WINDOW_NS * _trusted(turn, known))
-    return Samples(
-        now_ns + ahead_ns, p[:, 0] + min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(move, known),
-        quaternions.multiply(turned, q[:, 0]), np.full(len(now_ns), Origin.PREDICTED, np.int8),
-    )  # fmt: skip
-
-
-def _trusted(way: Callable[[slice, slice], Array], known: NDArray[np.bool_]) -> Array:
-    """Return the motion within the last window scaled by its confidence, (n, 3).
-
-    way(first, last): between the poses at these places of _BACK_NS, (n, k, 3). known: where there
-    are poses, (n, 2 + 3 k). A prediction from before what is known counts as wrong by its whole
-    length.
-    """
-    now, before = slice(0, 1), slice(1, 2)
-    ended, began, window = (slice(2 + i * _COUNT, 2 + (i + 1) * _COUNT) for i in range(3))
-    share = TESTED_NS / WINDOW_NS
-    moved = way(before, now)
-    missed = np.where(known[:, window, None], share * way(window, began) - way(began, ended), share * moved)
-    trust = confidence(share * moved[:, 0], missed)
-    return np.where(known[:, before], trust[:, None] * moved[:, 0], 0.0)
+    known = (runs == runs[0]) & (instants >= track.start_ns)
+    turned = _trusted(quaternions.vector_between(q[_FROM, :], q[_TO, :]), known)
+    moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
+    turn = quaternions.from_rotation_vector(turns_ns(ahead_ns) / WINDOW_NS * turned)
+    predicted = np.full(len(now_ns), Origin.PREDICTED, np.int8)
+    return Samples(now_ns + ahead_ns, p[0] + moved, quaternions.multiply(turn, q[0]), predicted)
 
 
 _cautious = predictors.register(Predictor(
     "cautious", "the speed of the last 30 ms fades, the sooner the more it has just overshot",
     "Gardner and McKenzie 1985, Forecasting Trends in Time Series: a damped trend; the confidence is our own",
-    cautious, lambda track, now_ns, ahead_ns: _cautious_many(track, now_ns, min(ahead_ns, HORIZON_NS)), HORIZON_NS,
+    cautious, _cautious_many, HORIZON_NS,
 ))  # fmt: skip
-predictors.register(
-    attrs.evolve(_cautious, name="on", alias_of=_cautious.name)
-)  # the predictor for those who do not choose one
+# For those who do not choose one.
+predictors.register(attrs.evolve(_cautious, name="on", alias_of=_cautious.name))

@@ -49,10 +49,7 @@ def _steady_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> 
 
 
 def _window(track: PoseTrack, i: int) -> tuple[int, int]:
-    """Return the first and last index of distinct poses within the 50 ms up to sample i.
-
-    At least two samples, if they belong together.
-    """
+    """Return the first and last of the distinct poses of the 50 ms up to sample i, two at least."""
     q, p = track.orientation_xyzw, track.position_m
     last = i
     while last > 0 and not track.broken[last - 1] and (q[last] == q[last - 1]).all() and (p[last] == p[last - 1]).all():
@@ -67,15 +64,14 @@ def _window(track: PoseTrack, i: int) -> tuple[int, int]:
     return first, last
 
 
-def _hold_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
-    return attrs.evolve(track.sample_many(now_ns), time_ns=now_ns + ahead_ns)
-
-
-_BASE, _SHORT = "the baseline of every predictor", "angular and linear velocity of the last 50 ms go on"
-_SOURCE = "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate"
-_CONSTANT = Predictor("constant_velocity", _SHORT, _SOURCE, constant_velocity, _steady_many, HORIZON_NS)
-predictors.register(Predictor("none", "the last known pose is held", _BASE, hold, _hold_many))
-_steady = predictors.register(_CONSTANT)
-predictors.register(
-    attrs.evolve(_steady, name="cav", alias_of=_steady.name)
-)  # the literature's short name for constant angular velocity
+predictors.register(Predictor(
+    "none", "the last known pose is held", "the baseline of every predictor", hold,
+    lambda track, now_ns, ahead_ns: attrs.evolve(track.sample_many(now_ns), time_ns=now_ns + ahead_ns),
+))  # fmt: skip
+_steady = predictors.register(Predictor(
+    "constant_velocity", "angular and linear velocity of the last 50 ms go on",
+    "LaValle et al. 2014, Head tracking for the Oculus Rift: prediction at a constant angular rate",
+    constant_velocity, _steady_many, HORIZON_NS,
+))  # fmt: skip
+# The literature's short name, of constant angular velocity.
+predictors.register(attrs.evolve(_steady, name="cav", alias_of=_steady.name))

@@ -48,7 +48,9 @@ class Axes:
 
     def words(self) -> str:
         """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
-        return f"world={_words_of(self.world)} head={_words_of(self.head)}"
+        bases = ((basis[0], basis[1], -basis[2]) for basis in (self.world, self.head))
+        world, head = (",".join(map(axis_word, rows)) for rows in bases)
+        return f"world={world} head={head}"
 
     def label(self) -> str:
         """Return the preset's name, or the axes themselves."""
@@ -169,10 +171,6 @@ def _basis(words: str) -> NDArray[np.float64]:
     return basis
 
 
-def _words_of(basis: NDArray[np.float64]) -> str:
-    return ",".join(axis_word(row) for row in (basis[0], basis[1], -basis[2]))
-
-
 def axis_word(direction: NDArray[np.float64]) -> str:
     """Return the axis that a direction (3,) points along most, for instance "-z"."""
     k = int(np.abs(direction).argmax())
@@ -188,9 +186,3 @@ def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
     return np.asarray(half / np.linalg.norm(half))
-
-
-# What is assumed of a file.
-COLUMNS, ORIENTATION, POSE, LENGTH = "columns", "orientation", "pose", "length"
-AXES, UP, CLOCK, WRAP = "axes", "up", "clock", "clock wrap"
-DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from ...options.named_files import LIST, content_of
-from .columns import Made, rows_text
+from .header import Made, rows_text
 
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
 COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
@@ -24,8 +24,7 @@ _MODELS = [
     *(("OPENCV_FISHEYE", 8), ("FULL_OPENCV", 12), ("FOV", 5), ("SIMPLE_RADIAL_FISHEYE", 4)),
     *(("RADIAL_FISHEYE", 5), ("THIN_PRISM_FISHEYE", 12)),
 ]
-_POSE = struct.Struct("<i7di")
-_CAMERA = struct.Struct("<iiQQ")
+_POSE, _CAMERA, _COUNT = "<i7di", "<iiQQ", "<Q"
 _POINT_BYTES = 24
 
 
@@ -89,6 +88,20 @@ def _images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
         next(lines, None)
 
 
+def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
+    raw = _bytes(path)
+    stream = io.BytesIO(raw)
+    for number in range(*_unpacked(path, stream, _COUNT)):
+        _, *pose, camera_id = _unpacked(path, stream, _POSE)
+        name = stream.read(max(0, raw.find(b"\0", stream.tell()) - stream.tell()))
+        stream.read(1)
+        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
+        points = _POINT_BYTES * _unpacked(path, stream, _COUNT)[0]
+        stream.seek(min(points, len(raw)), io.SEEK_CUR)  # of 2^64 no file has the bytes
+        if stream.tell() > len(raw):
+            raise _cut(path)
+
+
 def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapImage:
     from scipy.spatial.transform import Rotation
 
@@ -112,40 +125,21 @@ def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
             raise TraceError(f"{where}: '{line.strip()[:60]}'; expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS") from None
 
 
-def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
-    raw = _bytes(path)
-    stream = io.BytesIO(raw)
-    for number in range(_count(path, stream)):
-        _, *pose, camera_id = _unpacked(path, stream, _POSE)
-        name = stream.read(max(0, raw.find(b"\0", stream.tell()) - stream.tell()))
-        stream.read(1)
-        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
-        points = _POINT_BYTES * _count(path, stream)
-        if points > len(raw) - stream.tell():  # of 2^64 no file has the bytes
-            raise _cut(path)
-        stream.seek(points, io.SEEK_CUR)
-
-
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
     stream = io.BytesIO(_bytes(path))
-    for number in range(_count(path, stream)):
+    for number in range(*_unpacked(path, stream, _COUNT)):
         key, model, wide, high = _unpacked(path, stream, _CAMERA)
         if not 0 <= model < len(_MODELS):
             raise TraceError(f"{path}, camera {number}: model {model}; expected 0 to {len(_MODELS) - 1}")
         name, count = _MODELS[model]
-        parameters = _unpacked(path, stream, struct.Struct(f"<{count}d"))
-        yield key, ColmapCamera(f"{path}, camera {number}", name, (wide, high), parameters)
+        yield key, ColmapCamera(f"{path}, camera {number}", name, (wide, high), _unpacked(path, stream, f"<{count}d"))
 
 
-def _count(path: Path, stream: io.BytesIO) -> int:
-    return int(_unpacked(path, stream, struct.Struct("<Q"))[0])
-
-
-def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any, ...]:
-    data = stream.read(form.size)
-    if len(data) < form.size:
+def _unpacked(path: Path, stream: io.BytesIO, form: str) -> tuple[Any, ...]:
+    data = stream.read(struct.calcsize(form))
+    if len(data) < struct.calcsize(form):
         raise _cut(path)
-    return form.unpack(data)
+    return struct.unpack(form, data)
 
 
 def _cut(path: Path) -> TraceError:

@@ -6,18 +6,20 @@ import itertools
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, are_digits
 from ..assumptions import By, Defect, Layout
-from ..options import AXIS_ANGLE, COLUMNS, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
+from ..options import AXIS_ANGLE, COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler, TraceOptions, parse_euler
 from ..track import PoseTrack
-from .columns import SHAPES, UNRANKED, Cells, Columns, direction_of, find_columns, head_rank, named_matrices, owner_rank
-from .file_head import Head, is_number
+from . import header
+from .axes import OPENXR, parse_axes
 from .pose_messages import COLUMNS as MESSAGES
+from .text_table import Head
 from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(
@@ -45,7 +47,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
-    found = find_columns(head.names)
+    found = header.find_columns(head.names)
 
     clock, told = _clock(head, found)
     facts = clock | {
@@ -57,20 +59,20 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
     gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
     turn = _turn(head, found, options, known)
-    if (said := direction_of([head.names[c] for c in turn["orientation"]])) is not None:
+    if (said := header.direction_of([head.names[c] for c in turn["orientation"]])) is not None:
         facts |= {"inverse": said == INVERSE, "direction_by": By.FILE}
     caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()), *told)
     return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
 
 
-def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
+def _clock(head: Head, found: header.Columns) -> tuple[dict[str, Any], tuple[Defect, ...]]:
     """Return which columns are the time, as fields of Layout, and a note on other clocks."""
     names = head.names or []
 
     def cells(column: int) -> list[str]:
         return [row[column] for row in head.rows if len(row) > column and row[column]]
 
-    for whole, rest, unit in sorted(found.pairs, key=lambda pair: owner_rank(names[pair[0]])):
+    for whole, rest, unit in sorted(found.pairs, key=lambda pair: header.owner_rank(names[pair[0]])):
         counts = [cell for cell in cells(rest) if are_digits(cell) and int(cell) < BILLION // UNITS_NS[unit]]
         if len(counts) == len(cells(rest)) and all(map(are_digits, cells(whole))):
             return {"time": whole, "unit": "s", "rest": rest, "rest_unit": unit}, ()
@@ -79,7 +81,7 @@ def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ..
     values = {column: len(set(cells(column))) for column, _ in found.clocks}
     # Of several clocks those that take the most values over the first rows, then the pose's own.
     fine = [clock for clock in found.clocks if 10 * values[clock[0]] > 9 * max(values.values())]
-    time, said = min(fine, key=lambda clock: owner_rank(names[clock[0]]))
+    time, said = min(fine, key=lambda clock: header.owner_rank(names[clock[0]]))
     others = ", ".join(names[column] for column, _ in found.clocks if column != time)
     done = f"{names[time]} taken; --time-column takes another"
     note = Defect("clocks-several", f"its rows have other clocks as well ({others})", done)
@@ -89,27 +91,26 @@ def _clock(head: Head, found: Columns) -> tuple[dict[str, Any], tuple[Defect, ..
     return {"time": time, "unit": said, **dates}, (note,) if others else ()
 
 
-def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
+def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
     """Return how the orientation is read: fields of Layout. Errors: TraceError."""
     euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
     order = options.quat_order
     if found.orientation is not None and found.numbered:
-        if order is None and head.source.kind == "vectors":
+        if order is None and head.kind == "vectors":
             return {"orientation": found.orientation, "order_by": By.NOBODY, "caveats": (_ORDER_ASSUMED,)}
         return {"orientation": ordered(head, found.orientation, order), "order_by": By.USER}
     if found.orientation is not None:
         what = f"--quat-order {order} was given, but the header names x, y, z and w"
         ignored = Defect("quat-order-named", what, "the names are followed")
         return {"orientation": found.orientation, "caveats": (ignored,) if order else ()}
-    candidates = named_matrices(head.names or [])
+    candidates = header.named_matrices(head.names or [])
     matrix = next(filter(None, (_arranged(head, cells, options.matrix) for cells in candidates)), None)
     if matrix is not None:
         return matrix | {"position": matrix["position"] or found.position}
-    if found.vector is not None and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
-        kind = VECTOR if len(found.vector.columns) == 3 else AXIS_ANGLE
-        by = By.USER if options.euler else By.FILE if found.vector.stated else By.NOBODY
-        stated = euler or Euler(kind, found.vector.degrees)
-        return {"orientation": found.vector.columns, "euler": stated, "order_by": by}
+    if found.vector and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
+        by = By.USER if options.euler else By.FILE if found.vector_unit else By.NOBODY
+        stated = euler or Euler(VECTOR if len(found.vector) == 3 else AXIS_ANGLE, found.vector_unit == "deg")
+        return {"orientation": found.vector, "euler": stated, "order_by": by}
     if euler is not None and found.angles is not None:
         axes = "xyz" if euler.order == VECTOR else euler.order
         columns = tuple(found.angles["xyz".index(axis)] for axis in axes)
@@ -171,16 +172,55 @@ def column_of(head: Head, word: str) -> int:
 
 def column_of_devices(head: Head) -> int | None:
     """Return the column that names devices, by its own name or by heads or hands in its rows."""
-
-    def names_bodies(fields: list[str]) -> bool:
-        changes = sum(a != b for a, b in itertools.pairwise(fields))
-        named = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
-        return named and _MIXED * changes > len(fields)
-
     names = head.names or []
-    if (named := find_columns(names).device) is not None:
+    if (named := header.find_columns(names).device) is not None:
         return named
-    return next((c for c in range(len(names)) if names_bodies([r[c] for r in head.rows if c < len(r)])), None)
+    for column in range(len(names)):
+        fields = [row[column] for row in head.rows if column < len(row)]
+        changes = sum(a != b for a, b in itertools.pairwise(fields))
+        bodies = any(header.head_rank(name) != header.UNRANKED for name in set(fields) if not header.is_number(name))
+        if bodies and _MIXED * changes > len(fields):
+            return column
+    return None
+
+
+def with_clock(head: Head, layout: Layout, options: TraceOptions) -> Layout:
+    """Return the layout with the clock that the options name, or their rate. Errors: TraceError."""
+    if options.time_column is not None:
+        layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, rest=None)
+    frames, rate = header.find_columns(head.names or []).frames, options.rate
+    if options.time_unit == FRAMES:
+        if rate is None:
+            raise TraceError(f"{head.path}: frame numbers are no times: give the frames per second with --trace-rate")
+        if options.time_column or options.columns or frames is None:
+            frames = layout.time
+        if frames is None:
+            raise TraceError(f"{head.path} numbers no frames ({head.describe()}): --time-column names the column")
+    elif frames is not None and rate is not None:
+        numbers = head.numbers((frames,))[:, 0]
+        steps = np.diff(numbers)
+        rises = len(steps) > 0 and bool((steps > 0).all() and (numbers % 1 == 0).all()) and float(np.median(steps)) == 1
+        frames = frames if rises else None
+    if frames is not None and rate is not None:
+        return attrs.evolve(layout, time=frames, unit=FRAMES, rest=None)
+    if layout.time is None and rate is None:
+        raise TraceError(f"{head.path} has no time ({head.describe()}): --trace-rate gives the samples per second")
+    return layout if rate is None else attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
+
+
+def axes_stated(head: Head) -> str | None:
+    """Return the axes that a comment of the file states, as `parse_axes` takes them.
+
+    For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
+    """
+    for _, text in head.comments:
+        key, _, value = text.partition(":")
+        if key.strip().lower() == "axes":
+            with suppress(InputError):
+                said = OPENXR if OPENXR in value.lower() else value
+                parse_axes(said)
+                return said
+    return None
 
 
 def columns_read(head: Head, layout: Layout, device: str) -> str:
@@ -206,10 +246,16 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     """Return the layout of --columns; w is last unless --quat-order says otherwise."""
     text = options.columns or ""
     parts = [part.partition("=") for part in text.split(",")]
-    stated = {key.strip(): _columns_of(head, value) for key, _, value in parts if value}
+    stated: dict[str, tuple[int, ...]] = {}
+    for key, _, value in parts:
+        found = re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", value)  # from one number to another (2-17)
+        span = found is not None and head.column(value) is None
+        words = map(str, range(int(found[1]), int(found[2]) + 1)) if found and span else value.split("+")
+        if value:
+            stated[key.strip()] = tuple(column_of(head, word) for word in words)
     turns = [key for key in stated if key in "qmrae"]
-    counted = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
-    if len(stated) != len(parts) or len(turns) != 1 or not counted:
+    counts = all(len(columns) in _COUNTS.get(key, ()) for key, columns in stated.items())
+    if len(stated) != len(parts) or len(turns) != 1 or not counts:
         raise InputError(f"--columns '{text}': expected {_SYNTAX}")
     key, columns = turns[0], stated[turns[0]]
     facts: dict[str, Any] = {"orientation": columns, "order_by": By.USER}
@@ -227,14 +273,7 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
 
 
-def _columns_of(head: Head, text: str) -> tuple[int, ...]:
-    """Return columns by name or number, apart by +, or from one number to another (2-17)."""
-    if (found := re.fullmatch(r"\s*(\d+)\s*-\s*(\d+)\s*", text)) and head.column(text) is None:
-        return tuple(column_of(head, str(number)) for number in range(int(found[1]), int(found[2]) + 1))
-    return tuple(column_of(head, word) for word in text.split("+"))
-
-
-def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
+def of_matrix(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any]:
     """Return how a stated matrix is read. Errors: TraceError for numbers that are no rotation."""
     found = _arranged(head, cells, order)
     if found is None:
@@ -244,40 +283,30 @@ def of_matrix(head: Head, cells: Cells, order: str | None) -> dict[str, Any]:
     return found
 
 
-def _arranged(head: Head, cells: Cells, order: str | None) -> dict[str, Any] | None:
+def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any] | None:
     """Return fields of Layout for a matrix; None where the numbers are no rotation."""
-    numbers = head.numbers(cells)
+    numbers, (high, wide) = head.numbers(cells), header.SHAPES[len(cells)]
     numbers = numbers[np.abs(numbers).max(axis=1, initial=0.0) > 0]  # lost tracking writes zeros
-    fits = [layout for layout in (ROWS, COLUMNS) if order in (None, layout) and _holds(numbers, layout)]
+    places, fits = np.arange(len(cells)), {}
+    for layout, grid in ((ROWS, places.reshape(high, wide)), (COLUMNS, places.reshape(wide, high).T)):
+        if len(numbers) and order in (None, layout):
+            matrices = numbers[:, grid[:3, :3]]
+            off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+            last = np.abs(numbers[:, grid[3]] - (0, 0, 0, 1)).max(axis=1) if grid.size == 16 else np.zeros(1)
+            if np.median(off) < _OFF >= np.median(last) and np.median(np.linalg.det(matrices)) > 0:
+                fits[layout] = grid
     if not fits:
         return None
     # A transposed rotation is a rotation: only the place of a translation or of 0,0,0,1 decides.
     decided = len(fits) == 1 and len(cells) > 9
-    last = ("0,0,0,1 is its last row", "3x4") if fits[0] == ROWS else ("0,0,0,1 is its last column", "4x3")
-    grid = _grid(len(cells), fits[0])
+    way, grid = next(iter(fits.items()))
+    last = ("0,0,0,1 is its last row", "3x4") if way == ROWS else ("0,0,0,1 is its last column", "4x3")
     return {
         "orientation": tuple(cells[i] for i in grid[:3, :3].ravel()),
         "position": tuple(cells[i] for i in grid[:3, 3]) if len(cells) > 9 else None,
-        "matrix": f"by {fits[0]}" + (f" ({last[len(cells) == 12]})" if decided else ""),
+        "matrix": f"by {way}" + (f" ({last[len(cells) == 12]})" if decided else ""),
         "order_by": By.USER if order else By.FILE if decided else By.NOBODY,
     }
-
-
-def _grid(count: int, order: str) -> NDArray[np.intp]:
-    """Return the places of a matrix's numbers, row by row."""
-    rows, columns = SHAPES[count]
-    return np.arange(count).reshape(rows, columns) if order == ROWS else np.arange(count).reshape(columns, rows).T
-
-
-def _holds(numbers: NDArray[np.float64], order: str) -> bool:
-    if not len(numbers):
-        return False
-    grid = _grid(numbers.shape[1], order)
-    if grid.size == 16 and np.median(np.abs(numbers[:, grid[3]] - (0, 0, 0, 1)).max(axis=1)) > _OFF:
-        return False
-    matrices = numbers[:, grid[:3, :3].ravel()].reshape(-1, 3, 3)
-    off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    return bool(np.median(off) < _OFF and np.median(np.linalg.det(matrices)) > 0)
 
 
 # What a table of a format names where a header does not tell: how it is recognised (the score of
@@ -299,15 +328,13 @@ def _sniff_frames(head: Head) -> int:
     """Recognise six bare columns: the second a frame number, the last four of length 1."""
     if head.names is not None or head.separator is not None or head.width != 6:
         return 0
-    rows = [r for r in head.rows if len(r) == 6 and all(is_number(f) for f in r)]
-    if not rows or not all(are_digits(r[1]) for r in rows):
-        return 0
-    frames = [int(r[1]) for r in rows]
+    rows = [r for r in head.rows if len(r) == 6 and all(map(header.is_number, r))]
+    counted = bool(rows) and all(are_digits(r[1]) for r in rows)
     unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
-    return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
+    return 60 if counted and 2 * unit > len(rows) and rows == sorted(rows, key=lambda r: int(r[1])) else 0
 
 
-def _bare_matrix(head: Head) -> Cells | None:
+def _bare_matrix(head: Head) -> header.Cells | None:
     """Return neighbouring columns that are a matrix with a position, 4x4 before 3x4."""
     runs = (tuple(range(a, a + n)) for n in (16, 12) for a in range(head.width - n + 1))
     return next((cells for cells in runs if _arranged(head, cells, None) is not None), None)
@@ -320,20 +347,17 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
         if head.width < count:
             raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
         cells = tuple(range(head.width - count, head.width))
-    first, matrix = cells[0], of_matrix(head, cells, options.matrix)
-
-    def rises(column: int) -> bool:
-        steps = np.diff(head.numbers((column,))[:, 0])
-        return len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED
-
-    def likely(column: int) -> tuple[bool, int, bool, float]:
-        """Return how likely a rising column is the clock, and no number of the frame."""
+    matrix = of_matrix(head, cells, options.matrix)
+    clocks = []  # columns that rise, with how likely each is the clock, and no number of the frame
+    for column in set(range(head.width)) - set(cells):
         numbers = head.numbers((column,))[:, 0]
-        step = float(np.median(np.diff(numbers))) if len(numbers) > 1 else 0.0
-        return column < first, len(set(numbers.tolist())), bool((numbers % 1).any()), step
-
-    others = [column for column in range(head.width) if column not in cells and rises(column)]
-    return Layout(time=max(others, key=likely, default=None), columns_by=By.NOBODY, **matrix)
+        steps = np.diff(numbers)
+        if len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED:
+            step = float(np.median(steps)) if len(steps) else 0.0
+            likely = column < cells[0], len(set(numbers.tolist())), bool((numbers % 1).any()), step
+            clocks.append((likely, -column))
+    time = -max(clocks)[1] if clocks else None
+    return Layout(time=time, columns_by=By.NOBODY, **matrix)
 
 
 def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
@@ -381,13 +405,13 @@ def refuse_hanging(head: Head, track: PoseTrack) -> None:
 
 SNIFFS: dict[str, Callable[[Head], int]] = {
     "named": lambda head: 10 * (head.names is not None),
-    "json": lambda head: 20 * (head.source.kind == "json" and head.names is not None),
+    "json": lambda head: 20 * (head.kind == "json" and head.names is not None),
     "ros2": lambda head: 50 * (
         any("header" in name.lower() for name in head.names or ())
-        and any(unit == "ns" for *_, unit in find_columns(head.names or []).pairs)
+        and any(unit == "ns" for *_, unit in header.find_columns(head.names or []).pairs)
     ),
     "matrices": lambda head: 50 * (
-        head.names is None and sum(map(is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
+        head.names is None and sum(map(header.is_number, head.rows[0])) >= 12 and _bare_matrix(head) is not None
     ),
     **{"ticks": _sniff_ticks, "frames": _sniff_frames},
 }  # fmt: skip

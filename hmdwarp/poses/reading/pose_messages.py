@@ -8,50 +8,31 @@ import os
 import re
 import struct
 import threading
+import tomllib
 import weakref
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import IO, Any, BinaryIO
-
-import attrs
 
 from ...errors import HmdwarpError, TraceError
 from ...options.documents import parse_json
 from ...options.named_files import BAG, TABLE, most_unpacked, opened, text_in, unpacked
 from ...resources import import_extra
 from ..assumptions import Defect
-from .columns import Made
+from .header import Made
 
 COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
-# Where messages have their time, the frame they are in, the frame they move, and their pose.
-_STAMPED = ("header.stamp", "header.frame_id")
-_FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
-    "foxglove.PoseInFrame": ("timestamp", "frame_id", None, "pose.position", "pose.orientation"),
-    "foxglove.FrameTransform": ("timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"),
-    "geometry_msgs/PoseStamped": (*_STAMPED, None, "pose.position", "pose.orientation"),
-    "geometry_msgs/PoseWithCovarianceStamped": (*_STAMPED, None, "pose.pose.position", "pose.pose.orientation"),
-    "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
-    "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
-}
-_LISTS = {
-    "foxglove.FrameTransforms": "foxglove.FrameTransform",
-    **dict.fromkeys(("tf2_msgs/TFMessage", "tf/tfMessage"), "geometry_msgs/TransformStamped"),  # the first tf's, too
-}
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+_FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
-_PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
 
 
-@attrs.frozen
-class StampedPose:
-    """A pose of a message."""
-
-    stamp_ns: int  # 0 where the message has none
-    parent: str
-    child: str
-    numbers: tuple[float, ...]  # position, then quaternion xyzw
+# Of a message: nanoseconds (0 without a stamp), its frame and the one in it, position and xyzw.
+StampedPose = tuple[int, str, str, tuple[float, ...]]
 
 
 def has_poses(name: str) -> bool:
@@ -66,12 +47,12 @@ def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
             yield from poses_in(_LISTS[name], transform)
         return
     stamp, parent, child, position, orientation = (
-        "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
+        "" if path == "-" else operator.attrgetter(path)(message) for path in _FIELDS[name]
     )
     numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
-    whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
+    whole, rest = next(pair for pair in _TABLE["stamps"].values() if all(hasattr(stamp, part) for part in pair))
     stamp_ns = int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
-    yield StampedPose(stamp_ns, parent, child, numbers)
+    yield stamp_ns, parent, child, numbers
 
 
 def part_of(path: Path) -> str:
@@ -103,14 +84,14 @@ class PoseMessages:
     def table(self) -> Made:
         """Return every pose in the order of logging. Errors: TraceError without any."""
         rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
-        for topic, logged_ns, pose in self.poses():
-            if pose.child:
-                children.setdefault(pose.child, pose.parent)
+        for topic, logged_ns, (stamped_ns, parent, child, numbers) in self.poses():
+            if child:
+                children.setdefault(child, parent)
             if topic.rpartition("/")[2] == _STATIC:
                 continue
-            name = " ".join(f"{topic} {pose.child}".replace(",", " ").replace('"', " ").split())
-            frames.setdefault(name, pose.parent)
-            rows.append(",".join((str(pose.stamp_ns), str(logged_ns), name, *map(repr, pose.numbers))))
+            name = " ".join(f"{topic} {child}".replace(",", " ").replace('"', " ").split())
+            frames.setdefault(name, parent)
+            rows.append(",".join((str(stamped_ns), str(logged_ns), name, *map(repr, numbers))))
         if not rows:
             types, held = ", ".join([*_FIELDS, *_LISTS]), [f"{topic} ({what})" for topic, what in self.held.items()]
             others = f" that can be read; it holds {', '.join(held[:8])}" if held else ""
@@ -118,14 +99,12 @@ class PoseMessages:
         if part := part_of(self.path):
             self.defects.append(Defect("part-alone", part, "the others are not read"))
         text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
-        nested = {
-            name: f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
-            for name, parent in frames.items()
-            if parent in children
-        }
-        done = "taken as they are; transforms are not chained"
-        told = {name: Defect("frame-nested", what, done) for name, what in nested.items()}
-        return Made(self.kind, text, defects=tuple(self.defects), nested=told)
+        nested = {}
+        for name, parent in frames.items():
+            if parent in children:
+                what = f"its poses are in frame '{parent}', which is itself in frame '{children[parent]}'"
+                nested[name] = Defect("frame-nested", what, "taken as they are; transforms are not chained")
+        return Made(self.kind, text, defects=tuple(self.defects), nested=nested)
 
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -148,24 +127,25 @@ class McapPoses(PoseMessages):
         self._how = {"validate_crcs": True, "record_size_limit": size}
         modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
         self._factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
-        self._decoders: dict[int, Callable[[bytes], Any] | None] = {}
+        self._decoders: dict[int, Callable[[bytes], Iterator[StampedPose]] | None] = {}
 
     def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
-        count = 0
-        reader, whole = self._reader()
+        count, (reader, index) = 0, self._reader()
         try:
-            for schema, channel, message in reader.iter_messages(self._topics(whole), log_time_order=whole is not None):
-                name = "" if schema is None else schema.name.replace("/msg/", "/")
-                decode = self._decoder(name, schema, channel)
-                if decode is not None:
-                    for pose in poses_in(name, decode(message.data)):
-                        count += 1
-                        yield channel.topic, message.log_time, pose
+            topics = None  # all; of a whole file only the parts with poses are read
+            if index is not None:
+                channels = index.channels.values()
+                topics = [c.topic for c in channels if self._decoder(index.schemas.get(c.schema_id), c) is not None]
+            for schema, channel, message in reader.iter_messages(topics, log_time_order=index is not None):
+                decode = self._decoder(schema, channel)
+                for pose in () if decode is None else decode(message.data):
+                    count += 1
+                    yield channel.topic, message.log_time, pose
         except HmdwarpError:
             raise
         except Exception as error:  # decoders and decompressors raise anything at damaged data
             why = f"{type(error).__name__}: {error}"
-            if whole is not None or not count:
+            if index is not None or not count:
                 raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
             what = f"the file ends in the middle, after {count} poses ({why})"
             self.defects.append(Defect("file-cut", what, "read up to there"))
@@ -179,8 +159,12 @@ class McapPoses(PoseMessages):
             at += _RECORD.size + length
             if code == _CHUNK:
                 head = self.stream.read(_CHUNK_HEAD)
-                how, data = _packed_in(head)
-                left -= max(int.from_bytes(head[16:24], "little"), _frame_bytes(data) if how == b"zstd" else 0)
+                end, stated = 32 + int.from_bytes(head[28:32], "little"), int.from_bytes(head[16:24], "little")
+                if head[32:end] == b"zstd":
+                    zstandard = import_extra("zstandard", "zstandard", EXTRA)
+                    with suppress(zstandard.ZstdError):  # damaged, as its reader will say
+                        stated = max(stated, int(zstandard.frame_content_size(head[end + 8 :])))
+                left -= stated
             if left < 0:
                 what = f"its chunks are more than {most_unpacked(size)} bytes, unpacked: expected a shorter recording"
                 raise TraceError(f"{self.path}: {what}")
@@ -200,48 +184,24 @@ class McapPoses(PoseMessages):
         self.stream.seek(0)
         return self._mcap.NonSeekingReader(self.stream, **self._how), None
 
-    def _topics(self, index: Any) -> list[str] | None:
-        """Return the topics with poses; None for all. Only their parts of the file are read."""
-        if index is None:
-            return None
-        topics = []
-        for channel in index.channels.values():
-            schema = index.schemas.get(channel.schema_id)
-            if self._decoder("" if schema is None else schema.name.replace("/msg/", "/"), schema, channel) is not None:
-                topics.append(channel.topic)
-        return topics
-
-    def _decoder(self, name: str, schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
+    def _decoder(self, schema: Any, channel: Any) -> Callable[[bytes], Iterator[StampedPose]] | None:
+        """Return what reads the poses of a channel's messages, None where they have none."""
         if channel.id not in self._decoders:
-            coded, found = channel.message_encoding, None
+            name = "" if schema is None else schema.name.replace("/msg/", "/")
+            coded, decode = channel.message_encoding, None
             if has_poses(name) and coded == "json":
-                found = lambda data: _by_name(parse_json(data))  # noqa: E731
+                decode = lambda data: _by_name(parse_json(data))  # noqa: E731
             elif has_poses(name):
-                found = next(filter(None, (f.decoder_for(coded, schema) for f in self._factories)), None)
-            if found is None:
+                decode = next(filter(None, (f.decoder_for(coded, schema) for f in self._factories)), None)
+            if decode is None:
                 self.held[channel.topic] = f"{name or 'no schema'}, {coded}"
-            self._decoders[channel.id] = found
+            self._decoders[channel.id] = decode and (lambda data: poses_in(name, decode(data)))
         return self._decoders[channel.id]
 
 
 # Of the MCAP format: opcode and length of a record; a chunk, whose head has two instants, the size
 # unpacked, a checksum, a word, and the size packed; the data begin with a frame's own head.
 _RECORD, _CHUNK, _CHUNK_HEAD = struct.Struct("<BQ"), 6, 32 + 8 + 8 + 18
-
-
-def _packed_in(head: bytes) -> tuple[bytes, bytes]:
-    """Return how a chunk is packed, and the first of its data."""
-    end = 32 + int.from_bytes(head[28:32], "little")
-    return head[32:end], head[end + 8 :]
-
-
-def _frame_bytes(data: bytes) -> int:
-    """Return how many bytes a frame of Zstandard says that it holds; 0 where it does not say."""
-    zstandard = import_extra("zstandard", "zstandard", EXTRA)
-    try:
-        return max(0, int(zstandard.frame_content_size(data)))
-    except zstandard.ZstdError:
-        return 0  # damaged, as its reader will say
 
 
 def _by_name(value: Any) -> Any:
@@ -277,7 +237,12 @@ class Bag:
         self.path, self._lock = path, threading.Lock()
         highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
         types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
-        _check_plain(path)
+        # SQLite opens a .db3 by its name, and would wait for what is no plain file.
+        if path.is_dir():
+            opened(path / _METADATA, TABLE).close()
+        for file in path.iterdir() if path.is_dir() else (path,):
+            if file.suffix in ENDINGS or file == path:
+                opened(file, BAG).close()
         _bound_unpacking()
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
@@ -375,15 +340,6 @@ def _bound_unpacking() -> None:
     vars(second)["zstd"] = SimpleNamespace(
         decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
     )
-
-
-def _check_plain(path: Path) -> None:
-    """Refuse what rosbags would wait for: SQLite opens a .db3 by its name."""
-    if path.is_dir():
-        opened(path / _METADATA, TABLE).close()
-    for file in path.iterdir() if path.is_dir() else (path,):
-        if file.suffix in ENDINGS or file == path:
-            opened(file, BAG).close()
 
 
 def stamp_ns(stamp: Any) -> int:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import itertools
-import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
-from markupsafe import Markup
 
 from ...metrics import PRIMARY, REGIONS, Figure, error_and_time, metrics, metrics_in_order
 from ..charts import (
     MARKER_PT,
+    Drawn,
     Style,
-    axes_in,
     canvas,
     draw_front,
     draw_numbers,
@@ -26,11 +24,9 @@ from ..charts import (
     mark,
     name_rows,
     not_measured,
-    png_of,
     scale_axis,
     svg_text,
 )
-from ..files import write_bytes
 from ..page import (
     CLOCK_NAMES,
     Chart,
@@ -38,6 +34,7 @@ from ..page import (
     Fold,
     Page,
     Section,
+    Sentences,
     Text,
     Tile,
     fact,
@@ -47,21 +44,26 @@ from ..page import (
     reading_section,
     texts,
 )
-from ..run_texts import Table, axes_of_traces, counted, listed, plain
-from ..style import HATCHES, PAGE, PAPER, Palette, markers_of
+from ..run_texts import Table, axes_of_traces, counted, listed
+from ..style import GRID, HATCHES, INK, Look
+from ..style import REGIONS as REGION_COLOURS
+from .crops import Crops, crops_chart
 from .rows import (
     COLUMNS,
+    RULE,
     Case,
     Column,
     Row,
     at,
     cases,
-    choice_terms,
+    choice_text,
     common,
     decision,
     marked_how,
     measure_label,
+    row_name,
     table_of,
+    verdict_text,
 )
 
 if TYPE_CHECKING:
@@ -73,71 +75,61 @@ _REGION_MARKERS = ("s", "D", "^", "o")
 _HEIGHT_IN = 4.2
 _PLOT_IN, _CHAR_IN = 7.7, 0.078  # right end of the axes; width of a letter in the list of warps
 _ABOVE: Style = {"xycoords": "axes fraction", "textcoords": "offset points"}
-_KEY_IN = 0.32  # of a picture's height; enough for one line, or two of small text
-_PNG_CHARS = 150  # of small text, in a line of the picture
 _KEY: Style = {
     "borderaxespad": 0.1, "handletextpad": 0.3, "columnspacing": 1.2, "borderpad": 0.2, "handlelength": 1.5,
 }  # fmt: skip
 
 
-def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
+def looks_of(rows: Iterable[Row]) -> dict[str, Look]:
+    """Return a look for each warp, which the charts of a page share."""
+    return {warp: Look.of(number) for number, warp in enumerate(dict.fromkeys(row["warp"] for row in rows))}
+
+
+def pareto_chart(
+    case: Case, measure: str = PRIMARY, *, looks: Mapping[str, Look] | None = None, width_in: float | None = None
+) -> Drawn:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Time is logarithmic. The mark of a point says which fill it has; a warp has a colour, a number
-    beside its best point, and a thin line to its others: no one has to tell two colours apart.
-    Points of the front are filled, their numbers bold, and a line joins them: nothing lies below
-    and left of it (above, for PSNR).
-    Rows without a measurement are left out; a chart of nothing says so. markers: of the fills,
-    where several charts are to share them.
+    Time is logarithmic. Colour and shape of a point say which warp it is, a thin line joins its
+    fills, and an upright one is the interval of the mean. The best of each warp and the front have
+    a number, which the legend explains. Points of the front are filled, their numbers bold, and a
+    line joins them: nothing lies below and left of it (above, for PSNR).
+    Rows without a measurement are left out; a chart of nothing says so. looks: of the warps, where
+    several charts are to share them. width_in: of a column of a paper, None for a page.
     """
-    markers = markers or markers_of(row["fill"] for row in case.rows)
-    numbers = _numbers([case], measure)
-    names = _names(numbers, [case], PAGE)
-    height_in = max(_HEIGHT_IN, 0.19 * len(names) + 0.2)
-    width_in = _PLOT_IN + 0.4 + _CHAR_IN * max((len(name.get_label()) for name in names), default=0)
-    box = (0.62, 0.5, _PLOT_IN, height_in - 0.36)
-    with canvas((case.label, measure, _content(case, measure)), (width_in, height_in), box=box) as axes:
-        _draw_case(axes, case, measure, markers, numbers, PAGE)
-        here = {fill: marker for fill, marker in markers.items() if fill in {row["fill"] for row in case.rows}}
-        legend(axes, _key(here, PAGE), loc="lower left", bbox_to_anchor=(0, 1), ncols=5, **_KEY)
-        figure: Any = axes.get_figure()
-        legend(figure, names, loc="upper left", ncols=1, bbox_to_anchor=((_PLOT_IN + 0.1) / width_in, 1), **_KEY)
-        return svg_text(figure)
+    looks, front = looks or looks_of(case.ordered(measure)), set(map(id, case.front(measure)))
+    rows = [row for row in case.ordered(measure) if None not in error_and_time(row, measure)]
+    firsts = {row["warp"]: id(row) for row in reversed(rows)}
+    named = [row for row in rows if id(row) in front or firsts[row["warp"]] == id(row)]
+    names = [
+        mark(f"{number} {_legend_name(row)}", **attrs.asdict(looks[row["warp"]]), linestyle="none", markersize=5)
+        for number, row in enumerate(named, 1)
+    ]
+    longest = max((len(name.get_label()) for name in names), default=0)
+    place: Style = {"loc": "upper left", "ncols": 1}
+    if width_in is None:
+        size = (_PLOT_IN + 0.4 + _CHAR_IN * longest, max(_HEIGHT_IN, 0.19 * len(names) + 0.2))
+        box, place["bbox_to_anchor"] = (0.62, 0.5, _PLOT_IN, size[1] - 0.36), ((_PLOT_IN + 0.1) / size[0], 1)
+    else:
+        place["ncols"] = max(1, int(width_in / (0.3 + 0.062 * longest)))
+        foot = 0.15 * -(-len(names) // place["ncols"]) + 0.1
+        size, place["bbox_to_anchor"] = (width_in, foot + 2.8), (0, foot / (foot + 2.8))
+        box = (0.5, foot + 0.4, width_in - 0.08, foot + 2.5)
+    with canvas(
+        (case.label, measure, width_in, [(_legend_name(row), *error_and_time(row, measure)) for row in case.rows]),
+        size, box=box, font_size=9 if width_in is None else 7,
+    ) as axes:  # fmt: skip
+        _draw_case(axes, rows, measure, looks, {id(row): number for number, row in enumerate(named, 1)}, front)
+        key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
+        legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
+        legend(axes.figure, names, **place, **_KEY)
+        drawn = svg_text(axes.figure)
+    drawn.at_width = lambda wide: pareto_chart(case, measure, looks=looks, width_in=wide)
+    return drawn
 
 
-def pareto_plot_png(
-    path: str | os.PathLike[str], rows: Iterable[Row], *, measure: str = PRIMARY, columns: int | None = None
-) -> None:
-    """Write the same charts, one for each case, into one PNG for a README or a paper.
-
-    It is 1600 pixels wide, on white. columns: charts side by side, by default two.
-    Errors: as files.write_bytes.
-    """
-    groups = cases(rows)
-    columns = columns or min(2, max(len(groups), 1))
-    markers = markers_of(row["fill"] for group in groups for row in group.rows)
-    lines = max(-(-len(groups) // columns), 1)
-    width, height = 8 / columns, 3.3 if columns == 1 else 2.9
-    with drawing((measure, [_content(group, measure) for group in groups]), font_size=8 if columns == 1 else 7):
-        numbers = _numbers(groups, measure)
-        names = _names(numbers, groups, PAPER)
-        ncols = max(1, int(_PNG_CHARS / (8 + max((len(name.get_label()) for name in names), default=0))))
-        foot = 0.17 * -(-len(names) // ncols) + 0.1
-        total = lines * height + _KEY_IN + foot
-        figure = empty_figure(8, total)
-        figure.patch.set_facecolor("white")
-        if groups:
-            place: Style = {"loc": "upper left", **_KEY}
-            top, bottom = (0.5 / 8, 1 - 0.06 / total), (0.5 / 8, foot / total)
-            legend(figure, _key(markers, PAPER), PAPER, bbox_to_anchor=top, ncols=5, **place)
-            legend(figure, names, PAPER, bbox_to_anchor=bottom, ncols=ncols, **place)
-        for number, group in enumerate(groups):
-            left, top_in = number % columns * width, foot + (lines - number // columns) * height
-            axes = axes_in(figure, (left + 0.55, top_in - height + 0.45, left + width - 0.1, top_in - 0.3))
-            axes.annotate(group.label, (0, 1), (0, 5), **_ABOVE, weight="bold", color=PAPER.ink)
-            dress(axes, PAPER)
-            _draw_case(axes, group, measure, markers, numbers, PAPER)
-        write_bytes(path, png_of(figure, 200))
+def _legend_name(row: Row) -> str:
+    return row_name(row) + (f" ({row['baseline']})" if row.get("baseline") else "")
 
 
 def pareto_text(case: Case, measure: str = PRIMARY) -> str:
@@ -152,76 +144,42 @@ def _total_ms(row: Row) -> float:
     return float(row["time_ms"]["total"]["median"])
 
 
-def _content(case: Case, measure: str) -> list[tuple[Any, ...]]:
-    return [(row["warp"], row["fill"], *error_and_time(row, measure)) for row in case.rows]
-
-
 def _draw_case(
-    axes: Axes, case: Case, measure: str, markers: Mapping[str, str], numbers: Mapping[str, int], palette: Palette
+    axes: Axes,
+    rows: Sequence[Row],
+    measure: str,
+    looks: Mapping[str, Look],
+    numbers: Mapping[int, int],
+    front: Collection[int],
 ) -> None:
-    rows = [row for row in case.rows if None not in error_and_time(row, measure)]
+    higher = metrics.get(measure).higher_is_better
     axes.set_xlabel("time per eye, all stages, in ms")
     axes.set_ylabel(measure_label(measure))
     if not rows:
         axes.set_xticks([])
         axes.set_yticks([])
-        not_measured(axes, palette)
+        not_measured(axes)
         return
     time = scale_axis(axes.xaxis, np.array([_total_ms(row) for row in rows]), logarithmic=True)
-    error = np.array([row["quality"][measure]["mean"] for row in rows])
-    error = scale_axis(axes.yaxis, error, logarithmic=not metrics.get(measure).higher_is_better)
-    best = {id(row) for row in case.front(measure)}
-    is_best = np.array([id(row) in best for row in rows])
-    draw_front(axes, time[is_best], error[is_best], palette, higher=metrics.get(measure).higher_is_better)
+    entries = [row["quality"][measure] for row in rows]
+    spans = np.array([(entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2)) for entry in entries])
+    error, low, high = scale_axis(axes.yaxis, spans.ravel(), logarithmic=not higher).reshape(-1, 3).T
+    is_best = np.array([id(row) in front for row in rows])
+    draw_front(axes, time[is_best], error[is_best], higher=higher)
+    colours = [looks[row["warp"]].color for row in rows]
+    axes.vlines(time, low, high, colors=colours, linewidth=1, alpha=0.45, zorder=2)
+    style: Style = {"markersize": MARKER_PT, "markeredgewidth": 1.5, "linestyle": "none", "clip_on": False}
     for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
-        colour = palette.warp(row["warp"])
-        style: Style = {"marker": markers[row["fill"]], "markersize": MARKER_PT, "markeredgewidth": 1.5}
-        style |= {"color": colour, "linestyle": "none"}
-        axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
-    for name in dict.fromkeys(row["warp"] for row in rows):
-        # A thin line ties all fills of a warp to its number: some see its colour as another's.
-        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
-        axes.plot(*zip(*own, strict=True), color=palette.warp(name), linewidth=0.7, alpha=0.6, zorder=1)
-    higher = metrics.get(measure).higher_is_better
-    numbered: dict[int, int] = {}
-    for name, number in numbers.items():
-        its = [index for index, row in enumerate(rows) if row["warp"] == name]
-        least = [max(its, key=lambda index: error[index] if higher else -error[index])] if its else []
-        numbered |= dict.fromkeys([index for index in its if is_best[index]] or least, number)
-    draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best, palette)
-    better = "better ↖" if higher else "better ↙"
-    axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
-
-
-def _key(markers: Mapping[str, str], palette: Palette) -> list[Any]:
-    style: Style = {"markerfacecolor": "none", "markeredgewidth": 1.3, "linestyle": "none", "markersize": 6}
-    fills = [mark(f"fill {fill}", marker=marker, color=palette.ink, **style) for fill, marker in markers.items()]
-    return [*fills, mark("Pareto front (filled, bold)", color=palette.ink, linewidth=1.1, alpha=0.55)]
-
-
-def _numbers(groups: Sequence[Case], measure: str) -> dict[str, int]:
-    """Return the number of each warp, the most accurate of the first case first."""
-    names = dict.fromkeys(row["warp"] for group in groups for row in group.ordered(measure))
-    return {name: number for number, name in enumerate(names, 1)}
-
-
-def _names(numbers: Mapping[str, int], groups: Sequence[Case], palette: Palette) -> list[Any]:
-    """Return the legend's entry of each number: the warp, and what it stands for, in its colour."""
-    stands_for = {row["warp"]: row["baseline"] for group in groups for row in group.rows if row.get("baseline")}
-    return [
-        mark(
-            f"{number} {name}" + (f" ({stands_for[name]})" if name in stands_for else ""),
-            color=palette.warp(name), linestyle="none", marker="s", markersize=6,
+        look = looks[row["warp"]]
+        axes.plot(
+            x, y, **style, **attrs.asdict(look), markerfacecolor=look.color if filled else "none", zorder=3 + filled
         )
-        for name, number in numbers.items()
-    ]  # fmt: skip
-
-
-def row_name(row: Row, with_fill: bool = True) -> str:
-    """Return a row's strategy, or its warp, and its fill where there are several."""
-    if row.get("strategy"):
-        return str(row["strategy"])
-    return f"{row['warp']} + {row['fill']}" if with_fill and row["fill"] != "none" else row["warp"]
+    for name in dict.fromkeys(row["warp"] for row in rows):
+        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
+        axes.plot(*zip(*own, strict=True), color=looks[name].color, linewidth=0.7, alpha=0.6, zorder=1)
+    numbered = {index: numbers[id(row)] for index, row in enumerate(rows) if id(row) in numbers}
+    draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best)
+    axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
 
 
 def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
@@ -238,16 +196,16 @@ def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
     return [((entry.get("share") or 0.0) * (entry.get("flip") or 0.0), entry.get("flip")) for entry in entries]
 
 
-def regions_chart(case: Case) -> str:
+def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
     """Draw one case as an <svg> element: what each region adds to FLIP, and FLIP within each.
 
-    The best row is on top.
+    The best row is on top. width_in: as of pareto_chart.
     """
     measured = [(row, parts) for row in case.ordered() if (parts := region_parts(row))]
     with_fill = len({row["fill"] for row in case.rows}) > 1
     names = [row_name(row, with_fill) for row, _ in measured]
-    size_in = (_WIDTH_IN, 0.85 + _LINE_IN * max(len(measured), 2))
-    with drawing((case.label, names, [parts for _, parts in measured])):
+    size_in = (width_in or _WIDTH_IN, 0.85 + _LINE_IN * max(len(measured), 2))
+    with drawing((case.label, names, width_in, [parts for _, parts in measured]), 9 if width_in is None else 7):
         figure = empty_figure(*size_in, layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
         for axes, label in ((left, "what each region adds to FLIP"), (right, "FLIP within each region")):
@@ -260,8 +218,8 @@ def regions_chart(case: Case) -> str:
         starts = np.cumsum(values, axis=1) - values
         for number in range(len(REGIONS)):
             left.barh(
-                range(len(values)), values[:, number], left=starts[:, number], height=0.66, color=PAGE.regions[number],
-                hatch=HATCHES[number], edgecolor=PAGE.ink, linewidth=0.5,
+                range(len(values)), values[:, number], left=starts[:, number], height=0.66,
+                color=REGION_COLOURS[number], hatch=HATCHES[number], edgecolor=INK, linewidth=0.5,
             )  # fmt: skip
         _dots(right, [[flip for _, flip in parts] for _, parts in measured])
         name_rows(left, names)
@@ -271,43 +229,43 @@ def regions_chart(case: Case) -> str:
         from matplotlib.patches import Patch
 
         handles = []
-        for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
-            patch = Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5)
+        for colour, hatch, marker in zip(REGION_COLOURS, HATCHES, _REGION_MARKERS, strict=True):
+            patch = Patch(facecolor=colour, edgecolor=INK, hatch=hatch, linewidth=0.5)
             handles.append((patch, mark(marker=marker, **_dot(colour))))
         labels = [name.replace("_", " ") for name in REGIONS]
         legend(
             figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
-            loc="outside upper left", ncols=len(REGIONS),
+            loc="outside upper left", ncols=len(REGIONS) if width_in is None else 2,
         )  # fmt: skip
-        return svg_text(figure)
+        drawn = svg_text(figure)
+    drawn.at_width = lambda wide: regions_chart(case, wide)
+    return drawn
 
 
 def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
     for y, values in enumerate(flips):
         there = [value for value in values if value is not None]
         if there:
-            axes.plot([min(there), max(there)], [y, y], color=PAGE.grid, linewidth=2, zorder=1)
+            axes.plot([min(there), max(there)], [y, y], color=GRID, linewidth=2, zorder=1)
     for number, marker in enumerate(_REGION_MARKERS):
         points = [(value, y) for y, values in enumerate(flips) if (value := values[number]) is not None]
         axes.plot(
-            [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(PAGE.regions[number])
+            [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(REGION_COLOURS[number])
         )
 
 
 def _dot(colour: str) -> Style:
-    return {"color": colour, "markeredgecolor": PAGE.ink, "markeredgewidth": 0.7, "linestyle": "none"}
+    return {"color": colour, "markeredgecolor": INK, "markeredgewidth": 0.7, "linestyle": "none"}
 
 
 MEASURES = ("flip", "psnr_db")
-_REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
-_KEYS_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip", "psnr_db", "sizes", "cases", "next"}
 
 
-def bench_page(data: Mapping[str, Any]) -> Page:
+def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -> Page:
     """Return the page from the content of bench.json.
 
     The same content gives the same page. Sections without data (no regions, no budget)
-    are left out.
+    are left out. crops: of the first cases.
     """
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
@@ -335,6 +293,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
+            _crops(groups, crops),
             _fronts(groups, rows),
             _regions(groups),
             reading_section("bench", *explained, *rated),
@@ -428,7 +387,7 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
     return [
         Tile("Combinations", "", str(len(rows)), ran),
         Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), CLOCK_NAMES.get(clock, "")),
-        Tile("One pass, two clocks", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
+        Tile("GPU timer check", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
     ]
 
 
@@ -436,113 +395,59 @@ def _choice(choice: Mapping[str, Any] | None) -> Section | None:
     """Return the box with the method that was chosen within the budget, and the next step up."""
     if not choice:
         return None
-    settings = choice.get("settings")
-    settings = dict(settings) if isinstance(settings, Mapping) else {"settings": settings} if settings else {}
-    settings |= {key: value for key, value in choice.items() if key not in _KEYS_OF_A_CHOICE and value is not None}
-    figures = Markup("<b>{:.2f} ms</b>, {} ({})").format(choice["total_ms"], _figures(choice), choice_terms(choice))
-    step, more = choice.get("next"), "Nothing measured is more accurate at any time."
-    if step:
-        named = Markup("The next step up: <b>{} + {}</b>, {:.2f} ms, {} ({}).")
-        parts = []
-        if choice.get("flip") and step.get("flip") is not None:
-            parts.append(
-                f"{100 * (1 - step['flip'] / choice['flip']):+.0f} % of the FLIP error removed".replace("+", "")
-            )
-        if choice.get("psnr_db") is not None and step.get("psnr_db") is not None:
-            parts.append(f"{step['psnr_db'] - choice['psnr_db']:+.2f} dB")
-        parts.append(f"{step['total_ms'] - choice['total_ms']:+.2f} ms")
-        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), ", ".join(parts))
-    blocks = [
-        Text(f"{choice['warp']} + {choice['fill']}", "name"),
-        settings and Text(", ".join(f"{name} {value}" for name, value in settings.items()), ""),
-        Text(figures, ""),
-        Text(more, ""),
-    ]
     heading = f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine"
-    return Section(heading, blocks, style="answer")
-
-
-def _figures(entry: Mapping[str, Any]) -> str:
-    flip, psnr = (metrics.get(name).short_figure.text(entry.get(name)) for name in ("flip", "psnr_db"))
-    return f"FLIP {flip}, PSNR {psnr} dB"
+    return Section(
+        heading, [Text(row_name(choice), "name"), *(Text(text, "") for text in choice_text(choice))], style="answer"
+    )
 
 
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
-    note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★ and bold"))
-    folds = [
-        Fold(group.label, [_decision(group)], f"{len(group.rows)} methods", is_open=number == 0)
-        for number, group in enumerate(groups)
-    ]
-    return Section("The table to decide from", [_winners(groups), Text(note), *folds], id="table", link="Table")
-
-
-def _decision(case: Case) -> Table:
-    columns = [COLUMNS[name] for name in decision(case.rows)]
-    return table_of(f"{case.label}, least FLIP first", columns, case.ordered(), marked=case.held(), has_marks=True)
-
-
-def _winners(groups: Sequence[Case]) -> Table:
-    """Return each case's most accurate row and its most accurate within the thesis's time."""
-    lines: list[list[str]] = []
-    has_limit = False
+    note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★"))
+    winners = [verdict_text(group.verdict()) for group in groups if group.rows]
+    columns = [COLUMNS[name] for name in decision(rows)]
+    folds: list[Any] = []
     for group in groups:
-        measured = [
-            row for row in group.ordered() if not row.get("lacks") and row["quality"]["flip"]["mean"] is not None
-        ]
-        limit = next((_total(row) for row in measured if (row["warp"], row["fill"]) == _REFERENCE), None)
-        within = [
-            row for row in measured if limit is not None and (total := _total(row)) is not None and total <= limit
-        ]
-        has_limit |= limit is not None
-        lines.append([group.label, *_first(measured), *_first(within), plain(limit)])
-    figures = (("time", "ms"), ("FLIP", ""))
-    heads = [("case", ""), ("most accurate", ""), *figures]
-    heads += [("best no slower than forward + interpolate", ""), *figures, ("that takes", "ms")] if has_limit else []
-    return Table.of("The most accurate of each case", heads, [line[: len(heads)] for line in lines], words=(0, 1, 4))
+        table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
+        folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
+    heading = "Summary: best method per case"
+    return Section(heading, [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds], id="table", link=heading)
 
 
-def _total(row: Row) -> float | None:
-    total: float | None = row["time_ms"]["total"]["median"]
-    return total
-
-
-def _first(rows: Sequence[Row]) -> list[str]:
-    if not rows:
-        return ["–", "–", "–"]
-    return [row_name(rows[0]), COLUMNS["total_ms"].text(rows[0]), COLUMNS["flip"].text(rows[0])]
+def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> Section:
+    told, heading = texts("bench")["notes"]["crops"], "Crops and error maps"
+    charts = [
+        Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
+        for group, both in zip(groups, crops, strict=False)
+        if both
+    ]
+    return Section(heading, [Text(told), *charts] if charts else [], id="crops", link=heading)
 
 
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
-    markers = markers_of(row["fill"] for row in rows)
+    looks = looks_of(row for group in groups for row in group.ordered())
     known = [name for name in MEASURES if any(row["quality"][name]["mean"] is not None for row in rows)] or MEASURES
     charts = [
         Chart(
             group.label,
-            tuple((name, pareto_chart(group, name, markers=markers), pareto_text(group, name)) for name in known),
+            tuple((name, pareto_chart(group, name, looks=looks), pareto_text(group, name)) for name in known),
         )
         for group in groups
     ]
-    choice = [_measures("time", known)] if len(known) > 1 else []
+    measures = [(name, measure_label(name).partition(",")[0]) for name in known]
+    choice = [Choice("measure-time", measures)] if len(known) > 1 else []
     return Section("Error against time", [*choice, *charts], id="time", link="Error against time")
-
-
-def _measures(section: str, names: Sequence[str] = MEASURES) -> Choice:
-    return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in names])
 
 
 def _regions(groups: Sequence[Case]) -> Section:
     folds: list[Fold] = []
+    names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
+    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
     for group in groups:
-        if any(region_parts(row) for row in group.rows):
-            words = f"Error by region, {group.label}: see the table below"
-            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [_regions_table(group)])]
+        if measured := [*filter(region_parts, group.ordered())]:
+            table = table_of(f"Error by region, {group.label}", columns, measured)
+            words = f"Error by region, {group.label}: what each adds to FLIP, and FLIP within it"
+            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [table])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
     notes = texts("bench")["notes"]
     heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
     return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
-
-
-def _regions_table(case: Case) -> Table:
-    names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
-    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
-    return table_of(f"Error by region, {case.label}", columns, filter(region_parts, case.ordered()))

@@ -19,12 +19,14 @@ from ...metrics import (
     Figure,
     differ,
     error_and_time,
+    excludes_zero,
+    interval_of_mean,
     metrics,
     metrics_in_order,
     pareto,
     ratings_of,
 )
-from ..run_texts import Cell, Line, name_pieces, terminal_table
+from ..run_texts import Cell, Line, listed, name_pieces, terminal_table
 from ..run_texts import Table as PageTable
 
 if TYPE_CHECKING:
@@ -48,6 +50,19 @@ OF_BENCH: Conditions = (
     ("machine", lambda v: f"on {v['host']}" if v.get("host") else ""),  # times of two are not comparable
 )
 _IN_EVERY_LABEL = ("trace", "latency_ms", "over")
+_MOST_NAMED = 6  # of those that tie
+# By which a winner is named.
+RULE = (
+    f"the least mean {metrics.get(PRIMARY).label}; a tie with each method whose 95 % interval of the paired "
+    "difference, over the same instants, includes 0"
+)
+
+
+def row_name(row: Row, with_fill: bool = True) -> str:
+    """Return a row's strategy, or its warp, and its fill where there are several."""
+    if row.get("strategy"):
+        return str(row["strategy"])
+    return f"{row['warp']} + {row['fill']}" if with_fill and row["fill"] != "none" else row["warp"]
 
 
 @attrs.frozen(eq=False)
@@ -76,6 +91,46 @@ class Case:
         """The rows that the bench's client can run."""
         return [row for row in self.rows if not row.get("lacks")]
 
+    def leaders(self, measure: str = PRIMARY) -> list[Row]:
+        """Return the best row of those that the client can run, then those that tie with it: RULE.
+
+        None where there are too few instants for an interval.
+        """
+        rows = [row for row in self.ordered(measure) if not row.get("lacks") and _interval(row, measure)]
+        values = [row["at_instants"][measure] for row in rows]
+        return [row for row, own in zip(rows, values, strict=True) if own is values[0] or not differ(own, values[0])]
+
+    def best(self, column: str) -> list[Row]:
+        """Return the rows that are bold in a column: its leaders, or those of the least time."""
+        if column in metrics.names() and metrics.get(column).is_contest:
+            return self.leaders(column)
+        taken = [(COLUMNS[column].value(row), row) for row in self.usable] if column in _TIMES else []
+        least = min((value for value, _ in taken if value is not None), default=math.inf)
+        return [row for value, row in taken if value == least]
+
+    def within(self, budget_ms: float) -> Case:
+        """Return the case of the rows that are as quick as a budget."""
+        return Case(self.label, tuple(row for row in self.rows if (error_and_time(row)[1] or math.inf) <= budget_ms))
+
+    def verdict(self) -> dict[str, Any]:
+        """Return who wins by RULE, as `winners` of bench.json has it, and which metrics disagree.
+
+        A metric does if its own best is better than the winner, and their interval excludes 0.
+        Holes, which a method without a warp has none of, are compared within a tie.
+        """
+        best, disagree = self.leaders(), []
+        for metric in (metrics.get(name) for name in _RANKS if best and name != PRIMARY):
+            others = (self if metric.is_contest else Case("", tuple(best))).leaders(metric.name)
+            first = best[0]["at_instants"][metric.name]
+            for other in others[:1]:
+                apart = [value - first[at] for at, value in other["at_instants"][metric.name].items() if at in first]
+                interval = interval_of_mean(apart)
+                if excludes_zero(interval):
+                    found = {"difference": math.fsum(apart) / len(apart), "interval": interval}
+                    disagree.append({"metric": metric.name, "best": row_name(other), **found})
+        names = [*map(row_name, best)]
+        return {"case": self.label, "metric": PRIMARY, "rule": RULE, "best": names, "disagree": disagree}
+
     def held(self, measure: str = PRIMARY) -> list[Row]:
         """Return the rows of the front that are surely better than the quicker one before them.
 
@@ -84,11 +139,31 @@ class Case:
         """
         kept: list[Row] = []
         for row in sorted(self.front(measure), key=lambda row: error_and_time(row, measure)[1] or 0.0):
-            if row["quality"][measure].get("interval") is None:
-                continue
-            if not kept or differ(kept[-1]["at_instants"][measure], row["at_instants"][measure]):
+            values = row["at_instants"][measure] if _interval(row, measure) else {}
+            if values and (not kept or differ(kept[-1]["at_instants"][measure], values)):
                 kept.append(row)
         return kept
+
+
+def _interval(row: Row, measure: str) -> Any:
+    return row["quality"][measure].get("interval")
+
+
+def verdict_text(verdict: Mapping[str, Any]) -> str:
+    """Return an entry of `winners` in words."""
+    names, label = verdict["best"], metrics.get(verdict["metric"]).label
+    if not names:
+        return f"{verdict['case']}: no winner: intervals need {LEAST_INSTANTS} instants."
+    shown = [*names[:_MOST_NAMED], *([f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else [])]
+    won = f"{names[0]} wins by {label}." if len(names) == 1 else f"a tie by {label}: {listed(shown)}."
+    words = [f"{verdict['case']}: {won}"]
+    for one in verdict["disagree"]:
+        metric = metrics.get(one["metric"])
+        sign = 1 if metric.higher_is_better else -1
+        by, *ends = (metric.figure.text(sign * value) for value in (one["difference"], *one["interval"][::sign]))
+        told = f"{metric.label} disagrees: {one['best']} is better by {by} {metric.figure.unit}".rstrip()
+        words.append(f"{told} (95 %: {' to '.join(ends)}).")
+    return " ".join(words)
 
 
 def cases(rows: Iterable[Row], of: Conditions = OF_BENCH) -> list[Case]:
@@ -183,13 +258,17 @@ def by_name(columns: Iterable[Column]) -> Columns:
 
 
 def table_of(
-    caption: str, columns: Sequence[Column], rows: Iterable[Row], *, marked: Sequence[Row] = (), **more: Any
+    caption: str, columns: Sequence[Column], rows: Iterable[Row], *, case: Case | None = None, **more: Any
 ) -> PageTable:
-    """Return the rows as a table of a page. marked: those that are bold."""
-    best = set(map(id, marked))
-    lines = [
-        Line(tuple(Cell(c.text(row), "" if c.is_number else "word") for c in columns), id(row) in best) for row in rows
-    ]
+    """Return the rows as a table of a page. case: theirs, whose front and best are marked."""
+    front = set(map(id, case.held())) if case else set()
+    best = {c.name: set(map(id, case.best(c.name))) for c in columns} if case else {}
+
+    def cell(column: Column, row: Row) -> Cell:
+        style = "best" if id(row) in best.get(column.name, ()) else ""
+        return Cell(column.text(row), style if column.is_number else "word")
+
+    lines = [Line(tuple(cell(column, row) for column in columns), id(row) in front) for row in rows]
     return PageTable(caption, [c.head for c in columns], lines, **more)
 
 
@@ -288,8 +367,8 @@ def measure_label(measure: str) -> str:
 
 _RANKS = {metric.name: metric.bench_rank for metric in metrics_in_order() if metric.bench_rank is not None}
 _SPREAD = f"{PRIMARY}_spread"
-_RANKED = [column for name in _RANKS for column in ((name, _SPREAD) if name == PRIMARY else (name,))]
-DECISION = ("warp", "fill", "total_ms", "total_ms_p95", *_RANKED, "mismatch")
+_TIMES = ("total_ms", "total_ms_p95")
+DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")), "mismatch")
 _HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%", _SPREAD: "±"}
 _OPTIONAL = {
     "total_ms_p95": 1,
@@ -307,6 +386,11 @@ MARK = "*"
 def decision(rows: Iterable[Row]) -> list[str]:
     """Return the columns to decide from: DECISION, and JOD where any row was rated."""
     return [*DECISION, *([JOD.name] if any("jod" in row for row in rows) else [])]
+
+
+def _narrow(names: Iterable[str]) -> list[str]:
+    """Return the columns of a terminal: of the intervals that of the FLIP alone."""
+    return [name for name in names if not name.endswith("_spread") or name == _SPREAD]
 
 
 def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
@@ -331,13 +415,12 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
         if len(groups) > 1:
             table.add_section()
             table.add_row("", Text(_folded(group.label, warp_width), style="bold"))
-        best = {id(row) for row in group.held(PRIMARY)}
+        front, best = group.held(PRIMARY), {name: set(map(id, group.best(name))) for name in names}
         for row in group.ordered(PRIMARY):
-            marked = id(row) in best
             texts = {name: COLUMNS[name].text(row) for name in names}
             texts["warp"] = _folded(texts["warp"], warp_width)
-            cells = (Text(text, style="bold" if marked else "") for text in texts.values())
-            table.add_row(Text(MARK if marked else "", style="bold green"), *cells)
+            cells = (Text(text, style="bold" if id(row) in best[name] else "") for name, text in texts.items())
+            table.add_row(Text(MARK if any(row is one for one in front) else "", style="bold green"), *cells)
     return table
 
 
@@ -369,7 +452,7 @@ def _folded(text: str, width: int) -> str:
 
 def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     """Return the columns that fit, and the width of the warp's name."""
-    names = decision(row for group in groups for row in group.rows)
+    names = _narrow(decision(row for group in groups for row in group.rows))
     labels = [group.label for group in groups] if len(groups) > 1 else []
     texts = [_head("warp"), *labels, *(COLUMNS["warp"].text(row) for group in groups for row in group.rows)]
     least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
@@ -387,13 +470,13 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
 
 def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     clocks = sorted({{"gpu": "GPU timers", "wall": "wall clock"}.get(row.get("clock", ""), "?") for row in rows})
-    lines = [f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}"]
+    lines = [f"ordered by {measure_label(PRIMARY)}; {marked_how(rows)}; bold: best of its column, ties too"]
     if _SPREAD in names:
         lines.append("±: 95 % interval of the mean")
     lines += [f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
         lines[-1] += "; mis%: hole for one eye only"
-    left_out = [_head(name) for name in decision(rows) if name not in names]
+    left_out = [_head(name) for name in _narrow(decision(rows)) if name not in names]
     if left_out:
         lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)
@@ -406,7 +489,29 @@ def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
     return f"{mark}: no other is both quicker and better, by the 95 % interval of the difference"
 
 
-def choice_terms(choice: Mapping[str, Any]) -> str:
-    """Return the basis of a choice's figures: 'at 1280x800, means over 2 cases'."""
-    sizes = " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
-    return f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
+def choice_text(choice: Mapping[str, Any] | None) -> list[str]:
+    """Return the best combination within the budget, then the gain and cost of the next step up.
+
+    choice: as in bench.json.
+    """
+    if not choice:
+        return []
+    step, sizes = choice["next"], " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
+    terms = f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
+    best = f"Within {choice['budget_ms']:g} ms per eye the most accurate is {_described(choice)} ({terms})."
+    use = f"Use it by --warp {choice['warp']} --fill {choice['fill']}."
+    told = [best, *map(verdict_text, choice.get("winners", ())), use]
+    if step is None:
+        return [*told, "Nothing that was measured is more accurate, however long it takes."]
+    gains = [f"{1 - step['flip'] / choice['flip']:.0%} less FLIP error"] if choice["flip"] else []
+    if None not in (choice["psnr_db"], step["psnr_db"]):
+        change = step["psnr_db"] - choice["psnr_db"]
+        gains.append(f"{abs(change):.2f} dB {'more' if change >= 0 else 'less'} PSNR")
+    following = f"The next step up is {_described(step)}; {' and '.join(gains)}"
+    return [*told, f"{following} for {step['total_ms'] - choice['total_ms']:.2f} ms more."]
+
+
+def _described(entry: Mapping[str, Any]) -> str:
+    fill = "without a fill" if entry["fill"] == "none" else f"with fill {entry['fill']}"
+    psnr = "" if entry["psnr_db"] is None else f" and PSNR {entry['psnr_db']:.2f} dB"
+    return f"warp {entry['warp']} {fill}: mean FLIP {entry['flip']:.4f}{psnr}, {entry['total_ms']:.2f} ms"

@@ -25,7 +25,7 @@ from ..page import (
     texts,
 )
 from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plain, signed
-from ..style import PAGE, SERIES
+from ..style import INK, SERIES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -194,10 +194,10 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
 
 
 _WIDTH_IN = 9.6
-_BETTER, _WORSE, _ = SERIES  # their lines differ in dashes too
+_BETTER, _WORSE, *_ = SERIES  # their lines differ in dashes too
 _MOST_PAIRS = 5  # more would need more columns than fit
 _WRAP = 16  # letters of a condition's name in a line
-_LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4, 2))), 0: (PAGE.ink, (0, (1, 2)))}
+_LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4, 2))), 0: (INK, (0, (1, 2)))}
 _SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
 
 
@@ -238,10 +238,10 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
     reach = 1.08 * (max(map(abs, ends), default=0.0) or 1.0)
     with canvas(content, (_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2)), x=label, grid="x") as axes:
         figure: Any = axes.get_figure()
-        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        axes.axvline(0, color=INK, linewidth=1)
         for y, row in enumerate(shown):
             values = np.array(list(row["differences"].values()))
-            dots: Style = {"color": PAGE.ink, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
+            dots: Style = {"color": INK, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
             axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
             bar: Style = {"solid_capstyle": "butt"}
             if row["low"] is not None:
@@ -250,7 +250,9 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
             if row["shift_low"] is not None:
                 axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
             axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
-        name_rows(axes, [_comparison_label(row) for row in shown], above=0.7)
+        names = [f"{row['part']}: " * bool(row["part"]) + str(row["condition"]) for row in shown]
+        names = [f"{name}\nover {row['baseline']}" for name, row in zip(names, shown, strict=True)]
+        name_rows(axes, names, above=0.7)
         axes.set_xlim(-reach, reach)
         key = [
             mark("mean, BCa 95 %", color=_BETTER, marker="o", markersize=7, linewidth=2.6),
@@ -268,7 +270,7 @@ def score_chart(part: Row) -> str:
     label = f"JOD, with 95 % intervals; 1 more is preferred in 75 % of choices; {zero}"
     content = (part["part"], "scores", [(row["condition"], row["jod"]) for row in rows])
     with canvas(content, (_WIDTH_IN, 0.9 + 0.42 * max(len(rows), 2)), x=label, grid="x") as axes:
-        axes.axvline(0, color=PAGE.ink, linewidth=1)
+        axes.axvline(0, color=INK, linewidth=1)
         for y, row in enumerate(rows):
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
@@ -284,7 +286,7 @@ def place_chart(part: Row, measure: Row) -> str:
     rest = np.array([place["rest"] for place in part["places"]])
     labels: Style = {"x": "place of the trial in the session", "y": f"{measure['unit']} (up is better)"}
     with canvas((part["part"], "places", rest.tolist()), (5.0, 2.4), **labels) as axes:
-        axes.axhline(0, color=PAGE.ink, linewidth=1)
+        axes.axhline(0, color=INK, linewidth=1)
         dots: Style = {"color": _BETTER, "alpha": 0.35, "markersize": 3.5, "markeredgewidth": 0}
         axes.plot(places + _spread(len(places)), rest, "o", **dots)
         levels = np.unique(places)
@@ -330,7 +332,7 @@ def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Map
 
 
 def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
-    who, ink = list(row["ratings"]), PAGE.ink
+    who, ink = list(row["ratings"]), INK
     at = [x + shifts[name] for name in who]
     values = [row["ratings"][name] for name in who]
     axes.plot(at, values, "o", markersize=5, color=ink, markerfacecolor="none", zorder=3)
@@ -357,11 +359,6 @@ def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
     low, high = min([*values, *ends]), max([*values, *ends])
     margin = 0.05 * max(high - low, 1e-9)
     return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
-
-
-def _comparison_label(row: Row) -> str:
-    first = f"{row['part']}: {row['condition']}" if row["part"] else row["condition"]
-    return f"{first}\nover {row['baseline']}"
 
 
 def _spread(count: int, width: float = 0.15) -> np.ndarray:

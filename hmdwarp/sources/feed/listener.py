@@ -262,7 +262,7 @@ class Listener:
             if other != who and held[client.address] == most and now_ns - self._since(other) > _STUCK_NS
         ]
         if stuck:
-            self._cut(min(stuck)[1], "its frames wait, and there is no room for others'")
+            self._cut(min(stuck)[1], "cut, as its frames wait and leave no room for others'")
 
     def _since(self, who: bytes) -> int:
         """Return when the oldest frame of a client began to wait; far from now if none does."""
@@ -311,7 +311,7 @@ class Listener:
                 raise Malformed(f"a client too many: there are {_MOST_CLIENTS}")
             self._count += 1
             client = self._clients[who] = _Client(f"client {self._count}", now_ns, connection)
-            here = f"{client.name}: here, {len(ask.views)} eyes of {ask.size[0]}x{ask.size[1]} pixels"
+            here = f"{client.name} connected: {len(ask.views)} x {ask.size[0]}x{ask.size[1]}"
             self._log.say("here", client.address, here)
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
@@ -329,7 +329,7 @@ class Listener:
             gone.add(self._connections.gone.popleft())
         for who, client in list(self._clients.items()):
             if now_ns - client.received_ns > SILENT_NS:
-                self._cut(who, f"silent for {SILENT_NS // 10**9} s")
+                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
             elif client.connection in gone:
                 self._forget(who, "disconnected")
         while self._connections.cuts:
@@ -340,7 +340,7 @@ class Listener:
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
         self._left += client.waiting
-        gone = f"{client.name}: gone ({why}), {client.passed_over} requests passed over"
+        gone = f"{client.name} {why}; {client.passed_over} requests superseded"
         self._log.say("gone", client.address, gone)
 
     @property

@@ -162,7 +162,7 @@ FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
 # Settings whose value may be a file, by its ending.
 NAMED_FILES = {"headset": HEADSET_FILES, "scene": SCENE_FILES}
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
-_NOT_SETTINGS["quiet"] = "it is an option of 'hmdwarp study run'"
+_NOT_SETTINGS |= dict.fromkeys(("quiet", "json"), "it is an option of a command, not of a study")
 
 
 class SettingFault(InputError):

@@ -205,41 +205,40 @@ class MotionFiles:
 
 
 def write_bids(
-    out: OutputFolder, contents: Contents, design: Design, rows: Sequence[Row], readme: str, progress: Progress
+    out: OutputFolder,
+    contents: Contents,
+    design: Design,
+    rows: Sequence[Row],
+    readme: str,
+    progress: Progress,
+    *,
+    motion: bool = True,
 ) -> MotionFiles:
-    """Write the data set.
+    """Write the data set, with the head motion if `motion`.
 
     contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
     """
     shows = {data.session.id: data.shows for data in sessions_of(contents, design)}
     tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
     tree.head(readme)
-    count, written = sum(_has_motion(showing) for showing in contents.showings), 0
+    # One that was cut off was repeated, and no answer is about it: its poses stay in the store.
+    recorded = [showing for showing in contents.showings if motion and showing.complete and showing.trace]
+    written = 0
     left_out: list[str] = []
     for session in contents.sessions:
         files = tree.behaviour(
             session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
         )
         tree.events(session)
-        for showing in (
-            showing for showing in contents.showings if showing.session == session.id and _has_motion(showing)
-        ):
+        for showing in (showing for showing in recorded if showing.session == session.id):
             try:
                 files.append(tree.motion(session, showing, len(files)))
                 written += 1
             except (InputError, FileNotFoundError) as error:
                 left_out.append(f"{showing.trace}: {str(error).splitlines()[0]}")
-            progress(written + len(left_out), count)
+            progress(written + len(left_out), len(recorded))
         tree.scans(session, files)
     return MotionFiles(written, tuple(left_out))
-
-
-def _has_motion(showing: Showing) -> bool:
-    """Return whether to export a showing's trace.
-
-    A showing that was cut off was repeated, and no answer is about it: its poses stay in the store.
-    """
-    return bool(showing.complete and showing.trace)
 
 
 @attrs.frozen
@@ -423,16 +422,19 @@ _WHOSE = {
     PILOT: ("a pilot, who tried the study out", "pilots, who tried the study out"),
     SIMULATED: ("a program that answered instead of a person", "programs that answered instead of people"),
 }
+_OF_MOTION = """Head motion is personal data all the same: minutes of it identify a person among
+hundreds. Give the folder bids/ only to recipients to whom the participants agreed."""
 _ONE = {PERSON: "person", PILOT: "pilot", SIMULATED: "simulated participant"}
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen
 class ExportOptions:
     """What to export."""
 
     origin: str = PERSON  # one of store.ORIGINS
     parquet: bool | None = None  # True: an error where it cannot be written; None: if possible
     force: bool = False  # into a folder that holds files; those of an older export go
+    motion: bool = True  # write the head motion too
 
 
 @attrs.frozen
@@ -478,11 +480,11 @@ def export(
         if count := unconsented(contents, options.origin):
             notes.append(f"{counted(count, 'person')} left before the consent was given: in no table")
         notes += _tables(folder, kept, design, answers, ratings, options.parquet)
-        text = _readme(design, kept, ratings, options.origin)
-        motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
-        notes.append(
-            f"bids/: a BIDS data set with {counted(motion.written, 'recording')} of head motion: personal data"
-        )
+        text = _readme(design, kept, ratings, options)
+        rows = [*answers, *score_rows(kept, design)]
+        motion = write_bids(folder, kept, design, rows, text, progress, motion=options.motion)
+        recordings = f"with {counted(motion.written, 'recording')} of head motion: personal data"
+        notes.append(f"bids/: a BIDS data set {recordings if options.motion else 'without head motion'}")
         notes += [f"left out: {why}" for why in motion.left_out]
         folder.write_text("README", text)
     return Exported(Path(out), tuple(notes))
@@ -544,22 +546,22 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
     return f"{contents.folder}: no session of a {_ONE[origin]} to {verb}: {hint}"
 
 
-def _readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: str) -> str:
+def _readme(design: Design, contents: Contents, ratings: Sequence[Row], options: ExportOptions) -> str:
     scales = ", ".join(_scale_text(scale) for scale in design.scales)
     conditions = "\n".join(
         f"  {part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts
     )
     return f"""{design.title}
 
-Study "{design.name}", exported by hmdwarp {__version__} ({made_text()}): {_counts(contents, ratings, origin)}.
+Study "{design.name}", exported by hmdwarp {__version__} ({made_text()}): {_counts(contents, ratings, options.origin)}.
 Asked after each trial: {scales}.
 Conditions, by part of the study:
 {conditions}
 
 ratings.csv, and ratings.parquet where pyarrow is installed: the same table with one row per rating,
 missing ones included, and what was shown. columns.json: meaning, units and values of each column.
-bids/: a BIDS data set with all answers, those between the trials and to questionnaires included, and
-the motion of the heads.
+bids/: a BIDS data set with all answers, those between the trials and to questionnaires included,
+{"with" if options.motion else "without"} the motion of the heads.
 In bids/ authors, licence and institution are left for you to fill in.
 Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
 one counts. A text that begins with = + - or @ (blanks, apostrophes, a tab or a line end before it
@@ -569,9 +571,8 @@ typed.
 
 Privacy: participants are random words, which cannot be traced back from this folder. It holds no
 date and no time of day: instants count from the beginning of a session, which BIDS writes as
-1925-01-01. Head motion is personal data all the same: minutes of it identify a person among
-hundreds. Give the folder bids/ only to recipients to whom the participants agreed. Participants who
-withdraw later must be erased here too, by hand: delete this folder and export again.
+1925-01-01. {_OF_MOTION if options.motion else "It holds no head motion."}
+Participants who withdraw later must be erased here too, by hand: delete this folder and export again.
 """
 
 

@@ -31,6 +31,7 @@ class Holdings:
     """Amount of a participant's data."""
 
     code: str  # as first written
+    sub: str  # the random word that exports have in place of the code
     sessions: int
     answers: int  # every revision, to questionnaires too
     showings: int
@@ -40,9 +41,8 @@ class Holdings:
 
     def describe(self) -> str:
         """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
-        names = {
-            name: counted(getattr(self, name), name[:-1]) for name in ("sessions", "answers", "showings", "events")
-        }
+        tables = ("sessions", "answers", "showings", "events")
+        names = {name: counted(getattr(self, name), name[:-1]) for name in tables}
         names["answers"] += " (revisions included)" if self.answers else ""
         text = ", ".join([*names.values(), counted(self.traces, "head trace")])
         return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text

@@ -376,9 +376,8 @@ class Store:
                 for name, rows in tables.items()
             }
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
-        return Holdings(
-            code, **counted, traces=count_of_traces(files), bytes=sum(path.stat().st_size for path in files)
-        )
+        size = sum(path.stat().st_size for path in files)
+        return Holdings(code, sub, **counted, traces=count_of_traces(files), bytes=size)
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""

@@ -137,8 +137,8 @@ export class Feed {
       this.asked.clear();
       this.known = 0;
       if (this.closed) return;
-      this.told("The server is not there: its last picture stays. Calling it again ..");
-      const strange = () => this.told("The server does not know this browser any more: open the address that it printed last.");
+      this.told("Connection lost: the last image stays. Reconnecting ..");
+      const strange = () => this.told("The server does not accept this browser any more: open the address that it printed last.");
       fetch("session.json", { method: "HEAD" }).then((answer) => answer.status === 403 && strange(), () => {}); // browsers keep a body that nothing reads
       setTimeout(() => this.open(), AGAIN_MS);
     };

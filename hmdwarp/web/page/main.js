@@ -25,17 +25,25 @@ const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
 const LEAST_BUDGET = 1.5; // times the cheapest chain, where none fits
 const MISSED = 1.5; // of the display's interval: a refresh that took longer was missed
+const BEAT_MS = 50; // of what measures how late this page runs
 const HELD_MS = 600, MOVED_PX = 8; // of a press that shows or hides what is told, and of one that drags
 const NAMES = Object.keys(CHAINS);
 const $ = (name) => document.getElementById(name);
 
 const even = (side) => Math.max(64, 2 * Math.round(side / 2));
-const lines = {}; // what is told, by who tells it
-let telling = ""; // all of them, also in a headset's view
+const lines = { first: "Connecting .." }; // what is told, by who tells it
+let telling = lines.first; // all of them, also in a headset's view
 function told(text, by = "page") {
   lines[by] = text;
   telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
+const ages = []; // of the shown frame in ms, at the last refreshes
+const AGES = 600;
+let late = 0, due = performance.now() + BEAT_MS; // ms by which a busy processor delays this page, decaying
+setInterval(() => {
+  const now = performance.now();
+  [late, due] = [Math.max(0.97 * late, now - due), now + BEAT_MS];
+}, BEAT_MS);
 const figures = { all: 0, refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
 
 /** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
@@ -162,7 +170,7 @@ class Session {
   adapt({ heard, way, bytes, eyes }) {
     const depth = eyes.reduce((sum, eye) => sum + eye.depth.length, 0);
     const decoding = Math.max(...this.coded.map(({ colour }) => colour.decoder.decodeQueueSize));
-    if (!asked.has("crf")) this.pace.took(heard, { way, bytes, depth, decoding, slack: 2 * figures.period });
+    if (!asked.has("crf")) this.pace.took(heard, { way, bytes, depth, decoding, slack: 2 * Math.max(figures.period, late) });
   }
 
   drop({ pictures }) {
@@ -209,7 +217,7 @@ class Session {
     this.chain.dropped(scratch);
     if (this.measured !== key) return; // another size, or somebody's choice, meanwhile
     Object.assign(this.costs, costs);
-    if (this.isForced) this.why = "chosen by hand";
+    if (this.isForced) this.why = "selected manually";
     else this.govern(costs);
   }
 
@@ -219,7 +227,7 @@ class Session {
     const levels = front.map((name) => ({ name, ms: Math.max(costs[name], 1e-3) })).reverse();
     this.governor = new Governor(levels, this.budget(levels));
     const { name, ms } = this.governor.level, least = levels[0].ms <= (SHARE * this.interval) / this.shown.eyes.length;
-    this.take(name, `${least ? "the best" : "none fits: the best"} within ${this.governor.budget.toFixed(2)} ms an eye: ${ms.toFixed(2)}`);
+    this.take(name, `${least ? "the best" : "no warp meets the budget; the best"} within ${this.governor.budget.toFixed(2)} ms an eye: ${ms.toFixed(2)}`);
   }
 
   take(name, why) {
@@ -234,7 +242,7 @@ class Session {
     const inTime = period < MISSED * this.interval, paced = inTime ? Math.min(governor.level.ms, governor.budget) : (governor.budget * period) / this.interval;
     const ms = this.watch.clock === "gpu" ? timed / this.shown.eyes.length : paced;
     const before = governor.level.name, why = Number.isNaN(ms) ? "" : governor.measured(ms);
-    if (why) this.take(governor.level.name, `after ${before}, ${why}`);
+    if (why) this.take(governor.level.name, `switched from ${before}: ${why}`);
   }
 
   /** What the next refresh shows: its views, their late eyes, and the pixels of each, the bottom row first. */
@@ -255,6 +263,8 @@ class Session {
     const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
     this.interval = interval;
     this.measure(views[0], eyes.length);
+    if (!figures.all) told("", "first");
+    if (ages.push(performance.now() - this.shown.asked) > AGES) ages.shift();
     const isTimed = this.watch.begin(), { laid } = this.panels;
     views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k], "pyramid", laid));
     if (isTimed) this.watch.end();
@@ -311,15 +321,18 @@ class Session {
 }
 
 function tellFigures(session) {
-  const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
+  const passed = (performance.now() - figures.since) / 1000, frame = session.shown, cost = session.costs[session.inUse];
   if (!frame) return;
+  const took = Number.isFinite(cost) ? `${cost.toFixed(2)} ms` : "not measured yet", highest = Math.max(...ages, 1);
+  $("ages").setAttribute("points", ages.map((age, k) => `${(240 * k) / AGES},${(40 - (38 * age) / highest).toFixed(1)}`).join(" "));
+  $("ages-told").textContent = `Age of the shown frame at the last ${ages.length} refreshes: up to ${highest.toFixed(0)} ms`;
   $("acts").hidden = !session.feed.reacts;
   const rows = {
     "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
     "round trip": `${session.feed.round.toFixed(0)} ms`,
     "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
     "decoded in": `${figures.decode.toFixed(1)} ms`,
-    [`warped by ${session.inUse}, an eye`]: `${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms`,
+    [`warped by ${session.inUse}, an eye`]: took,
     [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "no GPU timer: waited for",
     "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
     "refreshes a second": (figures.refreshes / passed).toFixed(0),
@@ -327,14 +340,14 @@ function tellFigures(session) {
     "refreshes without a new frame": `${((100 * figures.stale) / Math.max(figures.refreshes, 1)).toFixed(0)} %`,
     "video": session.video,
     "received": `${((8e-6 * session.feed.bytes) / passed).toFixed(1)} Mbit/s`,
-    "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : session.video === "none" ? "all" : `quality ${session.quality}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
+    "requested": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : session.video === "none" ? "all" : `quality ${session.quality}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
     "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
   };
   session.line = [
     `${rows["age of the shown frame"]} old, round trip ${rows["round trip"]}, drawn in ${rows["drawn by the server in"]}, decoded in ${rows["decoded in"]},`,
-    `${session.inUse} ${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms, ${session.video} ${rows.received}, ${rows["refreshes without a new frame"]} without a new frame`,
+    `${session.inUse} ${took}, ${session.video} ${rows.received}, ${rows["refreshes without a new frame"]} without a new frame`,
   ].join(" ");
-  $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
+  $("rows").replaceChildren(...Object.entries(rows).map(([name, value]) => {
     const row = document.createElement("tr");
     row.append(...[name, value].map((text) => Object.assign(document.createElement("td"), { textContent: text })));
     return row;
@@ -438,8 +451,9 @@ async function begin() {
   $("scene").textContent = about.scene;
   if ("VideoDecoder" in window && !asked.has("raw")) session.videos = await decodable(Object.keys(about.videos), asked.get("codec") ?? about.codec);
   $("chain").append(...NAMES.map((name) => new Option(name)));
+  $("chain").value = session.inUse;
   $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true, governor: null });
-  $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
+  $("head").append(new Option("manual", "hand"), ...about.traces.map((name) => new Option(name)));
   $("latency").value = number("latency", 200, 0, 800);
   const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
   $("latency").oninput = () => {
@@ -485,7 +499,7 @@ async function begin() {
   const refresh = (now) => {
     requestAnimationFrame(refresh);
     if (session.xr || chain.gl.isContextLost()) return;
-    const begun = performance.now(), ratio = innerWidth / innerHeight;
+    const begun = performance.now(), ratio = canvas.clientWidth / Math.max(canvas.clientHeight, 1) || 1;
     const size = (ratio > 1 ? [LONG_SIDE, LONG_SIDE / ratio] : [LONG_SIDE * ratio, LONG_SIDE]).map(even);
     if (`${size}` !== `${session.size}`) [session.size, canvas.width, canvas.height] = [size, ...size];
     if (now > last) interval = Math.min(interval, now - last || interval);

@@ -154,7 +154,7 @@ export class Governor {
       if (lasted) this.failures[this.at] = Math.max(0, failures - 1);
       else for (let k = this.at; k < this.failures.length; k += 1) this.failures[k] = Math.max(failures + 1, this.failures[k]);
     }
-    return this.change(to, ms, `${this.level.name} took ${ms.toFixed(2)} ms of ${this.budget.toFixed(2)}`);
+    return this.change(to, ms, `${ms.toFixed(1)} ms exceeds the ${this.budget.toFixed(1)} ms budget`);
   }
 
   up(ms) {
@@ -163,7 +163,7 @@ export class Governor {
       this.room[k] = this.hoped(k, ms) <= MARGIN * this.budget ? this.room[k] + 1 : 0;
       if (this.room[k] >= PATIENCE * BACK_OFF ** this.failures[k]) to = k;
     }
-    return to < 0 ? "" : this.change(to, ms, `hoped to take ${this.hoped(to, ms).toFixed(2)} ms of ${this.budget.toFixed(2)}`);
+    return to < 0 ? "" : this.change(to, ms, `expected to take ${this.hoped(to, ms).toFixed(1)} of ${this.budget.toFixed(1)} ms`);
   }
 
   /** ms of a level: by what was measured before, and by this run. */

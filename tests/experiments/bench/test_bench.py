@@ -15,10 +15,12 @@ from replays import contents, run
 from report.bench_samples import a_bench
 
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.bench.bench_rows import NAMES, answer
+from hmdwarp.experiments.bench.bench_rows import NAMES
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary
+from hmdwarp.report.bench.crops import unpacked
+from hmdwarp.report.bench.rows import choice_text
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"),
@@ -39,7 +41,7 @@ SMALL = BenchOptions(
 )
 KEYS = {
     *("schema", "hmdwarp", "program", "notes", "command", "machine", "clock", "clocks", "client"),
-    *("rows", "choice", "seconds"),
+    *("rows", "choice", "winners", "seconds"),
 }
 
 
@@ -188,8 +190,23 @@ def test_an_interruption_leaves_earlier_files(at, tmp_path):
     left = contents(tmp_path)
     assert {name: left[name] for name in before} == before
     # What was begun left nothing.
-    done = [name for name in left if name not in before]
+    done = [name for name in left if name not in before and not name.endswith("-crops.npz")]
     assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1}[at]
+
+
+def test_crops_are_of_the_best_of_each_warp_where_it_is_worst_and_where_typical(full):
+    """Two instants: the worse of them, and of both the lower one is the median."""
+    out, result, _ = full
+    for path, latency in zip(sorted((out / "cases").glob("*-crops.npz")), (100.0, 200.0), strict=True):
+        worst, typical = unpacked(path.read_bytes())
+        assert (worst.which, typical.which) == ("worst", "typical")
+        rows = [row for row in result.data["rows"] if row["latency_ms"] in (100.0, 200.0)]
+        best = min(rows, key=lambda row: (abs(max(row["at_instants"]["flip"].values()) - worst.flips[0]), latency))
+        assert worst.flips[0] == pytest.approx(max(best["at_instants"]["flip"].values()), abs=1e-6)
+        assert typical.flips[0] == pytest.approx(min(best["at_instants"]["flip"].values()), abs=1e-6)
+        assert sorted(name.split(" + ")[0] for name in worst.names) == sorted(SMALL.warps)
+        assert worst.shown.shape[0] == 1 + len(SMALL.warps) and worst.shown.shape[1:] == worst.errors.shape[1:] + (3,)
+    assert result.report.read_text(encoding="utf-8").count("worst instant") >= 2
 
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
@@ -203,14 +220,14 @@ def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monke
 def test_the_answer_names_the_command_and_the_next_step():
     choice = {**a_bench()["choice"], "warp": "iterative:steps=3", "flip": 0.08}
     choice["next"] |= {"fill": "none", "flip": 0.06, "psnr_db": 30.5}
-    first, use, following = answer(choice)
+    first, use, following = choice_text(choice)
     told = ("Within 20 ms", "FLIP 0.0800", "31.00 dB", "16.70 ms (at 1280x800, means over 2 cases)")
     assert [words for words in told if words not in first] == []
     assert "--warp iterative:steps=3 --fill interpolate" in use
     assert "multi without a fill" in following and "25% less FLIP" in following
     assert "0.50 dB less PSNR" in following and "10.60 ms more" in following
-    assert "more accurate" in answer({**choice, "next": None})[2]
-    assert "PSNR" not in " ".join(answer({**choice, "psnr_db": None, "next": None}))
+    assert "more accurate" in choice_text({**choice, "next": None})[2]
+    assert "PSNR" not in " ".join(choice_text({**choice, "psnr_db": None, "next": None}))
 
 
 def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monkeypatch):
@@ -222,7 +239,9 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
 
     submitted, submit = [], QualityPool.submit
     monkeypatch.setattr(
-        QualityPool, "submit", lambda pool, key, job, **how: (submitted.append(key), submit(pool, key, job, **how))
+        QualityPool,
+        "submit",
+        lambda pool, key, job, **how: (how.get("keep") or submitted.append(key), submit(pool, key, job, **how)),
     )
     options = attrs.evolve(SMALL, warps=("none", "forward"), latencies_ms=(200.0,), out=tmp_path)
     rows = bench(options).data["rows"]

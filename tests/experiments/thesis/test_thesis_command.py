@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 from commands import hmdwarp
+from report_tables import summary_markdown
 
 from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.experiments.thesis.experiment import Motion, PictureRun, Verdict, experiments
 from hmdwarp.experiments.thesis.run_figures import Thoroughness
 from hmdwarp.experiments.thesis.thesis_run import ThesisWork, cases_of
-from hmdwarp.report import summary_markdown
 from hmdwarp.study.analysis.full_analysis import published_ratings
 
 EXPERIMENTS = experiments()

@@ -7,6 +7,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from report_tables import summary_markdown
 
 from hmdwarp.experiments.thesis.experiment import (
     Finding,
@@ -23,7 +24,6 @@ from hmdwarp.experiments.thesis.experiment import (
 )
 from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
 from hmdwarp.experiments.thesis.thesis_run import cases_of, csv_rows, figures_by_run, judge
-from hmdwarp.report import summary_markdown
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])

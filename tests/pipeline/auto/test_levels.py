@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.levels import choose, levels_from, settings_of
+from hmdwarp.pipeline.levels import choose, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
@@ -110,15 +110,6 @@ def test_a_budget_below_every_level_is_refused():
 def test_a_budget_that_is_no_time(budget):
     with pytest.raises(InputError, match="expected a time above 0 ms"):
         choose(ROWS, budget)
-
-
-def test_settings_in_a_spec():
-    assert settings_of("forward") == {}
-    assert settings_of("iterative:seed=forward,steps=3") == {"seed": "forward", "steps": "3"}
-
-
-def test_a_level_scaled():
-    assert QualityLevel("a", "none", 2.0, 0.1).scaled(3).total_ms == 6.0
 
 
 def test_times_of_two_machines_are_not_mixed():

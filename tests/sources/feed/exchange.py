@@ -55,17 +55,6 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
     raise AssertionError("no frame came")
 
 
-def in_step(caller: Caller, listener: Listener) -> Arrival:
-    """Ask once, over a connection that is there and loses nothing; return the frame."""
-    number = next(_NUMBERS)
-    caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
-    while not answered(listener):
-        pass
-    while (arrival := next_of(caller)[-1]).frame.number < number:  # those of before come first
-        pass
-    return arrival
-
-
 def next_of(caller: Caller) -> list[Arrival]:
     """Return what has arrived, once something has."""
     while not (arrived := caller.take()):

@@ -52,7 +52,7 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     assert live["refreshes"] == 12 and live["age_ms"]["median"] > 0
     # The scene was drawn: nothing else here has any light.
     assert max(picture.std() for picture in display.pictures) > 10
-    assert any("its scene is not loaded here" in line for line in display.said)
+    assert any("the server's scene" in line for line in display.said)
 
 
 def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
@@ -89,7 +89,7 @@ def test_a_scene_that_is_named_is_here_too_for_passes_that_draw_it(serving, monk
     display = OffscreenDisplay(keeps=True)
     asked = options(serving.address, pictures=6, scene="planes", warp="model")
     summary = run_on(monkeypatch, display, asked).summary
-    assert any("its scene is 'planes', here too" in line for line in display.said)
+    assert any("scene 'planes' on both ends" in line for line in display.said)
     assert summary["scene"] == "planes" and summary["link"]["feed"]["malformed"] == 0
     assert display.pictures[-1].std() > 10
 

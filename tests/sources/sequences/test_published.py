@@ -289,7 +289,7 @@ def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
     PUBLISHED["colmap"].write(folder, taken(1))
     with pytest.raises(InputError, match="--depth-scale"):
         sequences.open(folder)
-    assert "length: 1 m per unit of the model, whose own is any (nobody says so)" in [
+    assert "length: 1 m per unit of the model, whose own is any (default)" in [
         str(entry) for entry in sequences.open(folder, PUBLISHED["colmap"].options).assumptions
     ]
 

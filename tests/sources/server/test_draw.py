@@ -6,6 +6,7 @@ import attrs
 import moderngl
 import numpy as np
 import pytest
+from mirrored import shapes_of
 from reference._rays import world_directions
 from reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
 from scipy import ndimage
@@ -15,11 +16,10 @@ from worlds import pixels
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, allocate
-from hmdwarp.scenes import Background, Mesh, Scene, load_scene
-from hmdwarp.scenes.library.planes import BACKGROUND, QUADS
-from hmdwarp.scenes.library.spheres import BALLS, FLOOR
+from hmdwarp.scenes import Background, Ball, Mesh, Quad, Scene, load_scene
 from hmdwarp.sources.server import Server, Target
 
+QUADS, BALLS, (FLOOR,) = shapes_of("planes", Quad), shapes_of("spheres", Ball), shapes_of("spheres", Quad)
 SIZE = (97, 61)
 FLOAT32_UNIT = 2.0**-24
 # A rasteriser may snap corners to 1/256 pixel, half of it each way in each axis (measured on
@@ -182,15 +182,16 @@ def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed
 
 @pytest.mark.parametrize("seed", range(3))
 def test_empty_space_is_the_background_infinitely_far_and_covered(gpu, seed):
-    server = Server(gpu, Scene("nothing", "", (), (), BACKGROUND))
+    sky = load_scene("planes").background
+    server = Server(gpu, Scene("nothing", "", (), (), sky))
     view, size = random_view(seed), (33, 17)
     drawn = server.draw(view, size)
     colour, inverse_depth = pixels(drawn.colour), pixels(drawn.inverse_depth)
     server.close()
     directions = world_directions(view, size)
     up = directions[..., 1] / np.linalg.norm(directions, axis=-1)
-    end = np.where(up[..., None] > 0, BACKGROUND.zenith, BACKGROUND.ground)
-    expected = np.array(BACKGROUND.horizon) + np.sqrt(np.abs(up))[..., None] * (end - np.array(BACKGROUND.horizon))
+    end = np.where(up[..., None] > 0, sky.zenith, sky.ground)
+    expected = np.array(sky.horizon) + np.sqrt(np.abs(up))[..., None] * (end - np.array(sky.horizon))
     assert (inverse_depth == 0).all()
     assert (colour[..., 3] == 1).all()
     # Half floats are off by 2^-11 relative; the square root at the horizon turns 1e-6 of direction

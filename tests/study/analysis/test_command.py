@@ -19,7 +19,6 @@ from commands import hmdwarp
 from hmdwarp.errors import MachineError
 from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
-from hmdwarp.study.analysis.long_table import from_csv
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
@@ -109,14 +108,6 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(tmp_path):
         assert run.returncode == 2 and told in run.stderr, run.stderr
     run = command("absent.csv", "--out", "new", folder=tmp_path)
     assert run.returncode == 2 and "absent.csv" in run.stderr and not (tmp_path / "new").exists()
-
-
-def test_the_same_input_gives_the_same_bytes(tmp_path):
-    for name in ("a", "b"):
-        page_of(tmp_path / name, analyse(from_csv(PUBLISHED)), "hmdwarp study analyse")
-    files = {path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*") if path.is_file()}
-    assert len(files) == 7
-    assert all((tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes() for name in files)
 
 
 def test_names_are_text_and_nothing_else(tmp_path):

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import pytest
 from together import together
 
-from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.design.plan_text import session_phases
-from hmdwarp.study.export.export_rows import answer_rows, long_rows
-from hmdwarp.study.store import SIMULATED, Store
 
 from ..refusals import check_refused, table
-from .test_preferences import fill
 
 STUDY = """schema = 1
 name = "impaired"
@@ -79,20 +72,3 @@ shows = "reference first" ->  => shown right before: it needs shows = "reference
 @together("entry", table(WRONG))
 def test_incompatible_settings_are_refused(entry):
     check_refused(entry, STUDY, lambda wrong: design_from_text(wrong, "impaired.toml", checked=False), "impaired.toml")
-
-
-def test_from_the_store_to_the_page(tmp_path):
-    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
-    design = design_from_text(STUDY, "impaired.toml", checked=False)
-    with Store(tmp_path / "data", create=True, study=design.name) as store:
-        for person in range(6):
-            fill(store, design, f"P{person}")
-        contents = store.contents()
-    ratings = from_contents(contents, design, SIMULATED)
-    columns = ["participant", "condition", "value"]
-    tables = frame(long_rows(answer_rows(contents, design))), ratings.rows
-    exported, own = (table[columns].sort_values(columns) for table in tables)
-    assert exported.reset_index(drop=True).equals(own.reset_index(drop=True))
-    data = analyse(ratings)
-    assert data["scales"][0]["measure"]["mean_name"] == "DMOS"
-    assert "DMOS" in render_study_report(data, "hmdwarp study analyse")

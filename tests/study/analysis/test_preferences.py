@@ -5,17 +5,13 @@ from __future__ import annotations
 import pytest
 from scipy import stats
 
-from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.findings import Resampling, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
-from hmdwarp.study.analysis.long_table import Ratings, from_contents
-from hmdwarp.study.design import design_from_text, pair_of
-from hmdwarp.study.respondents import Population, Simulated, load_model, person_of
+from hmdwarp.study.analysis.long_table import Ratings
+from hmdwarp.study.design import design_from_text
+from hmdwarp.study.respondents import Population
 from hmdwarp.study.respondents.simulated import model_from_text
 from hmdwarp.study.scales import NEITHER
-from hmdwarp.study.store import COMPLETE, SIMULATED, Store
-
-from ..store.sessions import go_through
 
 STUDY = """schema = 1
 name = "pairs"
@@ -122,32 +118,3 @@ def test_few_people_and_no_answers():
     pair = {"participant": "a", "scale": "preference", "first": "x", "second": "y", "answer": None}
     (found,) = analyse(Ratings(rows=(), scale_info={}, preferences=[pair]))["preferences"]
     assert found["sentences"] == ["No pair was compared."]
-
-
-def fill(store: Store, design, code: str) -> None:
-    """A session of a simulated person, whose trials are shown in words only."""
-    session = store.begin(design, None, code, SIMULATED)
-    respondent = Simulated(load_model("quick"), design, "main", design.seed, person_of(code), session.order)
-    go_through(store, session, lambda step: respondent.answer(step, step.trial), of=design)
-    store.end(session, COMPLETE)
-
-
-def test_from_the_store_to_the_page(tmp_path):
-    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
-    design = design_of("preference_or_tie")
-    with Store(tmp_path / "data", create=True, study=design.name) as store:
-        for person in range(8):
-            fill(store, design, f"P{person}")
-        contents = store.contents()
-    ratings = from_contents(contents, design, SIMULATED)
-    shown = [[pair_of(name) for name in session.order[0]] for session in contents.sessions]
-    assert [len(pictures) for pictures in shown] == [6] * 8
-    assert len(ratings.preferences) == sum(map(len, shown))
-    given = ratings.preferences.groupby("participant")["answer"].count()
-    assert ratings.sessions["rated"].tolist() == given[ratings.sessions["participant"]].tolist()
-    data = analyse(ratings)
-    assert data["participants"] == 8
-    assert data["questionnaires"] == data["sickness"] == []
-    page = render_study_report(data, "hmdwarp study analyse")
-    assert "What was preferred" in page
-    assert "Every rating" not in page

@@ -29,7 +29,12 @@ def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
     from hmdwarp.cli import main
 
     caught: list[LiveOptions] = []
-    monkeypatch.setattr(live_command, "run_live", lambda options, quiet: caught.append(options))
+
+    def ran(options: LiveOptions, *_: object) -> None:
+        caught.append(options)
+        raise SystemExit(0)
+
+    monkeypatch.setattr("hmdwarp.run.live", ran)
     monkeypatch.setattr("hmdwarp.cli.end_cleanly", lambda: None)
     monkeypatch.setattr(sys, "argv", ["hmdwarp", "live", *arguments])
     with pytest.raises(SystemExit) as left:

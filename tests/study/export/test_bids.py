@@ -5,7 +5,6 @@ Names and contents by the rules of the specification, poses as they were recorde
 
 import csv
 import json
-import re
 
 import attrs
 import numpy as np
@@ -14,7 +13,7 @@ import pytest
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import INPUTS_HEADER, InputEvent, inputs_beside
 from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.export.write import CHANNELS, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.export.write import CHANNELS, ExportOptions, Rates, TrackingSystem, export, motion_text
 from hmdwarp.study.store import PERSON, Store
 
 from .conftest import Day, write_trace
@@ -103,16 +102,6 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     assert motion_text(even).splitlines()[1].startswith("0.011111\t")
 
 
-def test_instants_count_from_the_beginning_of_a_session(tree):
-    for path in tree.rglob("*_scans.tsv"):
-        rows = table(path)
-        assert rows[0]["acq_time"] == "1925-01-01T00:00:00.000"
-        times = [row["acq_time"] for row in rows]
-        assert times == sorted(set(times)) and all(
-            re.fullmatch(r"1925-01-01T00:\d\d:\d\d\.\d{3}", time) for time in times
-        )
-
-
 def test_no_date_and_no_code_is_in_any_byte(tree):
     """The tests' clock says 2031-07-23, 16:41; so do the traces' headers."""
     for path in tree.parent.rglob("*"):
@@ -195,6 +184,16 @@ def test_what_was_done_in_a_trial_is_events_of_its_recording(store, design, tmp_
     assert all("Description" in side[name] for name in rows[0]) and side["x"]["Units"] == "m"
     assert set(side["action"]["Levels"]) == {"push", "switch", "grab", "release"}
     test_every_column_of_every_table_is_in_its_sidecar(made.folder / "bids")
+
+
+def test_without_motion_the_rest_is_the_same(store, design, tmp_path):
+    whole = export(store.contents(), design, tmp_path / "whole").folder
+    made = export(store.contents(), design, tmp_path / "out", ExportOptions(motion=False))
+    assert not [*made.folder.rglob("*motion*")] and "without head motion" in made.notes[-1]
+    for path in sorted(made.folder.rglob("*_beh.*")) + [made.folder / "ratings.csv"]:
+        assert path.read_bytes() == (whole / path.relative_to(made.folder)).read_bytes()
+    scans = [row for path in made.folder.rglob("*_scans.tsv") for row in table(path)]
+    assert scans and all(row["filename"].startswith("beh/") for row in scans)
 
 
 def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):

@@ -161,14 +161,6 @@ def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_
     assert (tmp_path / "mixed/ratings.csv").read_bytes() == (people / "ratings.csv").read_bytes()
 
 
-def test_an_older_export_is_not_written_over(store, design, tmp_path):
-    out = export(store.contents(), design, tmp_path / "out").folder
-    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
-    with pytest.raises(InputError, match="withdrawn since"):
-        export(store.contents(), design, out)
-    assert before == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
-
-
 def test_a_forced_export_removes_files_of_withdrawn_participants(store, design, tmp_path):
     """Those of older versions too, which wrote more."""
     first = store.contents().sessions[0]

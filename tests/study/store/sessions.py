@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import sqlite3
 import subprocess
 import sys
 from datetime import UTC, datetime, timedelta
@@ -117,6 +119,13 @@ class SetClock:
     def mono_ns(self) -> int:
         self.mono += 1_000_000_000
         return self.mono
+
+
+def sql(file: Path, statement: str) -> None:
+    """Do that to a database."""
+    with contextlib.closing(sqlite3.connect(file)) as db:
+        db.execute(statement)
+        db.commit()
 
 
 def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:

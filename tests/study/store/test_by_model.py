@@ -10,11 +10,12 @@ import tempfile
 from pathlib import Path
 
 import attrs
+import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initialize, invariant, precondition, rule
 
-from hmdwarp.errors import InputError
+from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Store
 
 from .sessions import asks, begun, shows
@@ -50,6 +51,7 @@ class StoreByModel(RuleBasedStateMachine):
         self.folder = Path(tempfile.mkdtemp(prefix="store-"))
         self.store = Store(self.folder / "data", create=True)
         self.told: dict[int, Told] = {}
+        self.newest = 0
         self.withdrawn: set[str] = set()
 
     def teardown(self):
@@ -74,7 +76,8 @@ class StoreByModel(RuleBasedStateMachine):
         except InputError:
             assert refused
             return None
-        assert not refused and session.number == len(known) + 1 and session.id not in self.told
+        assert not refused and session.number == len(known) + 1 and session.id > self.newest
+        self.newest = session.id  # no id comes twice, of those who withdrew neither
         held = [
             session.row
             for session in self.told.values()
@@ -133,6 +136,8 @@ class StoreByModel(RuleBasedStateMachine):
             told = self.told[session.id]
             told.status = UNCONSENTED if status == STOPPED and not told.consented else status
             assert self.store.end(session, status).status == told.status
+            with pytest.raises(HmdwarpError, match="nothing more can be stored"):
+                self.store.answer(session, asks(session)[0], 3, 1.0, "participant")
 
     @rule(target=running, code=st.sampled_from(CODES))
     def resume(self, code):
@@ -196,6 +201,12 @@ class StoreByModel(RuleBasedStateMachine):
                 (showing.session, showing.key, showing.presentation): showing.complete for showing in found.showings
             }
             assert showings == {(id_, *key): value for id_, one in told.items() for key, value in one.showings.items()}
+            for session in found.sessions:
+                one = told[session.id]
+                counting = {key: value for (key, _), value in sorted(one.answers.items(), key=lambda each: each[0][1])}
+                assert {answer.key: answer.value for answer in self.store.answers(session)} == counting
+                seen = {key for (key, _), complete in one.showings.items() if complete}
+                assert self.store.done(session) == {*counting, *seen, *(["consent"] if one.consented else [])}
             remarks = [(event.session, event.data["text"]) for event in found.events if event.kind == "remark"]
             assert sorted(remarks) == sorted((id_, text) for id_, one in told.items() for text in one.remarks)
             assert found.withdrawn == len(self.withdrawn)

@@ -21,7 +21,7 @@ import pytest
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study.store import COPY, DATABASE, Contents, Store
 
-from .sessions import asks, begun, go_through, whole
+from .sessions import asks, begun, go_through, sql, whole
 
 DAMAGES = int(os.environ.get("STUDY_DAMAGES", "40"))
 SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
@@ -95,9 +95,7 @@ def another_kind(path: Path, chance: random.Random) -> None:
 
 def another_program_s(path: Path, chance: random.Random) -> None:
     path.unlink()
-    with sqlite3.connect(path) as db:
-        db.execute("CREATE TABLE bookmarks (url)")
-    db.close()
+    sql(path, "CREATE TABLE bookmarks (url)")
 
 
 def another_schema(path: Path, chance: random.Random) -> None:
@@ -172,6 +170,8 @@ def test_a_damaged_store_is_read_or_refused_with_its_copy_and_the_copy_is_whole(
         for path in (folder, new):
             shutil.rmtree(path, ignore_errors=True)
         kind, damage = one(stores, folder, chance)
+        database = folder / DATABASE
+        left = database.read_bytes() if database.is_file() and os.access(database, os.R_OK) else b""
         where = f"STUDY_KILL_SEED={SEED}, number {number}: {kind}, {damage}"
         try:
             with Store(folder) as store:
@@ -192,6 +192,7 @@ def test_a_damaged_store_is_read_or_refused_with_its_copy_and_the_copy_is_whole(
         with Store(by_the_line(folder, new)) as store:
             assert held(store.contents()) == whole_["closed"], where
             begun(store, "Q2")
+        assert not left or database.read_bytes() == left, where
     with capsys.disabled():
         told = ", ".join(f"{count} {what}" for what, count in sorted(tally.items()))
         print(f"\n{DAMAGES} damages, seed {SEED}: {told}")
@@ -241,6 +242,23 @@ def test_a_copy_that_cannot_be_written_costs_no_session_and_leaves_the_one_befor
     names = {path.name for path in (tmp_path / "data").iterdir()}
     assert names == {DATABASE, COPY, "lock", "traces"}
     assert (tmp_path / "data" / COPY).read_bytes() == before
+
+
+SPOILT = [  # what is done to the database, what is said of it
+    (lambda file: file.write_bytes(b"ratings: 3, 4, 5\n" * 100), "no database"),
+    (lambda file: another_program_s(file, random.Random(0)), "not of an hmdwarp study"),
+    (lambda file: sql(file, "PRAGMA user_version = 99"), "newer hmdwarp (schema 99; this one knows 1)"),
+    (lambda file: os.truncate(file, file.stat().st_size // 2 // 4096 * 4096), "damaged"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "why"), SPOILT, ids=[why for _, why in SPOILT])
+def test_what_is_no_store_is_told_as_what_it_is(stores, tmp_path, spoil, why):
+    shutil.copytree(stores["closed"], tmp_path / "data")
+    spoil(tmp_path / "data" / DATABASE)
+    with pytest.raises(InputError) as error, Store(tmp_path / "data") as store:
+        store.contents()
+    assert why in str(error.value)
 
 
 def test_the_line_tells_that_there_is_no_copy(tmp_path):

@@ -5,12 +5,10 @@ For real, and nothing confirmed is lost.
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import functools
 import json
 import os
-import random
 import re
 import shutil
 import signal
@@ -22,9 +20,9 @@ import needs
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.store import COMPLETE, COPY, DATABASE, INTERRUPTED, Store
+from hmdwarp.study.store import COMPLETE, DATABASE, INTERRUPTED, Store
 
-from .sessions import SetClock, answered, asks, begun, child, whole
+from .sessions import SetClock, answered, asks, begun, child, sql, whole
 
 
 @functools.cache
@@ -156,53 +154,6 @@ with Store(Path(sys.argv[1]) / "data", create=True) as store:
 
 
 # --- files that are something else
-
-
-@pytest.fixture
-def made(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        for k in range(10):
-            whole(store, f"P{k}")
-    return tmp_path / "data"
-
-
-def sql(file, statement: str) -> None:
-    with contextlib.closing(sqlite3.connect(file)) as db:
-        db.execute(statement)
-        db.commit()
-
-
-def replaced(file, statement: str) -> None:
-    file.unlink()
-    sql(file, statement)
-
-
-def overwritten(file) -> None:
-    """Every third page but the schema's own: it must open and still be refused."""
-    data = bytearray(file.read_bytes())
-    for page in range(5, len(data) // 4096, 3):
-        data[page * 4096 : page * 4096 + 512] = random.Random(page).randbytes(512)
-    file.write_bytes(data)
-
-
-SPOILT = [  # what is done to the database, what is said of it
-    (lambda file: file.write_bytes(b"ratings: 3, 4, 5\n" * 100), "no database"),
-    (lambda file: replaced(file, "CREATE TABLE bookmarks (url)"), "not of an hmdwarp study"),
-    (lambda file: sql(file, "PRAGMA user_version = 99"), "newer hmdwarp (schema 99; this one knows 1)"),
-    (lambda file: os.truncate(file, file.stat().st_size // 2 // 4096 * 4096), "damaged"),
-    (overwritten, f"the newest copy, {{}}/{COPY}"),
-]
-
-
-@pytest.mark.parametrize(("spoil", "why"), SPOILT, ids=[why for _, why in SPOILT])
-def test_what_is_no_store_is_refused_in_one_line_and_left_alone(made, spoil, why):
-    spoil(made / DATABASE)
-    before = (made / DATABASE).read_bytes()
-    for act in (lambda store: store.contents(), lambda store: begun(store, "Q1")):
-        with pytest.raises(InputError) as error, Store(made, create=True) as store:
-            act(store)
-        assert why.format(made) in str(error.value) and "\n" not in str(error.value)
-    assert (made / DATABASE).read_bytes() == before
 
 
 def test_a_program_that_died_while_it_made_the_store(tmp_path):

@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.study.design import rows_for
-from hmdwarp.study.design.definitions import WILLIAMS
 from hmdwarp.study.store import (
     COMPLETE,
     DATABASE,
@@ -21,7 +19,6 @@ from hmdwarp.study.store import (
     PERSON,
     PILOT,
     RUNNING,
-    SICK,
     SIMULATED,
     STOPPED,
     UNCONSENTED,
@@ -32,7 +29,7 @@ from hmdwarp.study.store import (
 )
 from hmdwarp.study.store import records as json_
 
-from .sessions import SetClock, answered, asks, begun, design, go_through, shows, steps, whole
+from .sessions import SetClock, answered, asks, begun, design, go_through, shows, whole
 
 
 @pytest.fixture
@@ -68,41 +65,6 @@ def test_a_whole_session_reads_back_as_stored(store, tmp_path):
     assert [event.id for event in found.events] == sorted(event.id for event in found.events)
 
 
-def test_finished_steps_follow_from_the_records(store):
-    session = begun(store)
-    assert store.done(session) == set()
-    expected = set()
-    for step in steps(session):
-        assert step.key not in store.done(session)
-        if step in shows(session):
-            store.end_showing(session, store.begin_showing(session, step, {}, recorded=False), {}, True)
-        elif step in asks(session):
-            store.answer(session, step, None, 1.0, "participant")  # "cannot say" is an answer
-        else:
-            store.finish_step(session, step.key)
-        expected.add(step.key)
-        assert store.done(session) == expected
-
-
-def test_a_showing_that_was_cut_off_stays_and_is_shown_again_under_a_new_name(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        session = begun(store)
-        step = shows(session)[1]
-        first = store.begin_showing(session, step, {"latency": 200})
-        (store.traces / first.trace).write_text("half")
-    with Store(tmp_path / "data") as store:
-        session = store.resume("P01")
-        assert step.key not in store.done(session)
-        second = store.begin_showing(session, step, {"latency": 200})
-        assert second.trace != first.trace and second.presentation == 2 and not (store.traces / second.trace).exists()
-        (store.traces / second.trace).write_text("whole")
-        store.end_showing(session, second, {"seconds": 2.0}, complete=True)
-        showings = store.contents().showings
-        assert [(showing.presentation, showing.complete) for showing in showings] == [(1, False), (2, True)]
-        assert [(store.traces / showing.trace).read_text() for showing in showings] == ["half", "whole"]
-        assert step.key in store.done(session)
-
-
 def test_a_trace_that_never_came_to_be_is_not_named(store):
     session = begun(store)
     showing = store.end_showing(session, store.begin_showing(session, shows(session)[0], {}), {}, complete=False)
@@ -116,16 +78,6 @@ def test_names_of_traces_identify_no_one(store):
     assert all(re.fullmatch(r"[a-z0-9]{12}_ses-1_trial-\d+_1\.csv", name) for name in paths)
 
 
-def test_a_question_asked_again_keeps_both_answers_and_the_last_counts(store):
-    session = begun(store)
-    first, second = asks(session)[:2]
-    store.answer(session, first, 3, 2.0, "participant")
-    store.answer(session, second, 4, 2.0, "participant")
-    assert store.answer(session, first, 1.75, 9.0, "experimenter").revision == 2
-    assert [(answer.key, answer.value) for answer in store.answers(session)] == [(first.key, 1.75), (second.key, 4)]
-    assert [answer.revision for answer in store.contents().answers] == [1, 1, 2]
-
-
 def test_the_file_itself_refuses_a_doubled_rating(store):
     session = begun(store)
     store.answer(session, asks(session)[0], 3, 2.0, "participant")
@@ -136,23 +88,6 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
               SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc
               FROM answer"""
         )
-
-
-@pytest.mark.parametrize("status", [COMPLETE, STOPPED, SICK, INTERRUPTED])
-def test_storing_after_the_end_is_refused(store, status):
-    session = begun(store)
-    store.finish_step(session, "consent")
-    ended = store.end(session, status, "because")
-    assert (ended.status, ended.why) == (status, "because") and ended.ended_utc >= ended.started_utc
-    for late in (
-        lambda: store.answer(session, asks(session)[0], 3, 2.0, "participant"),
-        lambda: store.record(session, "remark", text="late"),
-        lambda: store.end(session, COMPLETE),
-    ):
-        with pytest.raises(HmdwarpError, match="nothing more can be stored") as error:
-            late()
-        assert error.value.exit_status == 1
-    assert len(store.contents().events) == 3
 
 
 def test_a_rating_that_is_no_number_is_a_fault_of_ours(store):
@@ -230,27 +165,6 @@ def test_a_store_of_before_that_status_tells_who_declined(store):
 
 
 # --- who gets which order
-
-
-def test_orders_are_filled_evenly_and_gaps_first(store):
-    rows = len(rows_for(design(), "one"))
-    assert design().order == WILLIAMS and rows == 4
-    first = [whole(store, f"P{k}") for k in range(rows)]
-    assert sorted(session.row for session in first) == list(range(rows))
-    assert all(session.order == rows_for(design(), "one")[session.row] for session in first)
-    whole(store, "Q1", STOPPED)
-    second = [whole(store, f"R{k}") for k in range(rows)]
-    assert sorted(session.row for session in second) == list(range(rows)), "as if Q1 had never been"
-
-
-def test_pilots_and_parts_are_counted_apart(store):
-    alone, with_others = ([whole(store, f"{of[:2]}{k}", origin=of).row for k in range(4)] for of in (PERSON, PILOT))
-    assert with_others == alone, "as if nobody else were there"
-    assert {session.origin for session in store.contents().sessions} == {"person"}
-    pilots = store.contents(pilot=True)
-    assert {session.origin for session in pilots.sessions} == {PILOT} and len(pilots.sessions) == 4
-    ids = {session.id for session in pilots.sessions}
-    assert {answer.session for answer in (*pilots.answers, *pilots.showings, *pilots.events)} == ids
 
 
 def test_the_plan_alone_decides_the_orders(tmp_path):

@@ -5,10 +5,8 @@ middle; the code alone stays.
 from __future__ import annotations
 
 import contextlib
-import random
 import signal
 import struct
-import time
 
 import pytest
 
@@ -16,8 +14,7 @@ from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.store import COMPLETE, Store
 
-from .killing import Killing
-from .sessions import asks, begun, child, go_through, whole
+from .sessions import asks, begun, child, go_through
 
 REMARK = "Zwölf Xylophone quietschen: {}"
 RATING = 3.0625 + 2.0**-30  # a double whose eight bytes are nowhere else by chance
@@ -107,16 +104,6 @@ def test_the_tombstone_is_the_code_alone(tmp_path):
             store.resume("P0")
         with pytest.raises(InputError, match="P9 is not known here"):
             store.withdraw("P9")
-
-
-def test_the_order_is_free_again_and_no_id_comes_twice(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        first = [whole(store, f"P{k}") for k in range(4)]
-        store.withdraw("P3")
-        again = begun(store, "P9")
-        assert (
-            again.row == first[3].row and again.id > first[3].id and again.sub not in [session.sub for session in first]
-        )
 
 
 def test_partial_and_copied_traces_of_the_participant_alone_are_erased(tmp_path):
@@ -225,30 +212,3 @@ def test_killed_before_each_step(tmp_path, step, count):
             "marked first: nobody reads them from then on"
         )
     check_finished(tmp_path / "data", subs)
-
-
-WITHDRAWS = """
-def job(folder):
-    with Store(folder) as store: store.withdraw("P1")
-    told("over")
-"""
-
-
-def test_killed_at_any_moment(tmp_path):
-    """Within the time that an unhindered one takes, most often early in it, where most is done.
-
-    The steps themselves are hit above.
-    """
-    chance = random.Random(11)
-    with Killing(WITHDRAWS) as killing:
-        for round_ in range(7):
-            folder = tmp_path / str(round_)
-            with Store(folder, create=True) as store:
-                subs = filled(store, range(3))
-            began = time.monotonic()
-            if round_ == 0:
-                assert killing.job(folder, None) == ["over"]
-                took = time.monotonic() - began
-            else:
-                killing.job(folder, took * chance.random() ** 2)
-            check_finished(folder, subs)

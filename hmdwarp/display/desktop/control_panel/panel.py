@@ -249,7 +249,7 @@ def plots_of(status: Status) -> list[tuple[str, Iterable[float], str, float, flo
         # Any two refreshes differ a little; half a refresh late means a missed picture.
         ("between pictures", status.period_ms, "ms", 2 * status.budget_ms or 1.0, 1.5 * budget_ms),
         ("frame age at display", status.age_ms, "ms", 20.0, math.inf),
-        ("pose age at hand-over", status.pose_age_ms, "ms", 5.0, math.inf),
+        ("pose age at submission", status.pose_age_ms, "ms", 5.0, math.inf),
         ("holes before the fill", holes, "%", 5.0, math.inf),
     ]
 

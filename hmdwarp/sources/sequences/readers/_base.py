@@ -354,7 +354,7 @@ class Folder:
         if inverse:
             if flat := [where for (where, _), one in zip(given, turned, strict=True) if not np.linalg.det(one)]:
                 raise InputError(f"{flat[0]}: the matrix has no inverse; expected a rotation and a position")
-            turned = [np.asarray(np.linalg.inv(one), np.float64) for one in turned]
+            turned = [np.asarray(np.linalg.inv(one), dtype=np.float64) for one in turned]
             fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
         if (scale := shared_scale(turned)) != 1:
             turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]

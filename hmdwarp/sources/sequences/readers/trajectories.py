@@ -18,7 +18,7 @@ from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By
 from ....poses.load import find_format
 from ....poses.reading.cleaning import LoadedTrace
-from ....poses.reading.file_head import read_head
+from ....poses.reading.text_table import read_head
 from ..camera import Camera, camera_of, number_of, read_json, refuse_distortion, unread_notes
 from ..options import RATE_HZ
 from ..picture_files import NPY, VideoPictures, read_colour, read_depth

@@ -1,23 +1,16 @@
-"""Lamps of a glTF file, and places in the light atlas for what they light.
-
-Source: Khronos 2018, KHR_lights_punctual.
-"""
+"""Places in the light atlas for what the lamps of a file light, and how bright these are shown."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._gltf_file import LIGHTS, GltfFile
-from ._gltf_nodes import NodeMotion, Nodes
 from ._mesh import Mesh, Texture
 from ._notes import Notes
 from ._scene import ATLAS, MOST_LAMPS, Lamp
-from .motions import Still
 
 Array = NDArray[np.float64]
 BORDER = 1  # texels around each place, so that light never blends with another's
@@ -28,41 +21,6 @@ MOST_TRIANGLES = 2 * (ATLAS[0] // 3) * (ATLAS[1] // 3)
 MOST_MEETINGS, MOST_PATCHES = 200_000, 1200
 MEAN_LIGHT = 0.5  # that a white surface shows: a file says no exposure
 SAME = 1e-3  # of two corners, as a share of the side between
-_DIRECTIONAL, _POINT, _SPOT = "directional", "point", "spot"
-
-
-def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
-    """Return the lamps of these nodes, by candela and lux. Errors: SceneError for a damaged one."""
-    known = ((file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
-    found = []
-    for node in shown:
-        said = (file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
-        if said is None:
-            continue
-        index = said.get("light")
-        if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
-            raise file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
-        found.append(_lamp(file, nodes, node, known[index]))
-    return [lamp for lamp in found if max(lamp.colour) > 0]
-
-
-def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp:
-    kind, spot = said.get("type"), said.get("spot") or {}
-    cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
-    intensity, colour = float(said.get("intensity", 1.0)), np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64)
-    light = colour * intensity
-    sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
-    if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
-        raise file.error(
-            f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity {light.tolist()}, "
-            f"cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite light of 0 or more, "
-            "inner < outer <= 1.5708"
-        )
-    if abs(np.linalg.det(nodes.at(node, 0)[0][:3, :3])) < 1e-12:
-        raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
-    motion = NodeMotion(nodes, node)
-    placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
 
 
 def lit_by(

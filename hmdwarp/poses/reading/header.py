@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,10 @@ import attrs
 
 from ..assumptions import Defect
 
+COMMENT_SIGNS = ("#", "%", "//")
+_NUMBER = re.compile(
+    r"[-+]?([0-9]+([.,][0-9]*)?|[.,][0-9]+)([eE][-+]?[0-9]+)?$|[-+]?(nan|inf|infinity)$", re.IGNORECASE
+)
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
@@ -37,15 +41,6 @@ _ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
 
 
 @attrs.frozen
-class Vector:
-    """Columns of a rotation vector (three), or of an axis and an angle about it (four)."""
-
-    columns: tuple[int, ...]
-    degrees: bool
-    stated: bool  # the names say degrees or radians
-
-
-@attrs.frozen
 class Columns:
     """Indices of the columns of one head."""
 
@@ -55,15 +50,22 @@ class Columns:
     # What may be a clock in two columns: whole seconds, the rest, its unit; a date beside a time.
     pairs: tuple[tuple[int, int, str], ...] = ()
     date: int | None = None
+    frames: int | None = None  # that numbers frames
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
-    euler: tuple[str, ...] = ()
-    vector: Vector | None = None
+    euler: tuple[str, ...] = ()  # names of angles in any order
+    vector: tuple[int, ...] = ()  # columns of a rotation vector (three), or of an axis and an angle about it (four)
+    vector_unit: str = ""  # "deg" or "rad" if the names say it
     angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
+
+
+def is_number(field: str) -> bool:
+    """Return whether the field is a number, with decimal point or comma."""
+    return _NUMBER.match(field) is not None
 
 
 def head_rank(name: str) -> int:
@@ -127,6 +129,8 @@ def find_columns(names: list[str]) -> Columns:
                 orders[tuple(words(found_number[1] or ""))].setdefault("xyzw"[int(found_number[2])], i)
         order_key = _best([key for key, order in orders.items() if len(order) == 4])
         turn, numbered = (None, False) if order_key is None else (orders[order_key], True)
+    vector = _find_vector(groups, split)
+    about = {word for column in vector for word in split[column]}
     told = [(i, parts) for i, parts in enumerate(split) if parts and not set(parts) & (_ELSEWHERE | _STEPS)]
     seconds = {tuple(parts[:-1]): i for i, parts in told if _TIME_UNITS.get(parts[-1]) == "s"}
     rests = [(seconds.get(tuple(parts[:-1])), i, _TIME_UNITS.get(parts[-1], "s")) for i, parts in told]
@@ -138,11 +142,12 @@ def find_columns(names: list[str]) -> Columns:
         clocks=_find_clocks(told),
         pairs=tuple((whole, i, unit) for whole, i, unit in rests if unit != "s" and whole is not None),
         date=next((i for i, parts in told if set(parts) & _DATES), None),
+        frames=next((i for i, n in enumerate(names) if "".join(re.findall("[a-z]+", n.lower())) in _FRAMES), None),
         orientation=None if turn is None else (turn["x"], turn["y"], turn["z"], turn["w"]), numbered=numbered,
         position=xyz(position_key), length_m=None if position_key is None else lengths.get(position_key),
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
-        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), vector=_find_vector(groups, split),
-        gravity=xyz(down),
+        euler=_find_euler(names, split, groups), angles=_find_angles(split, groups), gravity=xyz(down),
+        vector=vector, vector_unit="deg" if about & _DEGREES else "rad" if about & _RADIANS else "",
     )  # fmt: skip
 
 
@@ -150,11 +155,6 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
     """Return the head's group: never a hand's or a gaze's; "head" first, else the plainest."""
     heads = [k for k in keys if not set(k) & _ELSEWHERE]
     return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
-
-
-def column_of_frames(names: list[str]) -> int | None:
-    """Return the column that names number frames, None without one."""
-    return next((i for i, name in enumerate(names) if "".join(re.findall("[a-z]+", name.lower())) in _FRAMES), None)
 
 
 def _find_clocks(told: list[tuple[int, list[str]]]) -> tuple[tuple[int, str | None], ...]:
@@ -177,7 +177,7 @@ def owner_rank(name: str) -> int:
     return 2 if found & _ANOTHERS else 0 if found & _OWN else 1
 
 
-def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list[str]]) -> Vector | None:
+def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list[str]]) -> tuple[int, ...]:
     """Return the columns of a rotation vector, or of an axis and its angle."""
     keys = [key for key, axes in groups.items() if {"x", "y", "z"} <= set(axes) and "w" not in axes]
     free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
@@ -187,11 +187,9 @@ def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list
     named_so += [k for k in keys if k not in named_so and set(k) & _ROTATION and set(k) & {"vector", "vec"}]
     key = about if about is not None else _best([k for k in keys if k in named_so])
     if key is None:
-        return None
-    at = groups[key]
-    columns = (at["x"], at["y"], at["z"], *([angle] if about is not None and angle is not None else []))
-    named = {word for column in columns for word in split[column]}
-    return Vector(columns, bool(named & _DEGREES), bool(named & (_DEGREES | _RADIANS)))
+        return ()
+    xyz = (groups[key]["x"], groups[key]["y"], groups[key]["z"])
+    return xyz if about is None or angle is None else (*xyz, angle)
 
 
 def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
@@ -243,37 +241,27 @@ _PLACE = re.compile(r"(.*?)[._\[\s]*(\d{1,2})\]?$")
 
 def named_matrices(names: list[str]) -> list[Cells]:
     """Return the columns of every matrix that names number: m00 .. m33, r11 .. r33, T.0 .. T.15."""
+    grids: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
+    runs: dict[str, dict[int, int]] = defaultdict(dict)
+    for i, name in enumerate(names):
+        if found := _CELL.match(name):
+            grids[found[1]].setdefault((int(found[2]), int(found[3])), i)
+        if found := _PLACE.match(name):
+            runs[found[1]].setdefault(int(found[2]), i)
+    matrices: list[tuple[str, Cells]] = []
+    for name, group in grids.items():
+        shapes = ((*shape, first) for shape in SHAPES.values() for first in (0, 1))
+        wholes = ([(first + r, first + c) for r in range(high) for c in range(wide)] for high, wide, first in shapes)
+        whole = next((cells for cells in wholes if set(cells) <= set(group)), [])
+        matrices += [(name, tuple(group[cell] for cell in whole))] if whole else []
+    for name, run in runs.items():
+        places, first = sorted(run), min(run)
+        if len(run) in SHAPES and first <= 1 and places == [*range(first, first + len(run))]:
+            matrices.append((name, tuple(run[place] for place in places)))
 
     def rank(one: tuple[str, Cells]) -> tuple[bool, int, int]:
         """Put projections, and inverses of one that may be there as well, last."""
         other = bool(set(words(one[0])) & {"projection", "proj", "view", "inverse", "inv"})
         return other, head_rank(one[0]), -len(one[1])
 
-    return [cells for _, cells in sorted([*_by_row_and_column(names), *_by_place(names)], key=rank)]
-
-
-def _by_row_and_column(names: list[str]) -> Iterator[tuple[str, Cells]]:
-    cells: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
-    for i, name in enumerate(names):
-        if found := _CELL.match(name):
-            cells[found[1]].setdefault((int(found[2]), int(found[3])), i)
-    for name, group in cells.items():
-        grids = (
-            [(first + r, first + c) for r in range(rows) for c in range(columns)]
-            for rows, columns in SHAPES.values()
-            for first in (0, 1)
-        )
-        whole = next((grid for grid in grids if set(grid) <= set(group)), None)
-        if whole is not None:
-            yield name, tuple(group[cell] for cell in whole)
-
-
-def _by_place(names: list[str]) -> Iterator[tuple[str, Cells]]:
-    places: dict[str, dict[int, int]] = defaultdict(dict)
-    for i, name in enumerate(names):
-        if found := _PLACE.match(name):
-            places[found[1]].setdefault(int(found[2]), i)
-    for name, group in places.items():
-        first = min(group)
-        if len(group) in SHAPES and first <= 1 and set(group) == set(range(first, first + len(group))):
-            yield name, tuple(group[place] for place in sorted(group))
+    return [cells for _, cells in sorted(matrices, key=rank)]

@@ -1,0 +1,461 @@
+"""What is no rows as rows: JSON, cells of several numbers, exports of motion capture.
+
+Sources: QTM documentation, Motion data (.tsv) and 6DOF data (.tsv), of Qualisys Track Manager;
+OptiTrack documentation, Data Export: CSV, of Motive; BIDS specification 1.9, "Motion".
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import re
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from ...errors import TraceError, counted
+from ...options.documents import DocumentError, json_in, parse_json
+from ...options.named_files import FACTS, text_in
+from ..assumptions import By, Defect
+from ..options import Euler
+from .axes import parse_axes
+from .header import COMMENT_SIGNS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
+
+_LEAST_RECORDS = 2
+_NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
+# IWER's frames hold time, position, quaternion, then a list for each input.
+_IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
+_BROWSER = ("device", *_IWER)  # a head in a line of session.jsonl, behind the name of its session
+
+
+def table_of_json(path: Path, raw: bytes) -> Made | None:
+    """Return comma-separated rows for JSON lines, or for a document with a list of records.
+
+    Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
+    a rotation its q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
+    poses (a header, a schema, events) are left out; records that are values of an object are poses
+    as well, by their keys. None where the bytes are no JSON. Errors: DocumentError, as parse_json;
+    TraceError for JSON without records.
+    """
+    try:
+        text = raw.decode("utf-8-sig")
+        document = parse_json(text)
+    except UnicodeDecodeError:
+        return None
+    except DocumentError as error:
+        if error.line is None:  # it is JSON, of a kind that is refused
+            raise
+        try:
+            document = [parse_json(line) for line in text.splitlines() if line.strip()]
+        except DocumentError:
+            return None
+    if frames := _iwer_frames(document):
+        return Made("iwer", rows_text(map(str, frame) for frame in frames), _IWER)
+    if heads := list(_browser_heads(document)):
+        return Made("browser", rows_text(heads), _BROWSER)
+    records = _records(document)
+    if len(records) < _LEAST_RECORDS:
+        keys = ", ".join(list(_flat(document))[:8])
+        raise TraceError(f"{path} is JSON without a list or an object of poses: its keys are {keys[:300] or 'none'}")
+    rows, defects = [_flat(record) for record in records], []
+    kinds = Counter(tuple(row) for row in rows)
+    poses = {kind: kinds[kind] >= _LEAST_RECORDS and _has_pose(dict.fromkeys(kind)) for kind in kinds}
+    likely: tuple[str, ...] = max(kinds, key=lambda kind: (poses[kind], kinds[kind]))
+    wanted = set(likely)
+    others = [row for row in rows if 2 * len(wanted & set(row)) < len(wanted)]
+    if others:
+        rows = [row for row in rows if 2 * len(wanted & set(row)) >= len(wanted)]
+        shown = ", ".join(list(others[0])[:3]) or "nothing"
+        what = f"{counted(len(others), 'record')} of another kind than the poses (the first holds {shown})"
+        defects = [Defect("record-of-another-kind", what, "left out", len(others))]
+    names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
+    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
+    made = rows_text((str(row.get(name, "")) for name in names) for row in rows)
+    return Made("json", made, names if named else (), tuple(defects))
+
+
+def _iwer_frames(document: Any) -> list[list[Any]]:
+    """Return the frames of a recording of IWER anywhere in a document, [] for any other."""
+    if not isinstance(document, dict):
+        return []
+    schema, frames = document.get("schema"), document.get("frames")
+    if not (isinstance(schema, list) and isinstance(frames, list)):
+        return next(filter(None, map(_iwer_frames, document.values())), [])
+    inputs = all(isinstance(entry, list) and len(entry) == 2 and isinstance(entry[1], dict) for entry in schema)
+    poses = [frame[: len(_IWER)] for frame in frames if isinstance(frame, list) and len(frame) >= len(_IWER)]
+    numbers = bool(poses) and all(isinstance(value, int | float) for value in poses[0])
+    return poses if inputs and numbers and len(poses) >= _LEAST_RECORDS else []
+
+
+def _browser_heads(document: Any) -> Iterator[list[str]]:
+    """Yield the heads of a session.jsonl of `hmdwarp serve --web`, none of any other document."""
+    for line in document if isinstance(document, list) else [document]:
+        if isinstance(line, dict) and {"session", "delays_ms"} <= set(line) and isinstance(line.get("heads"), list):
+            for head in line["heads"]:
+                if isinstance(head, list) and len(head) == len(_IWER):
+                    yield [str(cell).replace(",", " ").replace("\n", " ") for cell in (line["session"], *head)]
+
+
+def _records(document: Any) -> list[Any]:
+    """Return the longest list of objects or of lists in a document, named if it has names."""
+
+    def likelihood(records: list[Any]) -> tuple[bool, int, int]:
+        first = _flat(records[-1])  # the first may be a header
+        return _has_pose(first), len(records), len(first)
+
+    found = max(_lists(document), key=likelihood, default=[])
+    if found and isinstance(found[0], list) and _are_names(found[0]):
+        return [dict(zip(found[0], record, strict=False)) for record in found[1:] if isinstance(record, list)]
+    return found
+
+
+def _lists(document: Any) -> Iterator[list[Any]]:
+    if isinstance(document, list):
+        if len(document) == 1:
+            yield from _lists(document[0])
+        kinds = [isinstance(item, dict | list) for item in document]
+        if kinds and sum(kinds) >= _LEAST_RECORDS and sum(kinds) >= len(kinds) - 1:
+            yield [item for item, kind in zip(document, kinds, strict=True) if kind]
+    elif isinstance(document, dict):
+        names = next((document[key] for key in _NAMES if _are_names(document.get(key))), None)
+        for value in document.values():
+            rows = value if isinstance(value, list) else []
+            if names is not None and rows and all(isinstance(r, list) and len(r) == len(names) for r in rows):
+                yield [names, *rows]
+            else:
+                yield from _lists(value)
+        yield from _values_of(document)
+        yield from _columns_of(document)
+
+
+def _values_of(document: dict[str, Any]) -> Iterator[list[Any]]:
+    """Yield the values of an object that are poses, each with its key, a time or a number."""
+    values = [value if isinstance(value, dict) else {"pose": value} for value in document.values()]
+    if len(values) < _LEAST_RECORDS or not all(_has_pose(_flat(value)) for value in (values[0], values[-1])):
+        return
+    numbers = [(re.findall(r"\d+(?:\.\d+)?", key) or [str(i)])[-1] for i, key in enumerate(document)]
+    name = "time" if any("." in number for number in numbers) else "frame"
+    yield [{name: number, **value} for number, value in zip(numbers, values, strict=True)]
+
+
+def _columns_of(document: dict[str, Any]) -> Iterator[list[Any]]:
+    """Yield the rows of an object that holds a list for each column, if they are poses."""
+    lengths = Counter(len(value) for value in document.values() if isinstance(value, list))
+    count = max(lengths, key=lambda n: (lengths[n], n), default=0)
+    columns = {key: value for key, value in document.items() if isinstance(value, list) and len(value) == count}
+    if count < _LEAST_RECORDS:
+        return
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    if _has_pose(_flat(rows[0])):
+        yield rows
+
+
+def _are_names(value: Any) -> bool:
+    return isinstance(value, list) and len(value) > 4 and all(isinstance(name, str) for name in value)
+
+
+def _has_pose(row: dict[str, Any]) -> bool:
+    found = find_columns(list(row))
+    return found.orientation is not None or bool(found.vector or named_matrices(list(row)))
+
+
+def _flat(value: Any, name: str = "") -> dict[str, Any]:
+    if isinstance(value, dict):
+        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
+    elif isinstance(value, list):
+        cells = [cell for row in value if isinstance(row, list) for cell in row]
+        rows = len(value) in (3, 4) and all(isinstance(row, list) and len(row) in (3, 4) for row in value)
+        if rows and not any(isinstance(cell, dict | list) for cell in cells):  # a matrix
+            return {f"{name}.{r}.{c}": str(cell) for r, row in enumerate(value) for c, cell in enumerate(row)}
+        places: list[Any] = list(range(len(value)))
+        if len(value) == 3 and not any(isinstance(part, list) for part in value):
+            places = list("xyz")
+        elif len(value) == 4 and names_rotation(name):
+            places = [f"q{i}" for i in range(4)]
+        parts = [(f"{name}.{place}", part) for place, part in zip(places, value, strict=True)]
+    else:
+        return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
+    return {key: number for one, part in parts for key, number in _flat(part, one).items()}
+
+
+_CELL_NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+_PLAIN = re.compile(rf"(?:{_CELL_NUMBER}|[-+]?(?:nan|inf))$", re.IGNORECASE)
+_LABELLED = re.compile(rf"([A-Za-z]+)[\"']*\s*[=:]\s*({_CELL_NUMBER})")
+_UNREAL = re.compile(rf"(?:X|P|Pitch)={_CELL_NUMBER},?\s*(?:Y|Yaw)={_CELL_NUMBER},?\s*(?:Z|R|Roll)={_CELL_NUMBER}")
+_COMMAS = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[,;]\s+[-+]?[0-9]+,[0-9]+)+$")  # (0,1, 1,6): decimal commas
+# Brackets, quotes or labels about numbers, or numbers apart by another sign than the cells are.
+_SUSPECT = re.compile(
+    rf"[(\[{{]\s*{_CELL_NUMBER}[\s,;]|[A-Za-z]\s*=\s*[-+.0-9]|[({{][\"'\s]*[A-Za-z]+[\"']*\s*:|\"\s*{_CELL_NUMBER}[\s,;]+{_CELL_NUMBER}[^\"]*\"|[;\t][^;\t,]*[0-9],[^;\t,]+,[^;\t]*[0-9]"
+    rf"|,\s*{_CELL_NUMBER}\s+{_CELL_NUMBER}\s+{_CELL_NUMBER}"
+)
+_SAMPLE, _PREAMBLE, _LONGEST = 5, 200, 500  # rows, lines, characters that are looked at
+_LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
+# FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
+_ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
+_ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
+_UNREAL_EULER = Euler("xyz", True, (-1, -1, 1))
+_NAMELESS = Defect(
+    "cells-nameless", "no header names its vectors", "three numbers taken as the position, four as the rotation"
+)
+
+
+def cells_reader(start: bytes) -> Callable[[Path, str], Made | None] | None:
+    """Return what reads rows with several numbers in a cell, None for any others."""
+    lines = start.decode("utf-8", "replace").splitlines()[:_PREAMBLE]
+    rows = list(itertools.islice((line[:_LONGEST] for line in lines if _is_row(line)), _SAMPLE))
+    return _cells_made if sum(_SUSPECT.search(row) is not None for row in rows) * 2 > len(rows) else None
+
+
+def _cells_made(_: Path, text: str) -> Made | None:
+    """Return one column for each number of the cells; None where cells cannot be separated."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
+    if begin is None:
+        return None
+    outside = re.sub(r"\[[^\[\]]*\]", "", lines[begin])
+    outside = re.sub(r'"[^"]*"|\([^()]*\)|\[[^\[\]]*\]|\{[^{}]*\}', "", outside)
+    separator = next((mark for mark in ";\t," if mark in outside), None)
+    first = [_parts(cell) for cell in _cells(lines[begin], separator)]
+    header = [_header_name(cell) for cell in _cells(lines[begin - 1], separator)] if begin else []
+    named = len(header) == len(first)
+    names: list[str] = []
+    for i, parts in enumerate(first):
+        plain = {1: "time" if i == 0 else f"column {i + 1}", 3: "position", 4: "rotation"}.get(len(parts), f"{i + 1}")
+        name, labels = header[i] if named else (plain, "")
+        names += _names(name, labels, parts)
+    if max(map(len, first)) < 2 or len(set(names)) < len(names):
+        return None
+    rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
+    unreal = _UNREAL.search(lines[begin]) is not None
+    facts: dict[str, Any] = {} if named else {"columns_by": By.NOBODY}
+    if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
+        facts |= {"euler": _UNREAL_EULER, "order_by": By.FORMAT}
+    defects = () if named else (_NAMELESS,)
+    return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), defects, facts=facts)
+
+
+def _is_row(line: str) -> bool:
+    """Return whether a line holds numbers, and no names or a remark."""
+    bare = line[:_LONGEST].strip()
+    if not bare or bare.startswith(COMMENT_SIGNS):
+        return False
+    words = re.findall(r"[A-Za-z_]\w*", bare)
+    return len(_LABELLED.findall(bare)) > 1 or len(re.findall(rf"(?<![\w.]){_CELL_NUMBER}(?![\w.])", bare)) > len(words)
+
+
+def _cells(line: str, separator: str | None) -> Iterator[str]:
+    """Yield the cells of a line; brackets and quotes hold theirs together."""
+    depth, quoted, begin = 0, False, 0
+    for i, sign in enumerate(line):
+        quoted ^= sign == '"'
+        depth += (sign in "([{") - (sign in ")]}")
+        if depth <= 0 and not quoted and (sign == separator or (separator is None and sign.isspace())):
+            if separator is not None or line[begin:i].strip():
+                yield line[begin:i]
+            begin = i + 1
+    if line[begin:].strip():
+        yield line[begin:]
+
+
+def _parts(cell: str) -> list[tuple[str, str]]:
+    """Return label and number of each part; a cell of one value is a part without a label."""
+    bare = cell.strip().strip('"').strip()
+    if re.fullmatch(r"[-+]?[0-9]*,[0-9]+", bare):
+        return [("", bare.replace(",", "."))]
+    labelled = _LABELLED.findall(bare)
+    if len(labelled) > 1:
+        return [(label.lower(), number) for label, number in labelled]
+    inner = re.sub(r"^[A-Za-z_][\w.]*\s*(?=[(\[{])|[()\[\]{}<>]", " ", bare).strip()
+    if _COMMAS.match(inner):
+        return [("", part.replace(",", ".")) for part in re.split(r"[,;]\s+", inner)]
+    found = [part for part in re.split(r"[;,\s]+", inner) if part]
+    if len(found) > 1 and all(_PLAIN.match(part) for part in found):
+        return [("", part) for part in found]
+    return [("", bare.replace(",", " "))]
+
+
+def _header_name(cell: str) -> tuple[str, str]:
+    """Return a column's name, and the letters that it lists: Rotation (x, y, z, w)."""
+    bare = cell.strip().strip('"').strip("# ")
+    letters = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", bare)
+    if letters is None:
+        return bare, ""
+    return bare[: letters.start()].strip(), "".join(re.findall("[A-Za-z]", letters[1])).lower()
+
+
+def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
+    count, labels = len(parts), [label for label, _ in parts]
+    if count == 1:
+        return [name]
+    if set(labels) in _ROTATORS:
+        turned = name if names_rotation(name) else f"{name}.rotation"
+        return [f"{turned}.{_ROTATOR[label]}" for label in labels]
+    if not all(labels):
+        numbered = [f"q{i}" for i in range(4)] if count == 4 and names_rotation(name) else map(str, range(count))
+        labels = list(letters if len(letters) == count else _LABELS.get(count, numbered))
+    return [f"{name}.{label}" for label in labels]
+
+
+_QUALISYS_EACH = 16  # columns of a body: X Y Z Roll Pitch Yaw Residual Rot[0] .. Rot[8]
+_QUALISYS_TURN = tuple(7 + 3 * column + row for row in range(3) for column in range(3))  # Rot[] goes by columns
+_QUALISYS_NAMES = ("time_s", "device", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
+_QUALISYS_FACTS = {
+    **{"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "order_by": By.FORMAT},
+    **{"scale": 0.001, "scale_by": By.FORMAT},
+}
+
+
+def _qualisys_made(path: Path, text: str) -> Made:
+    """Return a row for each body in each frame. Errors: TraceError for other data than 6D."""
+    lines = [line.rstrip("\r\n\t").split("\t") for line in text.splitlines()]
+    begin = next((i for i, row in enumerate(lines) if "Rot[0]" in row), None)
+    about = {row[0]: row[1:] for row in lines[:begin]}
+    if begin is None:
+        held = " ".join(about.get("DATA_INCLUDED", ["no"]))
+        raise TraceError(f"{path}: a Qualisys export of {held} data: export the bodies as 6D, with header")
+    first = lines[begin].index("Rot[0]") - 7
+    bodies = about.get("BODY_NAMES") or [name.removesuffix(" X") for name in lines[begin][first::_QUALISYS_EACH]]
+    clock = lines[begin].index("Time") if "Time" in lines[begin][:first] else None
+    stated = "".join(about.get("FREQUENCY", [])[:1])
+    rate = float(stated) if clock is None and re.fullmatch(r"[0-9]+(\.[0-9]+)?", stated) else 0.0
+    if clock is None and not rate:
+        raise TraceError(f"{path}: a Qualisys export with neither a column Time nor a FREQUENCY: export it with them")
+    rows = []
+    for i, row in enumerate(lines[begin + 1 :]):
+        for body, name in enumerate(bodies):
+            numbers = row[first + body * _QUALISYS_EACH :][:_QUALISYS_EACH]
+            if len(numbers) == _QUALISYS_EACH and all(numbers):
+                time = repr(i / rate) if clock is None else row[clock]
+                rows.append([time, name.replace(",", " "), *numbers[:3], *(numbers[c] for c in _QUALISYS_TURN)])
+    return Made("qualisys", rows_text(rows), _QUALISYS_NAMES, facts=_QUALISYS_FACTS)
+
+
+_MOTIVE_LENGTHS = {"meters": 1.0, "centimeters": 0.01, "millimeters": 0.001, "inches": 0.0254, "feet": 0.3048}
+_BODIES = ("rigidbody", "bone", "skeletonbone")
+
+
+def _motive_made(path: Path, text: str) -> Made:
+    """Return a row for each body that is tracked in a frame. Errors: TraceError."""
+    lines = list(csv.reader(text.splitlines()))
+    begin = next((i for i, row in enumerate(lines) if row[:1] == ["Frame"]), None)
+    if begin is None or begin < 4:
+        raise TraceError(f"{path}: a Motive export without its lines of names above 'Frame': export it with header")
+    about = dict(zip(lines[0][::2], lines[0][1::2], strict=False))
+    above = {row[1]: row for row in lines[1:begin] if len(row) > 2 and row[1]}
+    types, names = above.get("Type", lines[begin - 4]), above.get("Name", lines[begin - 3])
+    parts, axes = lines[begin - 1], lines[begin]
+    bodies: dict[str, dict[str, int]] = {}
+    for c in range(2, min(map(len, (types, names, parts, axes)), default=0)):
+        if types[c].replace(" ", "").lower() in _BODIES and parts[c] in ("Rotation", "Position"):
+            bodies.setdefault(names[c], {}).setdefault(f"{parts[c]}.{axes[c].lower()}", c)
+    if not bodies:
+        raise TraceError(f"{path}: a Motive export without rigid bodies: tick 'Rigid Bodies' where it is exported")
+    columns = next(iter(bodies.values()))
+    rows = [
+        [row[1], name.replace(",", " "), *(row[at[part]] for part in columns)]
+        for row in lines[begin + 1 :]
+        for name, at in bodies.items()
+        if len(row) > max(at.values()) and all(row[at[part]] for part in columns)
+    ]
+    unit = about.get("Length Units", "").lower()
+    facts = {"scale": _MOTIVE_LENGTHS[unit], "scale_by": By.FILE} if unit in _MOTIVE_LENGTHS else {}
+    return Made("motive", rows_text(rows), ("Time (s)", "device", *columns), facts=facts)
+
+
+_ENDING = "_motion.tsv"
+_BESIDE = attrs.evolve(FACTS, what="what describes a table of BIDS", error=TraceError)
+_COLUMNS = ("type", "component", "tracked_point", "units", "reference_frame")
+_BIDS_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
+_TURNING = {f"ORNT.{part}" for part in ("x", "y", "z", *_QUATERNION[:3])}
+# SpatialAxes: right or left, anterior or posterior, superior or inferior.
+_DIRECTIONS = {
+    key: (way, "-" * (key in "LIP")) for way, keys in (("right", "RL"), ("up", "SI"), ("ahead", "AP")) for key in keys
+}
+
+
+def _bids_made(path: Path, text: str) -> Made:
+    """Return a row for each tracked point in each sample. Errors: TraceError."""
+    stem, beside = str(path).removesuffix(_ENDING), path.with_name(path.name.removesuffix(_ENDING) + "_channels.tsv")
+    if not beside.exists():
+        raise TraceError(f"{path}: BIDS describes its columns in {beside.name}, which is not beside it")
+    said = csv.DictReader(text_in(beside, _BESIDE, beside.parent).splitlines(), delimiter="\t")
+    channels = [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in said]
+    kinds, found = [channel["type"].upper() for channel in channels], defaultdict[str, dict[str, int]](dict)
+    for i, (kind, channel) in enumerate(zip(kinds, channels, strict=True)):
+        if kind in ("POS", "ORNT"):
+            found[channel["tracked_point"]][f"{kind}.{channel['component']}"] = i
+    points = {name: at for name, at in found.items() if any(part.startswith("ORNT") for part in at)}
+    if not points:
+        raise TraceError(f"{path}: its channels hold no orientation (type ORNT): expected quat_x .. quat_w or angles")
+    at = points[min(points, key=head_rank)]
+    clock = kinds.index("LATENCY") if "LATENCY" in kinds else None
+    rate = _json(Path(f"{stem}_motion.json")).get("SamplingFrequency") if clock is None else None
+    rate = rate if isinstance(rate, int | float) and rate > 0 else None
+    lines = [line.split("\t") for line in text.splitlines() if line.strip()]
+    if lines and len(lines[0]) != len(channels):
+        raise TraceError(f"{path}: {len(lines[0])} columns, {len(channels)} rows in its channels.tsv: they must agree")
+    quaternion = [f"ORNT.{part}" for part in _QUATERNION]
+    turn = quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
+    parts = [part for part in at if part.startswith("POS")] + turn
+    facts = _bids_facts(stem, channels, at)
+    against = facts.pop("against", False)  # turns go against the hand of the axes
+    rows = []
+    for i, line in enumerate(lines):
+        if len(line) != len(channels):
+            rows.append(line[:1])  # too short, so that it is counted as a row without a pose
+            continue
+        time = [line[clock]] if clock is not None else [repr(i / rate)] if rate else []
+        for name, columns in points.items():
+            if set(parts) <= set(columns):
+                numbers = {part: line[columns[part]] for part in parts}
+                for part in _TURNING & numbers.keys() if against else ():
+                    number = numbers[part]
+                    numbers[part] = number[1:] if number.startswith("-") else f"-{number.removeprefix('+')}"
+                rows.append([*time, name.replace(",", " "), *numbers.values()])
+    named = [part.replace("POS.", "position.").replace("ORNT.quat_", "q") for part in parts]
+    named = [part.replace("ORNT.", "rotation.") for part in named]
+    names = (*(["time_s"] if clock is not None or rate else []), "device", *named)
+    return Made("bids", rows_text(rows), names, facts=facts)
+
+
+def _json(path: Path) -> dict[str, Any]:
+    found = json_in(path, _BESIDE, path.parent) if path.exists() else {}
+    return found if isinstance(found, dict) else {}
+
+
+def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -> dict[str, Any]:
+    facts: dict[str, Any] = {}
+    place = next((channels[i] for part, i in at.items() if part.startswith("POS")), {})
+    if place.get("units") in _BIDS_LENGTHS:
+        facts = {"scale": _BIDS_LENGTHS[place["units"]], "scale_by": By.FILE}
+    turn = next(channels[i] for part, i in at.items() if part.startswith("ORNT"))
+    described = _json(Path(f"{stem}_channels.json")).get("reference_frame")
+    levels = described.get("Levels") if isinstance(described, dict) else None
+    frame = levels.get(turn["reference_frame"]) if isinstance(levels, dict) else None
+    frame = frame if isinstance(frame, dict) else {}
+    letters = zip(str(frame.get("SpatialAxes", "")), "xyz", strict=False)  # "ARS": x ahead, y right, z up
+    ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
+    if len(ways) == 3:
+        axes = ",".join(ways[way] for way in ("right", "up", "ahead"))
+        hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
+        against = str(frame.get("RotationRule", hand)) != hand
+        facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
+    order = str(frame.get("RotationOrder", "")).lower()
+    if sorted(order) == ["x", "y", "z"] and turn.get("units") in ("deg", "rad"):
+        facts |= {"euler": Euler(order, turn["units"] == "deg"), "order_by": By.FILE}
+    return facts
+
+
+def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
+    """Return what reads such an export, None for any other file. start: its first bytes."""
+    first = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
+    if first.startswith(b"Format Version,"):
+        return _motive_made
+    if first.startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t")) or b"\tResidual\tRot[0]\t" in first:
+        return _qualisys_made
+    return _bids_made if path.name.endswith(_ENDING) else None  # as the specification has it

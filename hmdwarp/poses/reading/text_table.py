@@ -1,0 +1,578 @@
+"""From the text of a trace to columns of numbers: a first look at the file, then its rows.
+
+A fast C parser reads chunk by chunk, and a tolerant reader takes the chunks that it refuses. Memory
+stays at the size of the result plus one chunk. Every row keeps the number of its line, for
+messages.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import itertools
+import math
+import os
+import re
+import zlib
+from collections import defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO, cast
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import TraceError, counted
+from ...options.named_files import LIST, TRACE, most_unpacked, opened
+from ..assumptions import Defect, Layout
+from ..options import AXIS_ANGLE, VECTOR, TraceOptions
+from .colmap import MARK, table_of_colmap
+from .header import COMMENT_SIGNS, Made, is_number
+from .made_rows import cells_reader, export_reader, table_of_json
+from .pose_messages import MAGIC, BagPoses, McapPoses
+from .pose_messages import MAGICS as BAGS
+from .times import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
+
+Array = NDArray[np.float64]
+LOOK_BYTES = 256 * 1024
+CHUNK_BYTES = 4 * 1024 * 1024
+MOST_ROWS = 20_000_000  # of about 150 bytes each in memory
+_SAMPLE_ROWS = 64
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?$")
+_WHOLE = re.compile(r"[-+]?[0-9]+([eE][-+]?[0-9]+)?$")
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+_ENDINGS = (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3")
+_REPAIR = "; repair or remove that line"
+_MATRIX_OFF = 0.05
+# Angles within one turn are radians if they spread, by half a degree; beyond two turns they are
+# degrees.
+_TURN_RAD = 2 * math.pi
+_TURNED_RAD = 0.5
+_LONGEST_LINE = 1024 * 1024
+_WORDS = {"nan", "inf", "infinity", "null", "none"}
+_FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
+
+
+class _Unpacked(gzip.GzipFile):
+    """What gzip packed. Errors: TraceError for more than most_unpacked, or TRACE, allows."""
+
+    def __init__(self, path: Path, file: BinaryIO) -> None:
+        super().__init__(fileobj=file)
+        self._path, self._file = path, file
+        self._most = min(TRACE.most_bytes, most_unpacked(os.fstat(file.fileno()).st_size))
+
+    def read(self, size: int | None = -1) -> bytes:
+        data = super().read(size)
+        if self.tell() > self._most:
+            raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
+        return data
+
+    def close(self) -> None:
+        super().close()
+        self._file.close()
+
+
+@attrs.frozen
+class Head:
+    """The findings from the first part of a trace file."""
+
+    path: Path
+    packed: bool  # by gzip
+    made: Made | None  # the rows that were made of what is no rows
+    separator: str | None  # "," ";" "\t" or None for blanks
+    names: list[str] | None  # the header's; a comment counts if it names as many columns as the rows have
+    header_text: str
+    first_line: int  # where the rows begin
+    first_byte: int  # where the rows begin
+    rows: list[list[str]]  # fields of the first rows
+    comments: list[tuple[int, str]]  # (line, text without the comment sign) before the rows
+    decimal_comma: bool  # numbers are written 0,5
+    newline: bytes  # b"\n" or b"\r"
+
+    @property
+    def kind(self) -> str:
+        """Return "text", or what the rows were made of, for instance "json"."""
+        return "text" if self.made is None else self.made.kind
+
+    @property
+    def width(self) -> int:
+        """Fields in the first row."""
+        return len(self.rows[0])
+
+    def numbers(self, columns: tuple[int, ...], commas: bool = True) -> Array:
+        """Return these columns of the first rows, (n, columns), of those with a number in each."""
+        rows = [[row[c] for c in columns] for row in self.rows if len(row) > max(columns)]
+        rows = [[f.replace(",", ".") if commas else f for f in row] for row in rows]
+        good = [row for row in rows if all(is_number(field) and "," not in field for field in row)]
+        return np.array(good, dtype=np.float64).reshape(-1, len(columns))
+
+    def column(self, name: str) -> int | None:
+        """Return the index of the column called exactly `name`."""
+        return self.names.index(name) if self.names and name in self.names else None
+
+    def describe(self) -> str:
+        """Return one phrase for error messages."""
+        how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
+        named = f"the columns {', '.join(self.names)}" if self.names else "no header"
+        return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
+
+
+def split(text: str, separator: str | None) -> list[str]:
+    """Return the fields of one line without blanks and quotes around them."""
+    return [f.strip().strip('"').strip() for f in text.split(separator)]
+
+
+def read_head(path: Path) -> Head:
+    """Inspect the file. Errors: TraceError for anything but a text of rows."""
+    packed, made, raw, more = _first_bytes(path)
+    # Zeros at the very end are a file cut off by a crash; the rows before them may be good.
+    found_sign = _CONTROL.search(raw.rstrip(b"\x00"))
+    if found_sign or not raw.rstrip(b"\x00"):
+        at = found_sign.start() if found_sign else 0
+        where = f"byte 0x{raw[at]:02x} in line {raw.count(bytes([10]), 0, at) + 1}"
+        raise TraceError(f"{path} is no text: {where}; expected rows of numbers")
+    newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
+    offset, end = 3 if raw.startswith(b"\xef\xbb\xbf") else 0, raw.rfind(newline) + 1 if more else len(raw)
+    if not end:
+        raise TraceError(f"{path}: line 1 is longer than {LOOK_BYTES // 1024} KiB: this is no table of head poses")
+    lines: list[tuple[int, int, str]] = []  # byte offset, number and text of those that lie wholly in `raw`
+    for number, piece in enumerate(raw[offset:end].split(newline), 1):
+        lines.append((offset, number, piece.decode("utf-8", "replace").rstrip("\r\x00")))
+        offset += len(piece) + 1
+    names = list(made.names) if made is not None else []
+    comments, header, (begins, line, text) = _preamble(path, lines, bool(names))
+    separator, comma = _separator(text, header)
+    texts = (t for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS))
+    first = 1 if header else 0
+    rows = [split(t, separator) for t in itertools.islice(texts, first, first + _SAMPLE_ROWS)]
+    if header:
+        names = split(header, separator)
+    elif not names:
+        # A comment names the columns if it has one word for each, none of them a number.
+        said = (split(comment, separator) for _, comment in reversed(comments))
+        fits = (f for f in said if len(f) == len(rows[0]) > 1 and not any(map(is_number, f)))
+        names = next(fits, [])
+    names = names[:-1] if len(names) > 1 and names[-1] == "" else names
+    known = names or None
+    return Head(path, packed, made, separator, known, header or "", line, begins, rows, comments, comma, newline)
+
+
+def _first_bytes(path: Path) -> tuple[bool, Made | None, bytes, bool]:
+    """Return whether gzip packed it, the table made of it, its first bytes, and if more follow."""
+    try:
+        if path.is_dir():
+            found = sorted(p.name for p in path.iterdir() if p.suffix in _ENDINGS)
+            inside = f", for instance {found[0]} in it" if found else ""
+            raise TraceError(f"{path} is a directory: expected a file of head poses{inside}")
+        with opened(path, TRACE) as file:
+            packed = file.read(2) == b"\x1f\x8b"
+        with _text_of(path, packed, None) as file:  # gzip is unpacked as it is read, what is no text of rows at once
+            start = file.read(LOOK_BYTES)
+            file.seek(0)
+            made = _made(path, start, file, packed)
+        with _text_of(path, packed, made) as file:
+            raw, more = file.read(LOOK_BYTES), bool(file.read(1))
+    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
+    except (OSError, ValueError) as error:
+        raise TraceError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if not raw.strip():
+        raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise TraceError(f"{path} is UTF-16 text: save it as UTF-8 (or plain ASCII)")
+    if raw[:4] == b"PK\x03\x04":
+        raise TraceError(f"{path} is a ZIP archive: unpack it first")
+    return packed, made, raw, more
+
+
+def _text_of(path: Path, packed: bool, made: Made | None) -> BinaryIO:
+    """Open the text of the rows. Errors: OSError."""
+    if made is not None:
+        return io.BytesIO(made.text)
+    file = opened(path, TRACE)
+    return cast("BinaryIO", _Unpacked(path, file)) if packed else file
+
+
+def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None:
+    """Return the table that a file's rows are made into, None where they are rows as they are."""
+
+    def whole() -> bytes:
+        data = file.read(LIST.most_bytes + 1)
+        if len(data) > LIST.most_bytes:
+            what = f"more than {LIST.most_bytes} bytes, unpacked: expected fewer in a file of its kind"
+            raise TraceError(f"{path}: {what}")
+        return data
+
+    if start.startswith(MAGIC):
+        stream = io.BytesIO(whole()) if packed else file
+        size = stream.seek(0, os.SEEK_END)
+        stream.seek(0)
+        return McapPoses(path, stream, size).table()
+    if start.startswith(BAGS):
+        return BagPoses(path).table()
+    if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
+        return table_of_json(path, whole())
+    if MARK in start[:200]:
+        return table_of_colmap(path, whole())
+    reader = export_reader(path, start) or cells_reader(start)
+    return None if reader is None else reader(path, whole().decode("utf-8-sig", "replace"))
+
+
+def _preamble(
+    path: Path, lines: list[tuple[int, int, str]], named: bool
+) -> tuple[list[tuple[int, str]], str, tuple[int, int, str]]:
+    """Return comments, the header line or "" (columns that are named have none), the first row."""
+    comments: list[tuple[int, str]] = []
+    header = ""
+    for offset, number, text in lines:
+        bare = text.strip()
+        sign = next((s for s in COMMENT_SIGNS if bare.startswith(s)), None)
+        if sign:
+            comments.append((number, bare[len(sign) :].strip()))
+        elif bare:
+            fields = [f.strip('"([{') for f in re.split(r"[,;\t ]+", bare) if f]
+            words = sum(1 for f in fields if f[:1].isalpha() and not is_number(f))
+            if header or named or words * 2 <= len(fields):
+                return comments, header, (offset, number, bare)
+            header = bare
+    raise TraceError(f"{path} holds no rows of numbers, only {'a header' if header else 'comments'}")
+
+
+def _separator(row: str, header: str) -> tuple[str | None, bool]:
+    """Return the separator, and whether numbers have a decimal comma."""
+
+    def has_decimal_comma(fields: list[str]) -> bool:
+        fields = [f.strip().strip('"') for f in fields if f.strip()]
+        commas = any(_DECIMAL_COMMA.match(f) for f in fields)
+        return commas and all(_DECIMAL_COMMA.match(f) or _WHOLE.match(f) or not is_number(f) for f in fields)
+
+    for mark in ";\t":
+        if mark in row and (mark == ";" or not all(f.endswith(",") for f in row.split(mark)[:-1])):
+            return mark, has_decimal_comma(row.split(mark))
+    blank = row.split()
+    if "," in row and "," not in header and len(blank) >= 4 and has_decimal_comma(blank):
+        return None, True
+    return "," if "," in row else None, False
+
+
+@attrs.frozen
+class Segment:
+    """One recording within a file."""
+
+    number: int  # from 1
+    first_line: int
+    last_line: int
+    rows: int
+    duration_s: float
+    taken: bool  # whether it was used
+
+
+Found = tuple[Any, ...] | None  # of a step of cleaning: the rows concerned, None for all, and words
+
+
+@attrs.define(eq=False)
+class Recording:
+    """The rows of a file on their way to a track, a column each, and what was found of them."""
+
+    head: Head
+    layout: Layout
+    options: TraceOptions
+    is_cut: bool  # the last line has no newline
+    defects: list[Defect]
+    stamps: Stamps  # (n), until they are read as `time_ns`; none in a file without a clock
+    line: NDArray[np.int32]  # (n)
+    orientation: Array  # (n, 4)
+    position: Array | None = None  # (n, 3)
+    gaze: Array | None = None  # (n, 3 or 4)
+    device: NDArray[np.bytes_] | None = None  # (n)
+    time_ns: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))  # (n)
+    epoch_ns: int = 0
+    unit: str = ""  # a key of UNITS_NS
+    time_unit: str = ""  # in words
+    wrap: str = ""  # where the clock begins again, in words
+    taken: str = ""  # the device whose rows are kept
+    segments: list[Segment] = attrs.field(factory=list)
+    jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
+
+    def __len__(self) -> int:
+        return len(self.line)
+
+    @property
+    def where(self) -> str:
+        """The file, as errors name it."""
+        return str(self.head.path)
+
+    def keep(self, which: NDArray[np.bool_] | slice) -> None:
+        """Keep only these rows; one column at a time, to avoid a second copy of everything."""
+        for name in ("orientation", "line", "stamps", "position", "gaze", "device", "time_ns"):
+            if (column := getattr(self, name)) is not None and len(column):
+                setattr(self, name, column[which])
+
+    def note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None) -> None:
+        """Record a defect and its repair. at: the rows concerned."""
+        count, line = (1, None) if at is None else (len(at), int(self.line[at[0]]))
+        self.defects.append(Defect(kind, what, done, count, line))
+
+
+class RowReader:
+    """Reads the rows of one file."""
+
+    def __init__(self, head: Head, layout: Layout, options: TraceOptions) -> None:
+        self.head, self.layout, self.options = head, layout, options
+        self.defects: list[Defect] = [*(() if head.made is None else head.made.defects), *layout.caveats]
+        self._is_cut = self._is_clock = False
+        self._repeated_headers: list[int] = []
+        self._bad_rows = 0
+        self._first_bad: tuple[int, str] | None = None
+        self._columns = [*layout.orientation, *(layout.position or ()), *layout.gaze]
+        self._parts: dict[str, list[NDArray[Any]]] = defaultdict(list)  # of each column, a piece for each chunk
+        self._width = head.width
+
+    def read(self) -> Recording:
+        """Return all rows. Errors: TraceError naming file, line and field."""
+        names, head = self.head.names, self.head
+        ended = all(r[-1] == "" for r in head.rows if len(r) == self._width)  # each row ends with a separator
+        if names and self._width != len(names) and not (self._width == len(names) + 1 and ended):
+            where = f"{head.path}: line {head.first_line}"
+            if len(head.rows) == 1 and self._width < len(names):
+                ends = f"ends after {self._width} of {len(names)} fields"
+                raise TraceError(f"{where}: the only row {ends}; it was cut off")
+            raise TraceError(f"{where}: {self._wrong_width(self._width, len(names))}")
+        count = 0
+        for text, line, lines, is_last in self._chunks():
+            if not self._read_fast(text, line, lines):
+                self._read_slowly(text, line, is_last)
+            count = sum(map(len, self._parts["line"]))
+            if count > MOST_ROWS:
+                raise TraceError(f"{head.path}: more than {MOST_ROWS:,} rows; expected fewer: cut it")
+        if again := self._repeated_headers:
+            what = f"the header comes again {counted(len(again), 'time')}"
+            self.defects.append(Defect("header-repeated", what, "skipped", len(again), again[0]))
+        self._judge_bad_rows(count)
+        if not count:
+            cut = f" ({self.defects[0]})" if self.defects else ""
+            raise TraceError(f"{head.path} holds no usable row{cut}")
+        columns: dict[str, Any] = {}
+        for name, pieces in self._parts.items():
+            columns[name] = np.concatenate(pieces)
+            pieces.clear()  # at once: the peak is the result and one column
+        clock = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
+        whole, parts, decimals = clock
+        if self.layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
+            whole, parts = np.divmod(parts, BILLION)
+        columns["orientation"] = self._quaternions(columns["orientation"])
+        stamps = Stamps(whole, parts, self._is_clock, decimals)
+        return Recording(head, self.layout, self.options, self._is_cut, self.defects, stamps, **columns)
+
+    def _judge_bad_rows(self, good: int) -> None:
+        """Drop up to a share of rows without a pose; else the file was misread: TraceError."""
+        if self._first_bad is None:
+            return
+        (line, reason), count, rows = self._first_bad, self._bad_rows, self._bad_rows + good
+        if count > self.options.lost_rows * rows:
+            rest = f"; --lost-rows {math.ceil(100 * count / rows) / 100:g} reads the others" if good > 1 else ""
+            raise TraceError(f"{self.head.path}: line {line}: {reason} ({count} of {rows} rows hold no pose{rest})")
+        what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason.removesuffix(_REPAIR)})"
+        self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
+
+    def _wrong_width(self, found: int, wanted: int) -> str:
+        what = f"{found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
+        if self.head.separator == "," and found > wanted:
+            return (
+                f"{what}: it looks like decimal commas inside a comma-separated file, which cannot be told apart; "
+                "write decimal points, or separate the fields with ';'"
+            )
+        return f"{what}{_REPAIR}"
+
+    def _chunks(self) -> Iterator[tuple[bytes, int, int, bool]]:
+        """Yield pieces of whole lines: text, its first line, how many, whether it is the last."""
+        line, rest, newline = self.head.first_line, b"", self.head.newline
+        with _text_of(self.head.path, self.head.packed, self.head.made) as file:
+            file.seek(self.head.first_byte)
+            following = file.read(CHUNK_BYTES)
+            while following:
+                block, following = following, file.read(CHUNK_BYTES)
+                text = rest + block
+                cut = text.rfind(newline) + 1
+                if not cut and len(text) > _LONGEST_LINE:
+                    what = f"line {line} is longer than {_LONGEST_LINE // 1024} KiB"
+                    raise TraceError(f"{self.head.path}: {what}: this is no row of numbers")
+                rest = text[cut:]
+                if cut:
+                    count = text.count(newline, 0, cut)
+                    yield text[:cut], line, count, not rest and not following
+                    line += count
+        if rest.strip():
+            self._is_cut = True
+            yield rest, line, 1, True
+
+    def _add(
+        self, line: NDArray[np.int32], values: Array, stamps: Stamps | None, device: NDArray[np.bytes_] | None
+    ) -> None:
+        """Add a chunk's rows, column by column."""
+        turns = len(self.layout.orientation)
+        found: dict[str, NDArray[Any] | None] = {"line": line, "orientation": values[:, :turns].copy()}
+        found["position"] = None if self.layout.position is None else values[:, turns : turns + 3].copy()
+        found["gaze"] = values[:, -len(self.layout.gaze) :].copy() if self.layout.gaze else None
+        found["device"] = device
+        if stamps is not None:
+            found |= {"whole": stamps.whole, "billionths": stamps.billionths, "decimals": stamps.decimals}
+            self._is_clock |= stamps.clock
+        for name, column in found.items():
+            if column is not None:
+                self._parts[name].append(column)
+
+    def _prepared(self, text: bytes) -> bytes:
+        if self.head.newline == b"\r":
+            text = text.replace(b"\r", b"\n")
+        if self.head.decimal_comma:
+            text = text.replace(b",", b".")
+        if self.head.separator is not None:
+            mark = self.head.separator.encode()
+            for blank in (b" ", b"\t"):
+                if blank != mark and blank in text:
+                    text = text.replace(mark + blank, mark)
+        return text
+
+    def _read_fast(self, text: bytes, line: int, count: int) -> bool:
+        """Parse the whole chunk by numpy's C parser; return False for anything unusual."""
+        text, layout = self._prepared(text), self.layout
+        if not self._regular(text, count):
+            return False
+        texts = {"t": layout.time, "d": layout.device, "r": layout.rest}
+        named = {name: column for name, column in texts.items() if column is not None}
+        kinds: list[tuple[Any, ...]] = [("v", np.float64, (len(self._columns),)), *((k, f"S{WIDTH}") for k in named)]
+        how: dict[str, Any] = {"comments": None, "ndmin": 1, "encoding": "latin-1"}
+        how |= {"delimiter": self.head.separator, "usecols": [*self._columns, *named.values()]}
+        try:
+            table = np.loadtxt(io.BytesIO(text), kinds, **how)
+            values, device = table["v"], None if layout.device is None else np.ascontiguousarray(table["d"])
+            # min and max are NaN if anything is
+            if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
+                return False
+            if device is not None and device.view(np.uint8).reshape(count, -1)[:, -1].any():
+                return False  # a name longer than its field would pass for another
+            stamps = None
+            if layout.time is not None:
+                is_date = layout.rest_unit == "date"
+                clock = np.strings.add(np.strings.add(table["r"], b" "), table["t"]) if is_date else table["t"]
+                stamps = parse_fields(clock)
+                if layout.rest is not None and not is_date:
+                    stamps.billionths += parse_fields(table["r"]).whole * UNITS_NS[layout.rest_unit]
+                    stamps.decimals = np.full(count, 10, np.int8)
+        except (ValueError, OverflowError):
+            return False
+        self._add(np.arange(line, line + count, dtype=np.int32), values, stamps, device)
+        return True
+
+    def _regular(self, text: bytes, count: int) -> bool:
+        """Return whether all lines have as many fields: loadtxt with usecols ignores more."""
+        if not text.strip():
+            return False
+        mark = self.head.separator or " "
+        flat = np.frombuffer(text, np.uint8)
+        at = np.flatnonzero(flat == ord(mark))
+        per_line = self._width - 1
+        if len(at) != count * per_line or b'"' in text:
+            if self.head.separator is not None:
+                return False
+            # Aligned with several blanks: count the fields of each line.
+            return b"\n\n" not in text and all(len(line.split()) == self._width for line in text.splitlines())
+        ends = np.append(np.flatnonzero(flat == ord("\n")), len(flat))[:count]
+        marks = at.reshape(count, per_line)
+        return per_line == 0 or bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
+
+    def _read_slowly(self, chunk: bytes, line: int, is_last: bool) -> None:
+        """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""
+        text = (chunk.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk).decode("utf-8", "replace")
+        found = [(number, t.strip()) for number, t in enumerate(text.split("\n"), line) if t.strip(" \t\r\x00")]
+        rows: list[tuple[list[float], tuple[int, int, bool, int], bytes]] = []
+        lines: list[int] = []
+        for number, bare in found:
+            if bare.startswith(COMMENT_SIGNS):
+                continue
+            if bare == self.head.header_text:
+                self._repeated_headers.append(number)
+                continue
+            try:
+                rows.append(self._parse_line(bare))
+                lines.append(number)
+            except ValueError as error:
+                # NaN and words are faults, not truncation.
+                words = {f.lower().lstrip("+-") for field in split(bare, None) for f in field.split(",")}
+                if is_last and number == found[-1][0] and not words & _WORDS:
+                    what = f"the last row is cut off ({error})"
+                    self.defects.append(Defect("last-row-cut", what, "dropped", 1, number))
+                else:
+                    self._bad_rows += 1
+                    self._first_bad = self._first_bad or (number, str(error))
+        values = np.array([row[0] for row in rows], dtype=np.float64).reshape(len(lines), len(self._columns))
+        stamps = None if self.layout.time is None else stamps_of([row[1] for row in rows])
+        device = None if self.layout.device is None else np.array([row[2] for row in rows], dtype=np.bytes_)
+        self._add(np.array(lines, dtype=np.int32), values, stamps, device)
+
+    def _parse_line(self, text: str) -> tuple[list[float], tuple[int, int, bool, int], bytes]:
+        """Return the numbers, the time and the device of a line. Errors: ValueError."""
+        layout, fields = self.layout, split(text, self.head.separator)
+        if len(fields) == self._width + 1 and fields[-1] == "":
+            fields.pop()
+        if len(fields) != self._width:
+            raise ValueError(self._wrong_width(len(fields), self._width))
+        row = []
+        for column in self._columns:
+            field, value = fields[column], math.nan
+            if is_number(field) and (self.head.decimal_comma or "," not in field):
+                value = float(field.replace(",", "."))
+            if not abs(value) < _FARTHEST:
+                shown = f"'{field[:40]}'" if field else "empty"
+                raise ValueError(f"{self._name(column)} is {shown}: expected a finite number{_REPAIR}")
+            row.append(value)
+        time = (0, 0, False, 0)
+        if layout.time is not None:
+            field = fields[layout.time]
+            try:
+                rest = "" if layout.rest is None else fields[layout.rest]
+                dated = f"{rest} " if layout.rest_unit == "date" else ""
+                time = parse_one(dated + (field.replace(",", ".") if self.head.decimal_comma else field))
+                if rest and not dated:
+                    time = (time[0], time[1] + parse_one(rest)[0] * UNITS_NS[layout.rest_unit], time[2], 10)
+            except ValueError as error:
+                raise ValueError(f"{self._name(layout.time)}: {error}{_REPAIR}") from None
+        return row, time, b"" if layout.device is None else fields[layout.device].encode("utf-8", "replace")
+
+    def _name(self, column: int) -> str:
+        names = self.head.names or []
+        return names[column] if column < len(names) else f"column {column + 1}"
+
+    def _quaternions(self, numbers: Array) -> Array:
+        """Return (n, 4) quaternions xyzw; zeros for a matrix without a turn. Errors: TraceError."""
+        euler = self.layout.euler
+        if not self.layout.matrix and euler is None:
+            return numbers
+        from scipy.spatial.transform import Rotation
+
+        if euler is not None:
+            largest, spread = float(np.abs(numbers).max()), float(np.ptp(numbers, axis=0).max())
+            fits = largest > _TURN_RAD if euler.degrees else largest < 2 * _TURN_RAD
+            if not fits and spread >= _TURNED_RAD:  # the unit is not the one that they look like
+                what = f"its angles, read as {'degrees' if euler.degrees else 'radians'}, reach {largest:.3g}"
+                other = attrs.evolve(euler, degrees=not euler.degrees).words()
+                remedy = f"kept; --euler {other} takes the other unit"
+                self.defects.append(Defect("angles-implausible", what, remedy))
+            if euler.order == AXIS_ANGLE:
+                length = np.linalg.norm(numbers[:, :3], axis=1, keepdims=True)
+                numbers = numbers[:, 3:] * numbers[:, :3] / np.where(length > 0, length, 1)
+            if euler.order in (VECTOR, AXIS_ANGLE):
+                return np.asarray(Rotation.from_rotvec(numbers, degrees=euler.degrees).as_quat())
+            return np.asarray(Rotation.from_euler(euler.order, numbers * euler.signs, degrees=euler.degrees).as_quat())
+        matrices = numbers.reshape(-1, 3, 3)
+        off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+        turns = np.linalg.det(matrices)
+        if np.median(off) > _MATRIX_OFF or np.median(turns) < 0:
+            what = f"off by {np.median(off):.3g}, determinant {np.median(turns):.3g}"
+            where, why = self.head.path, "were the wrong columns read?"
+            raise TraceError(f"{where}: half of its matrices are no rotations ({what}): {why}")
+        out = np.zeros((len(matrices), 4))
+        out[turns > 0.1] = Rotation.from_matrix(matrices[turns > 0.1]).as_quat()  # lost tracking writes zeros
+        return out
