@@ -199,7 +199,9 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
 
 
 def _unknown(finding: Finding, why: str) -> Finding:
-    return attrs.evolve(finding, told=False, why=f"{why}; it takes {CONVENTIONS[finding.name].needs}")
+    return attrs.evolve(
+        finding, told=False, why=f"{why.partition('; excl')[0]}; it takes {CONVENTIONS[finding.name].needs}"
+    )
 
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
