@@ -121,8 +121,7 @@ class Answer:
 
 def check(stated: Stated) -> Answer:
     """Return under which conventions the frames agree."""
-    search = Search(stated)
-    decision = decide(search)
+    decision = decide(search := Search(stated))
     best = decision.best.reading
     ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
     return Answer(
@@ -199,9 +198,8 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
 
 
 def _unknown(finding: Finding, why: str) -> Finding:
-    return attrs.evolve(
-        finding, told=False, why=f"{why.partition('; excl')[0]}; it takes {CONVENTIONS[finding.name].needs}"
-    )
+    needs = CONVENTIONS[finding.name].needs
+    return attrs.evolve(finding, told=False, why=f"{why.partition('; excluded')[0]}; it takes {needs}")
 
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
