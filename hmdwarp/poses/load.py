@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..errors import TraceError, unknown_name
 from ..resources import folder, recording_names
-from .formats import StatedColumns, TraceFormat, formats
+from .formats import STATED, TraceFormat, formats
 from .options import TraceOptions
 from .reading.cleaning import LoadedTrace
 from .reading.text_table import Head, read_head
@@ -42,7 +42,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
 def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
     if options.columns is not None:
-        return StatedColumns()
+        return STATED
     if options.format is not None:
         return formats.get(options.format)
     scores = {f.name: f.sniff(head, options) for f in formats}

@@ -89,7 +89,7 @@ class TraceOptions(Declared):
         None, "Unit of the file's clock: s, ms, us, ns, 100ns, or frames of --trace-rate; else as it says, or guessed.",
         valid=one_of(*TIME_UNITS),
     )  # fmt: skip
-    columns: str | None = option(  # See `load.StatedColumns`
+    columns: str | None = option(  # See `reading.layouts.stated_layout`
         None,
         "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
         "matrix), r=5+6+7 (a rotation vector), a=5+6+7+8 (axis and angle) or e=5+6+7 (with --euler).",

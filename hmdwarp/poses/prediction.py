@@ -26,7 +26,6 @@ Array = NDArray[np.float64]
 
 KNOWN_NS = 50_000_000  # of motion before a prediction, as of the head's predictor constant_velocity
 _HORIZON_NS = 100_000_000  # beyond it a pursuit has long been corrected by a leap
-_UNKNOWN = (np.nan,) * 3
 
 
 def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose | None = None) -> Gaze | None:
@@ -66,7 +65,7 @@ def gaze_of(samples: Sequence[PoseSample]) -> Array | None:
     """Return the gaze of poses, (n, 3), NaN where it is not known; None where it never is."""
     if all(sample.gaze is None for sample in samples):
         return None
-    return np.array([_UNKNOWN if sample.gaze is None else sample.gaze for sample in samples])
+    return np.array([(math.nan,) * 3 if sample.gaze is None else sample.gaze for sample in samples])
 
 
 @attrs.frozen

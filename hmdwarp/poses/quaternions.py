@@ -69,16 +69,12 @@ def rotate(q: Array, v: Array) -> Array:
     return v + w * t + np.cross(u, t)
 
 
-def make_continuous(q: Array) -> int:
-    """Flip signs in place so that neighbours lie in one hemisphere; return how many differed."""
-    if len(q) < 2:
-        return 0
+def make_continuous(q: Array) -> NDArray[np.intp]:
+    """Flip signs in place so that neighbours lie in one hemisphere; return which did not."""
     flipped = np.einsum("ij,ij->i", q[1:], q[:-1]) < 0
-    count = int(np.count_nonzero(flipped))
-    if count:
-        odd = np.flatnonzero(np.logical_xor.accumulate(flipped)) + 1
-        q[odd] *= -1
-    return count
+    if flipped.any():
+        q[np.flatnonzero(np.logical_xor.accumulate(flipped)) + 1] *= -1
+    return np.flatnonzero(flipped) + 1
 
 
 def slerp(a: Sequence[float], b: Sequence[float], share: float) -> list[float]:

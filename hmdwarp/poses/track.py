@@ -316,10 +316,6 @@ def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:
         raise TraceError(f"sample {worst}: {found}: {q[worst].tolist()}")
     if off[worst] > _UNIT_AS_IS:
         q = q / np.where(off > _UNIT_AS_IS, np.sqrt(norm_squared), 1.0)[:, None]
-    elif not (np.einsum("ij,ij->i", q[1:], q[:-1]) < 0).any():
-        return q
-    else:
-        q = q.copy()
     quaternions.make_continuous(q)
     return q
 

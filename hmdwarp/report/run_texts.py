@@ -84,9 +84,9 @@ def pair_text(baseline: str, condition: str) -> str:
     return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
 
-def name_pieces(text: str) -> list[str]:
-    """Split a long name where it may break: after the colon, comma or blank between its parts."""
-    return re.split(r"(?<=[:, ])(?=\S)", text)
+def name_pieces(text: str, also: str = "") -> list[str]:
+    """Split a long name after colon, comma or blank, where it may break; also: more patterns."""
+    return re.split(rf"(?<=[:, ])(?=\S){also}", text)
 
 
 Heads = Sequence[tuple[str, str]]

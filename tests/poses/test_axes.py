@@ -179,7 +179,7 @@ def test_a_clock_that_no_tracker_has_is_named_with_the_unit_that_fits(tmp_path):
         defect = found(loaded, "rate-implausible")
         assert "--time-unit ms" in defect.done and rate in defect.what
         right = load_trace(path, TraceOptions(time_unit="ms"))
-        assert right.rate_hz == pytest.approx(90, rel=1e-3) and "rate-implausible" not in kinds(right)
+        assert right.track.rate_hz == pytest.approx(90, rel=1e-3) and "rate-implausible" not in kinds(right)
 
 
 @pytest.mark.parametrize(

@@ -471,6 +471,7 @@ def test_15_the_share_that_may_be_lost_is_stated(tmp_path):
         (b"# nothing\n# here\n", "only comments"), (b"time,x,y,z,qx,qy,qz,qw\n0,0,0,0,0,0,0,1\n", "1 usable row"),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", "is no text"), (b"\x00" * 1000, "is no text"),
         (b"\x1f\x8b\x08\x00 gzip", "damaged"), (gzip.compress(repr(TABLE).encode())[:400], "damaged"),
+        (gzip.compress(b"t,x,y,z,qx,qy,qz,qw\n" + b"1,0,0,0,0,0,0,1\n" * 20_000)[:-9], "damaged"),
         (b"PK\x03\x04 zip", "ZIP archive"), ("time,x\n".encode("utf-16"), "UTF-16"), (b"a" * 600_000, "longer than"),
         (b"hello world\n", "only a header"), (b"time,temperature\n1,20\n2,21\n", "no head orientation"),
         (b"1,2,3\n4,5,6\n", "no known trace format"),

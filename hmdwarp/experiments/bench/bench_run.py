@@ -166,8 +166,8 @@ def _crops(
             set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
             SideBySide(setup, wanted) as beside,
         ):
-            chosen = instants_of(setup.schedule.count, work.options.instants)
-            turns = {number: chosen.index(number) for number in numbers.values()}
+            measured = instants_of(setup.schedule.count, work.options.instants)
+            turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
                 if number not in turns:
                     beside.teach(refresh)

@@ -123,13 +123,4 @@ def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
 formats: Registry[TraceFormat] = Registry(
     "trace format", __package__, of_table=_of_table, holds_objects=True, columns="can_write=writes"
 )
-
-
-class StatedColumns(TraceFormat):
-    """Columns by the user's word."""
-
-    name = "columns"
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        """Return what --columns says."""
-        return layouts.stated_layout(head, options)
+STATED = _of_table("columns", {"read_as": "stated"})  # by --columns

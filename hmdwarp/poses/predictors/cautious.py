@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Pose, trusted_pose
+from ...geometry import trusted_pose
 from .. import quaternions
 from ..track import Origin, PoseSample, PoseTrack, Samples, gap_limit_ns
 from . import Predictor, hold, predictors
@@ -79,37 +79,35 @@ def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> 
     ahead_ns = min(target_ns - last_ns, horizon_ns)
     if i < 0 or now_ns - last_ns > track.max_gap_ns or ahead_ns <= 0:
         return hold(track, now_ns, target_ns, horizon_ns)
-    recent = _recent(track, i)
-    end_ns = recent.time_ns[-1]
-    if end_ns - recent.time_ns[0] < WINDOW_NS or last_ns - end_ns >= TESTED_NS:
+    times, places, turns, limit_ns = _recent(track, i)
+    if times[-1] - times[0] < WINDOW_NS or last_ns - times[-1] >= TESTED_NS:
         return hold(track, now_ns, target_ns, horizon_ns)
-    return PoseSample(target_ns, _followed(recent, ahead_ns), Origin.PREDICTED)
 
-
-@attrs.frozen
-class _Recent:
-    """The last distinct poses, in plain floats: for one prediction quicker than arrays."""
-
-    time_ns: list[int]
-    positions_m: list[list[float]]
-    orientations_xyzw: list[list[float]]
-    limit_ns: int  # longer steps are gaps
-
-    def at(self, time_ns: int) -> tuple[list[float], list[float]]:
-        """Return position and orientation, by the rules of `PoseTrack.at`."""
-        times = self.time_ns
-        i = max(bisect_right(times, time_ns) - 1, 0)
-        p, q = self.positions_m[i], self.orientations_xyzw[i]
-        if times[i] >= time_ns or i + 1 == len(times) or times[i + 1] - times[i] > self.limit_ns:
-            return p, q
-        share = (time_ns - times[i]) / (times[i + 1] - times[i])
-        (x, y, z), (u, v, w) = p, self.positions_m[i + 1]
+    def at(time_ns: int) -> tuple[list[float], list[float]]:
+        """Return position and orientation, by the rules of `PoseTrack.at`, but quicker."""
+        k = max(bisect_right(times, time_ns) - 1, 0)
+        if times[k] >= time_ns or k + 1 == len(times) or times[k + 1] - times[k] > limit_ns:
+            return places[k], turns[k]
+        share = (time_ns - times[k]) / (times[k + 1] - times[k])
+        (x, y, z), (u, v, w) = places[k : k + 2]
         position = [x + share * (u - x), y + share * (v - y), z + share * (w - z)]
-        return position, quaternions.slerp(q, self.orientations_xyzw[i + 1], share)
+        return position, quaternions.slerp(turns[k], turns[k + 1], share)
+
+    begin = len(times) - 1  # of the last run without a gap
+    while begin and times[begin] - times[begin - 1] <= limit_ns:
+        begin -= 1
+    heads = {back: at(times[-1] - back) for back in set(_BACK_NS)}
+    known = np.array([times[-1] - back >= times[begin] for back in _BACK_NS])
+    p, q = np.array([heads[back][0] for back in _BACK_NS]), [heads[back][1] for back in _BACK_NS]
+    turned = np.array([quaternions.turn(q[a], q[b]) for a, b in zip(_FROM, _TO, strict=True)])
+    turn = turns_ns(ahead_ns) / WINDOW_NS * _trusted(turned, known)
+    moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
+    pose = trusted_pose(p[0] + moved, quaternions.turned(q[0], turn.tolist()))
+    return PoseSample(target_ns, pose, Origin.PREDICTED)
 
 
-def _recent(track: PoseTrack, i: int) -> _Recent:
-    """Return the distinct poses up to sample i that are looked at, each at its first stamp."""
+def _recent(track: PoseTrack, i: int) -> tuple[list[int], list[list[float]], list[list[float]], int]:
+    """Return the distinct poses up to sample i, each at its first stamp, and the longest step."""
     first = max(track.index_at(int(track.time_ns[i]) - KNOWN_NS - TESTED_NS), 0)
     breaks = track.broken[first:i].nonzero()[0]
     first = first + int(breaks[-1]) + 1 if len(breaks) else first
@@ -117,29 +115,9 @@ def _recent(track: PoseTrack, i: int) -> _Recent:
     q = track.orientation_xyzw[first : i + 1].tolist()
     new = [k for k in range(len(times)) if k == 0 or q[k] != q[k - 1] or p[k] != p[k - 1]]
     if len(new) == len(times):
-        return _Recent(times, p, q, track.max_gap_ns)
+        return times, p, q, track.max_gap_ns
     times = [times[k] for k in new]
-    return _Recent(times, [p[k] for k in new], [q[k] for k in new], gap_limit_ns(np.array(times)))
-
-
-def _followed(recent: _Recent, ahead_ns: int) -> Pose:
-    """Extrapolate the last pose: `_cautious_many` for a single instant."""
-    times, i = recent.time_ns, len(recent.time_ns) - 1
-    now_ns = times[i]
-    while i and times[i] - times[i - 1] <= recent.limit_ns:
-        i -= 1
-    first_ns = times[i]
-    heads: dict[int, tuple[list[float], list[float]]] = {}
-    for back in _BACK_NS:
-        if back not in heads:
-            heads[back] = recent.at(now_ns - back)
-    places, turns = zip(*(heads[back] for back in _BACK_NS), strict=True)
-    known = np.array([now_ns - back >= first_ns for back in _BACK_NS])
-    p = np.array(places)
-    turned = np.array([quaternions.turn(turns[a], turns[b]) for a, b in zip(_FROM, _TO, strict=True)])
-    turn = turns_ns(ahead_ns) / WINDOW_NS * _trusted(turned, known)
-    moved = min(ahead_ns, MOVES_NS) / WINDOW_NS * _trusted(p[_TO, :] - p[_FROM, :], known)
-    return trusted_pose(p[0] + moved, quaternions.turned(turns[0], turn.tolist()))
+    return times, [p[k] for k in new], [q[k] for k in new], gap_limit_ns(np.array(times))
 
 
 def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:

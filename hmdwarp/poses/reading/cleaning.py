@@ -20,14 +20,13 @@ from .plausibility import JudgedAxes, find_jumps, inverted
 from .text_table import Found, Recording, Segment
 
 _COARSE_NORM = 1e-2
-_WORST_NORM = 0.5
+_WORST_NORM, _LARGEST_NORM = 0.5, 2.0
 # Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz.
 _NEARER = 8
 _PAIRED = 0.3  # share of steps
 _LEAST_PAIRS = 20
 _MEDIAN_NORM, _ZERO_NORM = 0.1, 1e-6
 _LEAST_RUN = 3  # rows of one pose at the start
-_LARGEST_NORM = 2.0
 _WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
 
 
@@ -247,9 +246,7 @@ class Cleaner:
 
     def sign_flips(self) -> Found:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
-        q = self.r.orientation
-        flips = np.flatnonzero(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0) + 1
-        quaternions.make_continuous(q)
+        flips = quaternions.make_continuous(self.r.orientation)
         return (flips, counted(len(flips), "time")) if len(flips) else None
 
     def repeats(self) -> Found:

@@ -36,7 +36,7 @@ _WAYS = {way: form.replace("{body}", _BODY) for way, form in _TABLE["ways"].item
 _BARE_TURNS = ("rx", "ry", "rz")
 _HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
 UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
-_LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
 _ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
 
 
@@ -106,7 +106,7 @@ def find_columns(names: list[str]) -> Columns:
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}
     for i, found in enumerate(split):
-        unit = found[-1] if len(found) > 1 and found[-1] in _LENGTHS else None
+        unit = found[-1] if len(found) > 1 and found[-1] in LENGTHS else None
         parts = found[:-1] if unit else found
         axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
         if axis is None and set(parts) & _VECTOR and parts[-1] in ("0", "1", "2"):
@@ -116,7 +116,7 @@ def find_columns(names: list[str]) -> Columns:
         key = tuple(parts[:axis] + parts[axis + 1 :])
         groups[key].setdefault(parts[axis], i)
         if unit:
-            lengths[key] = _LENGTHS[unit]
+            lengths[key] = LENGTHS[unit]
     orientation_key = _best([k for k, g in groups.items() if len(g) == 4 and (set(k) & _ROTATION or not k)])
     triples = [k for k, g in groups.items() if {"x", "y", "z"} <= set(g)]
     places = [k for k in triples if k != orientation_key and (set(k) & _POSITION or set(k) <= set(_HEAD))]

@@ -417,6 +417,7 @@ SNIFFS: dict[str, Callable[[Head], int]] = {
 }  # fmt: skip
 LAYOUTS: dict[str, Callable[[Head, TraceOptions, dict[str, Any]], Layout]] = {
     **{"matrices": _of_matrices, "frames": _of_frames, "multiviewpoint": _of_multiviewpoint, "messages": _of_messages},
+    "stated": lambda head, options, _: stated_layout(head, options),
     "colmap": lambda _, __, facts: Layout(None, (1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **facts),
     "ticks": lambda head, options, facts: (
         named_layout(head, options, **facts) if head.names else unnamed_layout(head, options, "ticks", "xyzw", "100ns")

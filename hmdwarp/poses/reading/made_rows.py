@@ -23,7 +23,7 @@ from ...options.named_files import FACTS, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
 from .axes import parse_axes
-from .header import COMMENT_SIGNS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
+from .header import COMMENT_SIGNS, LENGTHS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
@@ -197,7 +197,6 @@ _LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
 # FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
 _ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
 _ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
-_UNREAL_EULER = Euler("xyz", True, (-1, -1, 1))
 _NAMELESS = Defect(
     "cells-nameless", "no header names its vectors", "three numbers taken as the position, four as the rotation"
 )
@@ -233,7 +232,7 @@ def _cells_made(_: Path, text: str) -> Made | None:
     unreal = _UNREAL.search(lines[begin]) is not None
     facts: dict[str, Any] = {} if named else {"columns_by": By.NOBODY}
     if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
-        facts |= {"euler": _UNREAL_EULER, "order_by": By.FORMAT}
+        facts |= {"euler": Euler("xyz", True, (-1, -1, 1)), "order_by": By.FORMAT}
     defects = () if named else (_NAMELESS,)
     return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), defects, facts=facts)
 
@@ -369,7 +368,6 @@ def _motive_made(path: Path, text: str) -> Made:
 _ENDING = "_motion.tsv"
 _BESIDE = attrs.evolve(FACTS, what="what describes a table of BIDS", error=TraceError)
 _COLUMNS = ("type", "component", "tracked_point", "units", "reference_frame")
-_BIDS_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
 _TURNING = {f"ORNT.{part}" for part in ("x", "y", "z", *_QUATERNION[:3])}
 # SpatialAxes: right or left, anterior or posterior, superior or inferior.
@@ -431,8 +429,8 @@ def _json(path: Path) -> dict[str, Any]:
 def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -> dict[str, Any]:
     facts: dict[str, Any] = {}
     place = next((channels[i] for part, i in at.items() if part.startswith("POS")), {})
-    if place.get("units") in _BIDS_LENGTHS:
-        facts = {"scale": _BIDS_LENGTHS[place["units"]], "scale_by": By.FILE}
+    if place.get("units") in LENGTHS:
+        facts = {"scale": LENGTHS[place["units"]], "scale_by": By.FILE}
     turn = next(channels[i] for part, i in at.items() if part.startswith("ORNT"))
     described = _json(Path(f"{stem}_channels.json")).get("reference_frame")
     levels = described.get("Levels") if isinstance(described, dict) else None

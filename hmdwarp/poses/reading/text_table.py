@@ -55,7 +55,7 @@ _FARTHEST = 1e9  # in the file's units: a position or component beyond this is n
 
 
 class _Unpacked(gzip.GzipFile):
-    """What gzip packed. Errors: TraceError for more than most_unpacked, or TRACE, allows."""
+    """What gzip packed. Errors: TraceError for damaged data, or more than is allowed to unpack."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         super().__init__(fileobj=file)
@@ -63,7 +63,11 @@ class _Unpacked(gzip.GzipFile):
         self._most = min(TRACE.most_bytes, most_unpacked(os.fstat(file.fileno()).st_size))
 
     def read(self, size: int | None = -1) -> bytes:
-        data = super().read(size)
+        try:
+            data = super().read(size)
+        except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+            why = f"its gzip data are damaged ({error})"
+            raise TraceError(f"{self._path}: {why}: pack or copy it again") from None
         if self.tell() > self._most:
             raise TraceError(f"{self._path}: more than {self._most} bytes, unpacked: expected a shorter recording")
         return data
@@ -173,8 +177,6 @@ def _first_bytes(path: Path) -> tuple[bool, Made | None, bytes, bool]:
             made = _made(path, start, file, packed)
         with _text_of(path, packed, made) as file:
             raw, more = file.read(LOOK_BYTES), bool(file.read(1))
-    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
-        raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
     except (OSError, ValueError) as error:
         raise TraceError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not raw.strip():

@@ -217,21 +217,6 @@ def arrived(summary) -> int:
     return frames["drawn"] - frames["under_way"]
 
 
-@pytest.mark.parametrize("warp", ["model", "model:share=0.5,light=off"])
-def test_pictures_that_nothing_reads_do_not_cross(serving, tmp_path, monkeypatch, warp):
-    """54.7 Mbit/s of them came to a client that draws the scene itself."""
-    options = {"warp": warp, "against": ""}
-    there, summary = pictures(
-        monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), **options)
-    )
-    here, alone = pictures(monkeypatch, small(tmp_path / "here", latency_ms=summary["latency_ms"], **options))
-    assert alone["link"]["mbit_s"] == summary["link"]["mbit_s"] == 0
-    assert there.keys() & here.keys()
-    for shown_ns in there.keys() & here.keys():
-        for one, other in zip(there[shown_ns][1], here[shown_ns][1], strict=True):
-            assert np.array_equal(one, other)
-
-
 @pytest.mark.parametrize("coding", [Coding(), Coding("h264")], ids=["raw", "h264"])
 def test_depth_that_no_pass_reads_does_not_cross(serving, tmp_path, monkeypatch, coding):
     """A warp that is compared gets it still."""
