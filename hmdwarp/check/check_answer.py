@@ -17,13 +17,12 @@ from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
 from . import conventions
 from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
-from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
+from .decide import AGREE, ALIKE, WELL, Decision, agreement, decide, likeness
 from .faults import EXPLAINED, FAULTS
 from .overlap import LATE, OFFSET, Overlap
 from .search import SURE, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
 
-_AGREE = 0.5  # share of the depths: below it, frames do not agree
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
 
 
@@ -70,7 +69,7 @@ class Answer:
     @property
     def agree(self) -> bool:
         """Whether the frames agree under it."""
-        return self.agreement >= _AGREE and self.likeness >= ALIKE
+        return self.agreement >= AGREE and self.likeness >= ALIKE
 
     @property
     def verdict(self) -> str:
@@ -126,8 +125,7 @@ class Answer:
 
 def check(stated: Stated) -> Answer:
     """Return under which conventions the frames agree."""
-    search = Search(stated)
-    decision = decide(search)
+    decision = decide(search := Search(stated))
     best = decision.best.reading
     ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
     return Answer(
@@ -204,7 +202,8 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
 
 
 def _unknown(finding: Finding, why: str) -> Finding:
-    return attrs.evolve(finding, told=False, why=f"{why}; it takes {CONVENTIONS[finding.name].needs}")
+    needs = CONVENTIONS[finding.name].needs
+    return attrs.evolve(finding, told=False, why=f"{why.partition('; excluded')[0]}; it takes {needs}")
 
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
-from .faults import EXPLAINED, explained, standing_faults
+from .faults import EXPLAINED, explained, standing
 from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
@@ -18,12 +18,14 @@ from .stated_frames import Reading
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
 WELL, _ENOUGH = 0.85, 0.6
+AGREE = 0.5  # share of the depths: below it, frames do not agree
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _MOST_CHANGES = 2  # that are named
 _KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 _LESS = 0.005  # of what is explained: an answer that explains less than what is stated is none
+_LEFT = 0.2  # of what is not, as stated: what an answer may leave of a noisy sensor's frames
 _LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
 
 
@@ -47,7 +49,7 @@ class Decision:
     def is_told(self) -> bool:
         """Whether the best reading is the only one that explains the frames, and nearly all."""
         share, stated = self.explained
-        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS)
+        enough = not self.best.changes or share >= max(EXPLAINED, stated - _LESS) or 1 - share < _LEFT * (1 - stated)
         return not self.rivals and not self.besides and not self.faults and enough
 
     @property
@@ -117,7 +119,7 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
         rivals, besides = (rivals, besides) if best is found.best else ((), ())
     if best.changes:
         most = agreement(search, best.reading)
-        as_good = (
+        rivals += tuple(
             other
             for other in others
             if 0 < other.changes <= best.changes
@@ -126,13 +128,13 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
             and margin(other, best) < SURE
             and agreement(search, other.reading) >= _AS_GOOD * most
         )
-        rivals += tuple(as_good)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    shares, faults = (explained(search, best.reading), explained(search, Reading())), ()
-    if explains(search, best.reading):
+    shares = explained(search, best.reading), explained(search, Reading())
+    faults: tuple[str, ...] = ()
+    if agreement(search, best.reading) >= AGREE:
         own, base = _numbers_of(best.reading), without_numbers(best.reading)
-        faults = standing_faults(search, found.noise, best, own, base)
+        faults = standing(search, found.noise, best, own, base)
     return Decision(search, found.noise, best, rivals, besides, faults, shares)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 
 import attrs
 import numpy as np
@@ -40,9 +39,7 @@ def explained(search: Search, reading: Reading) -> float:
     return agree / max(agree + behind, 1)
 
 
-def standing_faults(
-    search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading
-) -> tuple[str, ...]:
+def standing(search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading) -> tuple[str, ...]:
     """Return those of FAULTS that explain what a reading leaves, or the frames as well as it.
 
     own, base: the numbers of the reading, and the reading with them as stated.
@@ -63,9 +60,9 @@ def _stands(
     # A turn of a degree is half a pixel, which is the more common.
     named = {name: limit * (1 + (PIXEL in differences(best.reading))) for name, limit in least.items()}
     starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
-    values = (dict(zip(least, one, strict=True)) for one in itertools.product(*(starts[name] for name in least)))
-    begun = [attrs.evolve(base, **each) for each in values]
-    begun = [min(begun, key=lambda one: search.candidate(one, noise, 1).total)]
+    values = itertools.product(*(starts[name] for name in least))
+    tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
+    begun = [min(tried, key=lambda one: search.candidate(one, noise, 1).total)]
     if DEPTH_WIDE in least:  # a shift of the depth alone looks like a principal point that is off
         begun.append(attrs.evolve(base, depth_x=-best.reading.pixel_x, depth_y=-best.reading.pixel_y))
     instead = [_fitted(search, one, tuple(least)) for one in begun]
@@ -79,10 +76,6 @@ def _stands(
     nearest = int(np.argmax([gain.sum() for gain in gains]))
     both, leaves = beside[nearest], standard_errors(gains[nearest])
     sure = [off / error for name in own if name in both.names for off, error in [_off(both, name)]]
-    if os.environ.get("DEBUG"):
-        print(
-            f"   {str(list(least))[:40]:40} leaves {leaves:.1f} {_has_a_name(both, named)} {nearest} {[(n, round(float(np.ravel(getattr(both.reading, n))[0]), 4), round(float(dict(zip(both.names, both.error)).get(n, 0)), 4)) for n in least]} instead {[_has_a_name(one, named) for one in instead]} own sure {sure} {own}"
-        )
     is_doubtful = max(sure, default=math.inf) < _SURELY and any(_has_a_name(one, named) for one in instead)
     return is_doubtful or (leaves > SURE and _has_a_name(both, named))
 

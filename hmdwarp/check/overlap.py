@@ -57,8 +57,8 @@ class Overlap:
         self.pairs = pairs
         self._height, self._width = sheet.numbers.shape[1:]
         self._per_pixel = stated.frames[0].depth.shape[1] // self._width
-        # Random pixels with depth, the same at each call; on surfaces between pixels, where noise is
-        # the same for all shifts of the depth.
+        # Random pixels with depth, the same at each call; on surfaces between pixels, where noise
+        # does not depend on a shift of the depth.
         rng, sides = np.random.default_rng(0), np.array([self._height, self._width])
         wanted = np.isfinite(sheet.inverse) & sheet.smooth if between else ~np.isnan(sheet.numbers)
         chosen = np.tile(np.arange(sides.prod()), (len(pairs), 1))
@@ -236,11 +236,11 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
         noise = Noise.of(found)
         hessian, spread = prior.copy(), np.zeros((overlap.blocks, len(names)))
         down = prior @ change
-        slopes = [overlap.residuals(changed(reading, [name], [steps[name]])) for name in names]
+        slopes = [overlap.residuals(changed(reading, [name], [1e-3 * steps[name]])) for name in names]
         for kind in ("depth", "colour"):
             deviation = getattr(noise, kind)
             values = getattr(found, kind) / deviation
-            slope = np.stack([(getattr(slope, kind) / deviation - values) for slope in slopes], -1) / small
+            slope = np.stack([(getattr(slope, kind) / deviation - values) for slope in slopes], -1) / (1e-3 * small)
             with np.errstate(invalid="ignore"):
                 usable = np.isfinite(values) & np.isfinite(slope).all(axis=-1) & (np.abs(values) < _CUT)
             value, slope, block = values[usable], slope[usable], overlap.block[usable]

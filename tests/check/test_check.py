@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from check_rates import recorded_for, results
 from depth_camera import DepthCamera
-from other_faults import FAULTS
+from other_faults import FAULTS, Fault
 from PIL import Image
 from scipy.spatial.transform import Rotation
 from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
@@ -19,9 +19,7 @@ from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch, read_stated
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_clip
-from hmdwarp.scenes import scenes
 from hmdwarp.sources.sequences import SequenceOptions
-from hmdwarp.sources.server import Server
 
 # Random cases, by default each misreading once; docs/check.md has the figures of 1000.
 CASES = int(os.environ.get("HMDWARP_CHECK_CASES", len(MISREADINGS)))
@@ -98,23 +96,19 @@ def test_intrinsics_of_another_size_are_found(in_the_room):
     assert (answer.reading.pixel_x, answer.reading.pixel_y) == pytest.approx((48, 36), abs=0.5)
 
 
-def moved(gpu, turn_deg: float, way_m: tuple[float, float, float], rng: np.random.Generator) -> list[StatedFrame]:
+def moved(turn_deg: float, way_m: tuple[float, float, float], axis: tuple[float, float, float] = (0, 1, 0)):
     """Return frames of a head that turns there and back, and moves along one line."""
-    server = Server(gpu, scenes.get("room").build())
 
     def at(time_ns: int) -> Pose:
-        share = np.sin(time_ns / 3e8)
-        turn = Rotation.from_euler("y", turn_deg * np.sin(time_ns / 2e8), degrees=True)
-        return Pose(np.array([0, 1.5, 0]) + share * np.array(way_m), turn.as_quat())
+        turn = Rotation.from_rotvec(np.radians(turn_deg) * np.sin(time_ns / 8e7) * np.array(axis))
+        return Pose(np.array([0, 1.5, 0]) + np.sin(time_ns / 1.2e8) * np.array(way_m), turn.as_quat())
 
-    taken = CAMERA.record(server, at, range(0, 12 * INTERVAL_NS, INTERVAL_NS), rng)
-    server.close()
-    return [StatedFrame(str(k), one.colour, one.depth_m, one.view, one.time_ns) for k, one in enumerate(taken)]
+    return Fault().frames(14, at)
 
 
-def test_a_head_that_moves_to_the_side_alone_does_not_tell_focal_length_from_depth_scale(gpu):
+def test_a_head_that_moves_to_the_side_alone_does_not_tell_focal_length_from_depth_scale():
     """Parallax is the focal length times the way over the depth: both name the same pictures."""
-    frames = filmed(moved(gpu, 0, (0.3, 0, 0), np.random.default_rng(14)), (1.2, 1.2))
+    frames = filmed(moved(0, (0.3, 0, 0)), (1.2, 1.2))
     answer = check(Stated(frames))
     assert answer.verdict == "wrong" and "cannot be told" in answer.headline
     assert "field of view" in answer.headline and "depth scale" in answer.headline
@@ -123,14 +117,18 @@ def test_a_head_that_moves_to_the_side_alone_does_not_tell_focal_length_from_dep
     assert {"focal", "scale"} <= {finding.name for finding in answer.findings if not finding.told}
 
 
-def test_a_head_that_only_turns_tells_the_focal_length(gpu):
-    frames = filmed(moved(gpu, 15, (0, 0, 0), np.random.default_rng(15)), (1.1, 1.1))
-    assert named(frames) == ["focal"]
+def test_a_head_that_only_turns_tells_the_focal_length_and_no_scale_and_says_why():
+    frames = moved(15, (0, 0, 0), (0.3, 1, 0.5))
+    assert named(filmed(frames, (1.1, 1.1))) == ["focal"] and named(frames) == []
+    found = untold(frames)
+    assert "scale" in found and "order" not in found
+    assert "the eye moves by only 0 % of the distance" in found["scale"]
+    assert "places farther apart" in found["scale"]
 
 
-def test_pixels_stay_square_where_a_head_that_never_looks_up_leaves_the_height_open(gpu):
+def test_pixels_stay_square_where_a_head_that_never_looks_up_leaves_the_height_open():
     """Intrinsics of another size: the height was 3.5 times too flat. Noise moves a hundredth."""
-    frames = moved(gpu, 15, (0.3, 0, 0.1), np.random.default_rng(16))
+    frames = moved(15, (0.3, 0, 0.1))
     fx, fy, _, _ = frames[0].view.fov.intrinsics((96, 72))
     answer = check(Stated(filmed(frames, (fx / 78.75, fy / 78.75), (48, 36))))
     assert answer.reading.wide_x == answer.reading.wide_y == pytest.approx(78.75 / fx, rel=0.02)
@@ -198,17 +196,6 @@ def mend(frame: StatedFrame, code: tuple[str, ...]) -> StatedFrame:
     return attrs.evolve(frame, colour=known["colour"], depth=known["depth_m"], view=view)
 
 
-def test_two_wrong_conventions_are_found(in_the_room):
-    """Poses of ROS, w first, beside millimetres."""
-    rng = np.random.default_rng(4)
-    frames = right_frames(in_the_room, CAMERA, rng)
-    for name in ("OpenCV", "w first"):
-        frames = MISREADINGS[name][0](frames, rng)
-    assert named(frames) == ["order", "axes"]
-    millimetres = [attrs.evolve(frame, depth=frame.depth * 1000) for frame in right_frames(in_the_room, CAMERA, rng)]
-    assert named(MISREADINGS["world to eye"][0](millimetres, rng)) == ["direction", "scale"]
-
-
 def test_the_numbers_are_those_that_were_wrong(in_the_room):
     rng = np.random.default_rng(5)
     frames = right_frames(in_the_room, CAMERA, rng)
@@ -236,23 +223,6 @@ def test_numbers_that_hardly_differ_do_not_agree_with_any_reading(gpu):
 
 def untold(frames: list[StatedFrame]) -> dict[str, str]:
     return {finding.name: finding.why for finding in check(Stated(frames)).findings if not finding.told}
-
-
-def test_a_head_that_only_turns_tells_no_scale_and_says_why(gpu):
-    server = Server(gpu, scenes.get("room").build())
-
-    def turning(time_ns: int) -> Pose:
-        angle = np.radians(15) * np.sin(time_ns / 2e8)
-        return Pose((0, 1.5, 0), Rotation.from_rotvec(angle * np.array([0.3, 1.0, 0.5])).as_quat())
-
-    taken = CAMERA.record(server, turning, range(0, 10 * INTERVAL_NS, INTERVAL_NS), np.random.default_rng(6))
-    server.close()
-    frames = [StatedFrame(str(k), one.colour, one.depth_m, one.view, one.time_ns) for k, one in enumerate(taken)]
-    found = untold(frames)
-    assert "scale" in found and "order" not in found
-    assert "the eye moves by only 0 % of the distance" in found["scale"]
-    assert "places farther apart" in found["scale"]
-    assert named(frames) == []
 
 
 def test_two_frames_tell_no_time_and_one_eye_no_swap(in_the_room):
