@@ -32,7 +32,7 @@ from pages import markdown
 from hmdwarp import InputError, Warper
 from hmdwarp.client.fills import fills
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.metrics import psnr_db
+from hmdwarp.metrics import psnr
 from hmdwarp.sources import sequences
 from hmdwarp.sources.repairs import parse_repairs
 from hmdwarp.sources.sequences import Sequence, SequenceOptions
@@ -161,10 +161,10 @@ def figures_of(folder: Path, frames: RealFrames, warp: str, repair: str) -> dict
         for name, warper in with_fill.items():
             out = warper.warp(colour, depth, given.view, truth.view)
             shown = np.ascontiguousarray(out.colour[inside])
-            found[name].append((psnr_db(shown, wanted), _flip(shown, wanted, truth.fov.pixels_per_degree(truth.size))))
+            found[name].append((psnr(shown, wanted), _flip(shown, wanted, truth.fov.pixels_per_degree(truth.size))))
             if name == "none":
                 covered = out.coverage[inside] > 0
-                covered_db = psnr_db(shown[covered][None], wanted[covered][None])
+                covered_db = psnr(shown[covered][None], wanted[covered][None])
                 rows.append((covered_db, float(1 - covered.mean())))
     for warper in with_fill.values():
         warper.close()

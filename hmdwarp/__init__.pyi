@@ -1,4 +1,5 @@
 from . import check as check
+from . import metrics as metrics
 from . import study as study
 from .errors import HmdwarpError as HmdwarpError
 from .errors import InputError as InputError
@@ -22,4 +23,5 @@ from .run import RunOptions as RunOptions
 from .run import choose as choose
 from .run import replay as replay
 from .scenes import Panel as Panel
+from .sources import feed as feed
 from .sources import sequences as sequences

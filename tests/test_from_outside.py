@@ -57,6 +57,9 @@ COMMANDS = (
     f"{COMMON} --strategy beacons --out kept",
     f"{COMMON} --warp rotation --fill grey --effects none --out plain",
     f"{COMMON} --warp rotation --fill grey --effects dim --out dimmed",
+    *(f"{COMMON} --warp {name} --fill none --effects none --predict none --out {name}" for name in ("unmoved", "none")),
+    "bench walk --scene planes --warp unmoved --fill none --latency 50 --size 48x40 --guard 1 --instants 2 "
+    "--workers 0 --out bench",
     "plan --scene planes --warp rotation --fill grey --effects dim",
     "list layers",
     f"{COMMON} --scene wall --predict still --codec h264_small --jitter rounds --headset mine.toml --out others",
@@ -121,6 +124,14 @@ def test_a_fill_and_an_effect_from_outside_change_the_picture(work):
     assert (plain["fill"], plain["effects"], dimmed["effects"]) == ("grey", [], ["dim"])
     assert plain["filled"]["empty"] == 0
     assert dimmed["quality"]["psnr_db"]["mean"] < plain["quality"]["psnr_db"]["mean"] - 3
+
+
+def test_a_warp_in_python_is_measured_as_any_other(work):
+    """Without a guard band it does what `none` does, to the last bit."""
+    unmoved, none = (summary_of(work / name) for name in ("unmoved", "none"))
+    assert unmoved["warp"] == "unmoved" and unmoved["quality"] == none["quality"]
+    (row,) = json.loads((work / "bench" / "bench.json").read_text(encoding="utf-8"))["rows"]
+    assert row["warp"] == "unmoved" and row["quality"]["flip"]["mean"] > 0
 
 
 def test_the_plan_and_the_lists_name_them(work):

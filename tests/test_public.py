@@ -21,7 +21,7 @@ PUBLIC = {
     "RunOptions", "View", "WarpMap", "WarpedImage", "Warper", "choose", "compare", "inverse_depth_from_clip",
     "load_trace", "replay", "warp_image", "__version__",
 }  # fmt: skip
-MODULES = {"bench", "check", "sequences", "study"}
+MODULES = {"bench", "check", "feed", "metrics", "sequences", "study"}
 FUNCTIONS = {"choose", "compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 
 
@@ -82,6 +82,7 @@ def public_calls():
     panel = {"pictures": colour, "pose": pose, "size_m": (1, 1), "seconds": 1.0}
     clip = {"d": depth_m, "near_m": 0.1, "far_m": 9.0, "ndc": "zero_to_one", "reversed_z": False}
     sizes = {"frm_size": (6, 4), "to_size": (6, 4)}
+    pair = {"shown": colour, "truth": colour}
     options = dict.fromkeys(field.alias for field in attrs.fields(hmdwarp.RunOptions) if field.init)
     return {
         "Pose": (hmdwarp.Pose, {"position_m": (0, 0, 0), "orientation_xyzw": (0, 0, 0, 1)}),
@@ -108,6 +109,7 @@ def public_calls():
         "RunOptions": (lambda **given: hmdwarp.RunOptions(**{"trace": "walk", **given}), options),
         "warp_image": (hmdwarp.warp_image, frames),
         "replay": (hmdwarp.replay, {"options": None}),
+        **{name: (getattr(hmdwarp.metrics, name), pair) for name in hmdwarp.metrics.__all__},
         "compare": (hmdwarp.compare, {"options": None}),
         "bench": (hmdwarp.bench.bench, {"options": None}),
         "sequences.open": (hmdwarp.sequences.open, {"path": "x", "options": None}),
@@ -145,21 +147,3 @@ def test_errors_are_one_family():
         hmdwarp.MachineError, hmdwarp.HmdwarpError
     )
     assert [e.exit_status for e in (hmdwarp.HmdwarpError, hmdwarp.InputError, hmdwarp.MachineError)] == [1, 2, 3]
-
-
-def test_the_example_of_the_package_runs():
-    """design.
-
-    Out = warp_image(colour, depth_m, rendered=View, shown=View, ..), out.colour, out.coverage,
-    out.time_ms.
-    """
-    from hmdwarp import Fov, Pose, View
-
-    fov = Fov(left=-0.7, right=0.7, down=-0.6, up=0.6)
-    here = View(pose=Pose(position_m=(0, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
-    there = View(pose=Pose(position_m=(0.02, 1.6, 0), orientation_xyzw=(0, 0, 0, 1)), fov=fov)
-    out = hmdwarp.warp_image(
-        np.zeros((10, 12, 3), np.uint8), np.full((10, 12), 1.5), rendered=here, shown=there, warp="forward",
-        fill="none", size=None,
-    )  # fmt: skip
-    assert out.colour.shape == (10, 12, 3) and out.coverage.shape == (10, 12) and out.time_ms["warp"] >= 0

@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT / "docs"))
 import real_frames  # noqa: E402
 
 from hmdwarp import warp_image  # noqa: E402
-from hmdwarp.metrics import psnr_db  # noqa: E402
+from hmdwarp.metrics import psnr  # noqa: E402
 
 DEVELOPMENT = ROOT.parent / "shared" / "rgbd"
 FOLDER = real_frames.folder_of() or real_frames.folder_of(str(DEVELOPMENT))
@@ -122,7 +122,7 @@ def test_repairs_gain_on_real_frames_and_cost_nothing_where_depth_is_exact(name,
     inside = (slice(frames.rim, -frames.rim or None),) * 2
     colour = real_frames.without_rim(late.colour, frames.rim)
     none, both = (
-        psnr_db(warp_image(colour, late.depth_m, late.view, now.view, repair=repair).colour[inside], now.colour[inside])
+        psnr(warp_image(colour, late.depth_m, late.view, now.view, repair=repair).colour[inside], now.colour[inside])
         for repair in ("none", "edges+complete")
     )
     assert both > none + gain_db

@@ -59,6 +59,9 @@ class Answer:
     # Empty where the cause is not known.
     code: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"<Answer {self.headline}>"
+
     @property
     def reading(self) -> Reading:
         """The reading under which the frames agree best."""
@@ -79,8 +82,9 @@ class Answer:
             return "no agreement"
         return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
 
+    @property
     def headline(self) -> str:
-        """Return the verdict in one sentence."""
+        """The verdict in one sentence."""
         frames = f"{len(self.decision.search.stated.frames)} frames"
         share = f"{100 * self.agreement:.0f} %"
         if self.verdict == "right":

@@ -24,6 +24,9 @@ class CheckOptions(Declared):
         names_files=True,
         parse=lambda texts: tuple(map(Path, texts)),
     )
+    motion: bool = option(
+        False, "Check the motion vectors of FRAMES, a folder with motion.json: unit, y axis, direction, jitter."
+    )
     reading: SequenceOptions = group(SequenceOptions)
     out: Path | None = out_field(None, "OUT.png: two frames moved onto each other, as stated and as found.")
     force: bool = force_field()
@@ -31,3 +34,23 @@ class CheckOptions(Declared):
     def __attrs_post_init__(self) -> None:
         if self.out is not None and self.out.suffix != ".png":
             raise InputError(f"--out {self.out}: expected a name that ends in .png")
+        if self.motion and len(self.frames) != 1:
+            raise InputError(f"--motion: {len(self.frames)} names: expected one folder with motion.json")
+
+
+@attrs.frozen
+class SynthesisOptions(Declared):
+    """Frames with motion vectors, and which frame to make of each."""
+
+    frames: Path = option(
+        attrs.NOTHING, "A folder with motion.json, as docs/motion.md has it.", positional=True, names_files=True
+    )
+    out: Path = out_field(attrs.NOTHING, "Folder for a PNG of each frame, and synthesis.json.")
+    at: float = option(
+        1.0, "Where, in intervals after each frame: 1 the next frame, 0.5 half way to it, -0.5 half way back."
+    )
+    force: bool = force_field()
+
+    def __attrs_post_init__(self) -> None:
+        if not -1 <= self.at <= 2:
+            raise InputError(f"--at {self.at:g}: expected -1 to 2 intervals")

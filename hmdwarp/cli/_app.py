@@ -29,6 +29,7 @@ COMMANDS = {
     "diff": ("diff", "diff"),
     "warp": ("warp", "warp"),
     "check": ("check", "check"),
+    "synthesise": ("synthesise", "synthesise"),
     "thesis": ("experiments", "thesis"),
     "list": ("listing", "list_"),
     "plan": ("plan", "plan"),

@@ -17,12 +17,24 @@ def check(said: Said) -> None:
     of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
     that reads the frames right.
     """
-    from ..check import check, read_stated
+    from ..check import check, check_motion, motion_mismatch, read_motion, read_stated
     from ..report import refuse_existing, write_png
+    from ._show import paragraph
 
     options = CheckOptions.of(said)
     if options.out is not None:
         refuse_existing(options.out, force=options.force)
+    if options.motion:
+        verdict = check_motion(read_motion(options.frames[0]))
+        if options.out is not None:
+            write_png(options.out, motion_mismatch(verdict))
+        if said["json"]:
+            typer.echo(as_json(verdict.as_json()))
+            return
+        paragraph(verdict.headline())
+        for line in verdict.lines():
+            typer.echo(line)
+        return
     answer = check(read_stated(options.frames, options.reading))
     if options.out is not None:
         from ..check import mismatch
@@ -39,7 +51,7 @@ def check(said: Said) -> None:
 def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
-    paragraph(answer.headline())
+    paragraph(answer.headline)
     if answer.agree:
         _print_findings(answer)
     stated = answer.decision.search.stated

@@ -100,23 +100,17 @@ class ClientScene:
         """Hand what a frame brings to the stores; call it with each frame that arrives."""
         if self._arrived is not None:
             self._arrived.take(frame.drawn_ns)
-        if not self._is_of_now(frame):
-            return
-        for layer, kind in _receivers.items():
-            for wanted, update in frame.eyes[0].carried.get(layer, {}).items():
-                self.store(kind, wanted).receive(update.content)
-
-    def _is_of_now(self, frame: Frame) -> bool:
-        """Return whether a frame builds on what is here; a newer one that does not begins anew."""
         began, drawn_ns = self._newest or (frame.began, frame.drawn_ns)
-        if frame.began != began:
+        if frame.began != began:  # it does not build on what is here: an older one is late, a newer one begins anew
             if frame.drawn_ns < drawn_ns:
-                return False
+                return
             for store in self._stores.values():
                 if store.layer:
                     store.begin_anew()
         self._newest = frame.began, max(drawn_ns, frame.drawn_ns)
-        return True
+        for layer, kind in _receivers.items():
+            for wanted, update in frame.eyes[0].carried.get(layer, {}).items():
+                self.store(kind, wanted).receive(update.content)
 
     def weights(self) -> list[dict[str, Any]]:
         """Return the weights of all stores as they were made, first of those that never crossed."""

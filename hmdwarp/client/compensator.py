@@ -112,8 +112,8 @@ class Compensator:
             self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
             self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
             # What a pass writes is visible to the next pass, to copies and to read-backs.
-            names = ("effects", "client_depth", "warp", "fill", "lens", "carry", self._depth_stage)
-            self._stages = {name: gpu.timer.stage(name, barrier=True) for name in names}
+            names = ("effects", "client_depth", "fill", "lens", "carry", self._depth_stage)
+            self._stages = {name: gpu.timer.stage(name, barrier=True) for name in names} | {"warp": self._warp.stage()}
             self._fills = [
                 fill.entry(
                     gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill)

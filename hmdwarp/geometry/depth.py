@@ -94,12 +94,23 @@ class DepthLayer:
 def inverse_depth_from_clip(
     d: ArrayLike, near_m: float, far_m: float = math.inf, *, ndc: str = "zero_to_one", reversed_z: bool = False
 ) -> NDArray[np.float64]:
-    """Return the inverse depth of clip depth as GL, D3D or Vulkan have it.
+    """Return the inverse depth, in 1/m, of clip depth as GL, D3D or Vulkan have it.
 
-    d: buffer values. near_m < far_m in metres, far may be inf.
-    ndc: "zero_to_one" (D3D, Vulkan, a GL depth buffer) or "minus_one_to_one" (GL's own NDC).
-    reversed_z: near is at the upper end.
-    Errors: InputError for another ndc, and for near_m >= far_m.
+    Parameters
+    ----------
+    d : array_like
+        Values of the buffer.
+    near_m, far_m : float
+        Metres, near_m below far_m, which may be inf.
+    ndc : str
+        "zero_to_one" (D3D, Vulkan, a GL depth buffer) or "minus_one_to_one" (GL's own NDC).
+    reversed_z : bool
+        Whether near is at the upper end.
+
+    Raises
+    ------
+    InputError
+        For another ndc, and for near_m >= far_m.
     """
     if not isinstance(ndc, str) or ndc not in ("zero_to_one", "minus_one_to_one"):
         raise InputError(f"unknown depth range {in_brief(ndc)}: expected zero_to_one or minus_one_to_one")

@@ -106,7 +106,7 @@ def _product(a: Quaternion, b: Quaternion) -> Quaternion:
     return x / length, y / length, z / length, w / length
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen
 class Pose:
     """A rigid transform `a_from_b`: where frame b sits in frame a.
 
@@ -119,10 +119,10 @@ class Pose:
     Errors: InputError for values that are not finite and for a zero quaternion.
     """
 
-    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
-    orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion)
+    position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3, eq=lambda place: tuple(place.tolist()))
+    orientation_xyzw: Vector = attrs.field(default=(0.0, 0.0, 0.0, 1.0), converter=_unit_quaternion, eq=False)
     # The orientation in plain floats, x y z w, as SciPy takes it: normalised once more.
-    unit_quaternion: Quaternion = attrs.field(init=False, repr=False)
+    unit_quaternion: Quaternion = attrs.field(init=False, repr=False, eq=lambda q: max(q, tuple(-part for part in q)))
 
     @unit_quaternion.default
     def _unit_of_orientation(self) -> Quaternion:

@@ -258,7 +258,7 @@ def _check_polygons(_: object, __: object, polygons: Sequence[Polygon]) -> None:
         ) from error
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen
 class Hidden:
     """The part of an eye's view that its lens hides.
 
@@ -272,8 +272,8 @@ class Hidden:
     fov: Fov = attrs.field(validator=is_a(Fov))
     # By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
     margins: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
-    _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False)
-    _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False)
+    _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False, eq=False)
+    _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False, eq=False)
 
     @classmethod
     def of_rows(cls, rows: NDArray[np.float64], fov: Fov) -> Hidden:
@@ -358,7 +358,7 @@ def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
         raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None") from error
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen
 class View:
     """One eye at one instant. Errors: InputError for parts of another type."""
 
@@ -370,6 +370,9 @@ class View:
     hidden: Hidden | None = attrs.field(default=None, validator=is_a(Hidden, optional=True))
     # unit direction in the head's axes in which the eye looks, None where it is not known
     gaze: Gaze | None = attrs.field(default=None, validator=_check_gaze)
+
+    def __hash__(self) -> int:
+        return hash((*map(abs, self.pose.unit_quaternion), *self.pose.position_m.tolist()))  # every pass asks
 
     def at(self, pose: Pose) -> View:
         """Return the same eye at another pose, which is not checked."""
@@ -441,7 +444,7 @@ def _guarded_fovs(
 _FLIP_Z = np.diag([1.0, 1.0, -1.0])  # tangent point (x, y, 1) <-> eye point (x, y, -1)
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen
 class WarpMap:
     """`p_to ~ H p_from + e * inverse_depth`, with p in homogeneous pixels.
 
@@ -453,8 +456,9 @@ class WarpMap:
     Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
     """
 
-    H: NDArray[np.float64]  # (3, 3), read-only from `between`
-    e: NDArray[np.float64]  # (3,), read-only from `between`
+    # (3, 3) and (3,), read-only from `between`
+    H: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
+    e: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
 
     @classmethod
     def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:

@@ -120,30 +120,29 @@ class Block:
         self.packs: dict[str, Callable[..., None]] = {}  # of numbers and vectors: a third of NumPy's time
         self.data, self.texts = bytearray(_MOST_BYTES), list[str]()
         self._declared, self._numbers, self._end = dict[str, str](), dict[str, str](), 0
-        found = [self._without_its_uniforms(flat) for flat in flats]
+        # Of each stage the lines left, and which the block precedes: that of a uniform, or its #if.
+        found: list[tuple[list[str], int | None]] = []
+        for flat in flats:
+            lines: list[str] = []
+            depth, outermost, place = 0, 0, None
+            for number, text in enumerate(flat.lines):
+                line, code = text, text.partition("//")[0]
+                if guard := _GUARD.match(code):
+                    outermost = outermost if depth else number
+                    depth += -1 if "endif" in guard.group() else 1
+                if (uniform := _UNIFORM.fullmatch(code)) and self._takes(*uniform.groups()):
+                    place = place if place is not None else outermost if depth else number
+                    line = ""
+                elif constant := _NUMBER.fullmatch(code):
+                    self._numbers[constant.group(1)] = constant.group(2)
+                lines.append(line)
+            found.append((lines, place))
         members = "; ".join(self._declared.values())
         for lines, place in found:
             if place is not None:
                 lines.insert(place, f"layout(std140) uniform {_BLOCK} {{ {members}; }};")
             self.texts.append("\n".join(lines) + "\n")
         self.size = self._end + -self._end % 16
-
-    def _without_its_uniforms(self, flat: Flattened) -> tuple[list[str], int | None]:
-        """Return the lines that are left, and which the block precedes: a uniform's, or its #if."""
-        lines: list[str] = []
-        depth, outermost, place = 0, 0, None
-        for number, text in enumerate(flat.lines):
-            line, code = text, text.partition("//")[0]
-            if guard := _GUARD.match(code):
-                outermost = outermost if depth else number
-                depth += -1 if "endif" in guard.group() else 1
-            if (found := _UNIFORM.fullmatch(code)) and self._takes(*found.groups()):
-                place = place if place is not None else outermost if depth else number
-                line = ""
-            elif found := _NUMBER.fullmatch(code):
-                self._numbers[found.group(1)] = found.group(2)
-            lines.append(line)
-        return lines, place
 
     def _takes(self, kind: str, names: str) -> bool:
         """Lay out what is declared together; return False for what stays outside."""

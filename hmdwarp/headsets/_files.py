@@ -29,22 +29,6 @@ _NAMES = {"red": "distortion_red", "green": "distortion", "blue": "distortion_bl
 _KINDS = ("DISTORT_DPOLY3",)
 
 
-def load_export(path: Path) -> Headset:
-    """Load the JSON that SteamVR keeps of a Vive, Vive Pro or Index, or that hmdq exports.
-
-    Serial numbers are not read. Of hmdq's the views, the size and the hidden area are.
-    Errors: InputError naming the file and its fault.
-    Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
-    """
-    try:
-        data = Table(parse_json(text_in(path, FACTS)))
-        return _vive(data, path) if "tracking_to_eye_transform" in data else _hmdq(data, path)
-    except DocumentError as error:
-        raise InputError(f"{path}: this is no JSON: {error}") from error
-    except InputError as error:  # keys and the model's own name no file
-        raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
-
-
 def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
     """Return a headset as a connected runtime reports it. about: what runtime and headset it is."""
     seen = tuple(
@@ -163,7 +147,9 @@ def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
-    draws and counts what its lenses hide.
+    draws and counts what its lenses hide. Of a .json file serial numbers are not read; of hmdq's
+    the views, the size and the hidden area are.
+    Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
     name, distance, ipd = spec.partition(IPD)
@@ -174,14 +160,16 @@ def load_headset(spec: str) -> Headset:
     if name.endswith(DRAWN):
         drawn = load_headset(name.removesuffix(DRAWN))
         return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in drawn.eyes))
-    if name.endswith(".json"):
-        return load_export(Path(name))
-    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
-    if not name.endswith(".toml") and not path.is_file():
+    path = Path(name) if name.endswith(FILE_ENDINGS) else _FOLDER / f"{name}.toml"
+    if not name.endswith(FILE_ENDINGS) and not path.is_file():
         raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
-    text = text_of(path, "a headset, as a .toml file")
     try:
-        return parsed(text, path, _headset, _EXAMPLE)
+        if path.suffix == ".json":  # that SteamVR keeps of a Vive, Vive Pro or Index, or that hmdq exports
+            data = Table(parse_json(text_in(path, FACTS)))
+            return _vive(data, path) if "tracking_to_eye_transform" in data else _hmdq(data, path)
+        return parsed(text_of(path, "a headset, as a .toml file"), path, _headset, _EXAMPLE)
+    except DocumentError as error:
+        raise InputError(f"{path}: this is no JSON: {error}") from error
     except InputError as error:  # the model's own name no file
         raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
 
@@ -231,11 +219,8 @@ class _Both:
 
     def eye(self, data: Table, side: int) -> HeadsetEye:
         """Return the left (side -1) or the right eye (1) by its own table."""
-        place = np.array(data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)) + (
-            side * self.ipd_m / 2,
-            0,
-            0,
-        )
+        offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
+        place = np.add(offset_m, (side * self.ipd_m / 2, 0, 0))
         half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
         turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
         if "orientation_xyzw" in data:

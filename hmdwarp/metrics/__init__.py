@@ -1,9 +1,16 @@
 """Errors of the shown picture against the truth: quality, holes, flicker; in worker processes.
 
+    hmdwarp.metrics.psnr(shown, truth), .ssim(shown, truth), .flip(shown, truth, pixels_per_degree)
+
 A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes
-are black pixels and count.
+are black pixels and count. What else this package exports is for the program itself.
 """
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, _, _ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = ["flip", "psnr", "ssim"]
+
+
+def __dir__() -> list[str]:
+    return __all__

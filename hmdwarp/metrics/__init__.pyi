@@ -20,9 +20,11 @@ from .jod import check_rating as check_rating
 from .jod import clip_length as clip_length
 from .jod import preferring as preferring
 from .jod import ratings_of as ratings_of
+from .library.alike import flip as flip
+from .library.alike import ssim as ssim
 from .library.flicker import flicker as flicker
-from .library.hole_share import hole_share as hole_share
-from .library.psnr_db import psnr_db as psnr_db
+from .library.holes import hole_share as hole_share
+from .library.psnr_db import psnr as psnr
 from .metric import PRIMARY as PRIMARY
 from .metric import Figure as Figure
 from .metric import Metric as Metric

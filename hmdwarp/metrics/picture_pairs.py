@@ -12,9 +12,9 @@ from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import NO_NUMBERS, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 
@@ -36,6 +36,16 @@ def check_pair(shown: NDArray[Any], truth: NDArray[Any]) -> None:
         raise InputError(
             f"pictures of {shown.dtype} have values outside 0..1 (or NaN): expected uint8 or sRGB floats in 0..1"
         )
+
+
+def pair_of(shown: ArrayLike, truth: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return both as arrays. Errors: InputError for what is none; as check_pair."""
+    try:
+        pair = np.asarray(shown), np.asarray(truth)
+    except NO_NUMBERS as error:
+        raise InputError(f"expected two pictures, (h, w, 3), found what is no array: {error}") from error
+    check_pair(*pair)
+    return pair
 
 
 def error_image(shown: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float32]:

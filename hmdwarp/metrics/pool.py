@@ -114,7 +114,12 @@ class MeasuringProcesses:
     def submit(self, work: Callable[..., Any], *given: Any) -> Future[Any]:
         """Let a worker run the function. Errors: MachineError where none can be started."""
         if not self.count:
-            return _run_here(work, *given)
+            done: Future[Any] = Future()
+            try:
+                done.set_result(work(*given))
+            except Exception as error:
+                done.set_exception(error)
+            return done
         try:
             if self._open is None:
                 with _without_interrupts():  # Python's tracker begins here, and unblocks Ctrl-C when it has
@@ -154,15 +159,6 @@ class MeasuringProcesses:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-def _run_here(work: Callable[..., Any], *given: Any) -> Future[Any]:
-    done: Future[Any] = Future()
-    try:
-        done.set_result(work(*given))
-    except Exception as error:
-        done.set_exception(error)
-    return done
 
 
 @attrs.frozen(eq=False)

@@ -144,18 +144,15 @@ def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64
     return {
         "time_ms": {stage: middle_and_tail(columns.get(f"{stage}_ms", ())) for stage in STAGES},
         "quality": {
-            metric.name: _mean_and_tail(values, 5 if metric.higher_is_better else 95)
+            # fsum: the mean must not depend on the order of the rows.
+            metric.name: {
+                "mean": math.fsum(values) / len(values) if len(values) else None,
+                "p95": float(np.percentile(values, 5 if metric.higher_is_better else 95)) if len(values) else None,
+            }
             for metric, values in quality.items()
         },
         "measured": {metric.name: len(values) for metric, values in quality.items()},
     }
-
-
-def _mean_and_tail(values: Sequence[float] | NDArray[np.float64], percentile: int) -> dict[str, float | None]:
-    if not len(values):
-        return {"mean": None, "p95": None}
-    # fsum: the mean must not depend on the order of the rows.
-    return {"mean": math.fsum(values) / len(values), "p95": float(np.percentile(values, percentile))}
 
 
 def middle_and_tail(values: Sequence[float] | NDArray[np.float64]) -> dict[str, float | None]:

@@ -112,18 +112,6 @@ def _of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
         raise InputError(f"{_name_of(field)[0]} {in_brief(value)}: expected {expected}")
 
 
-def _with_kind(valid: Any) -> Any:
-    """Return a validator that looks at the kind first."""
-    if valid is None or isinstance(valid, Number):  # which looks at it itself, and says its limits
-        return valid or _of_its_kind
-
-    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
-        _of_its_kind(instance, field, value)
-        valid(instance, field, value)
-
-    return check
-
-
 def as_path(value: str | os.PathLike[str]) -> Path:
     """Return a path. Errors: InputError for what is none, and for a name that no file can have."""
     if not isinstance(value, str | os.PathLike):
@@ -207,9 +195,15 @@ def option(
     required = value is attrs.NOTHING
     kind = _Annotated if value is None or required else type(value)
     about = {"kind": kind, "default": None if required else value, "required": required, **about}
+
+    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
+        _of_its_kind(instance, field, value)
+        if valid is not None:
+            valid(instance, field, value)
+
     return attrs.field(
         default=value,
-        validator=_with_kind(valid),
+        validator=valid if isinstance(valid, Number) else check,  # Number looks at the kind itself
         converter=convert,
         metadata={_KEY: (Option(help, **about), *beside)},
     )

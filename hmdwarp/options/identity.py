@@ -136,17 +136,10 @@ def _content(value: Any) -> Any:
     if isinstance(value, enum.Enum):
         return value.name
     if isinstance(value, str | Path):
-        return _text(value)
+        return {"file": Path(value).name, "content": hash_of_files(value)} if is_place(value) else str(value)
     if isinstance(value, Iterable):
         return [_content(each) for each in value]
     return value if value is None or isinstance(value, bool | int | float) else repr(value)
-
-
-def _text(value: str | Path) -> Any:
-    path = Path(value)
-    if is_place(value):
-        return {"file": path.name, "content": hash_of_files(path)}
-    return str(value)
 
 
 def is_place(value: str | Path) -> bool:

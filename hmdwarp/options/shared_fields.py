@@ -77,6 +77,13 @@ def several(
     one = option_of(field)
     said = (help or one.help).removesuffix(".")
     shown = f"; by default {listed([*map(_text, default)])}" if default else ""
+
+    def distinct(values: Iterable[Any], field: attrs.Attribute[Any]) -> tuple[Any, ...]:
+        found = tuple(dict.fromkeys(map(each, (values,) if isinstance(values, str) else values)))
+        if not found and default:
+            raise InputError(f"{option_of(field).flag}: expected at least one value")
+        return found
+
     return option(
         default,
         f"{said}{shown}. For several, repeat it{' or use commas' if not about.get('positional') else ''}.",
@@ -88,7 +95,7 @@ def several(
             "metavar": one.metavar or one.name.upper(),
             "limits": one.limits,
             "parse": lambda texts: [_value(one, part) for text in texts for part in split(text)],
-            "convert": _distinct(each, may_be_none=not default),
+            "convert": attrs.Converter(distinct, takes_field=True),
             "valid": field.validator,
             **about,
         },
@@ -111,21 +118,6 @@ def _value(one: Option, text: str) -> Any:
         raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
 
 
-def _distinct(each: Callable[[Any], Any], *, may_be_none: bool) -> Any:
-    """Return a converter to a tuple without repetitions; a text alone is one value.
-
-    Errors: InputError where nothing is left.
-    """
-
-    def convert(values: Iterable[Any], field: attrs.Attribute[Any]) -> tuple[Any, ...]:
-        found = tuple(dict.fromkeys(map(each, (values,) if isinstance(values, str) else values)))
-        if not found and not may_be_none:
-            raise InputError(f"{option_of(field).flag}: expected at least one value")
-        return found
-
-    return attrs.Converter(convert, takes_field=True)
-
-
 AUTO = "auto"
 # Of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more.
 DEFAULT_GUARD = 1.5
@@ -137,18 +129,6 @@ _HELP = (
     "2.25 times the pixels; 1.25x1.125 has a factor for each axis."
 )
 _BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
-
-
-class HasGuard(Protocol):
-    """Options with a guard band."""
-
-    @property
-    def guard(self) -> Guard | str:
-        """The factors, or "auto"."""
-
-    @property
-    def rendered_size(self) -> Size | None:
-        """The pixels that are drawn, or None."""
 
 
 def parse_size(text: str, flag: str = "--size") -> Size:
@@ -215,7 +195,7 @@ def check_one_guard(said: Mapping[str, Any]) -> None:
         raise InputError(_BOTH)
 
 
-def guard_band(options: HasGuard) -> geometry.GuardBand:
+def guard_band(options: Any) -> geometry.GuardBand:
     """Return the guard band of the options. Errors: InputError while it is "auto"."""
     if isinstance(options.guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
@@ -315,7 +295,7 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
     """
     fields = {field.name: field for field in attrs.fields(kind)}
     kinds = get_type_hints(kind)
-    values = {}
+    values: dict[str, Any] = {}
     for part in filter(None, (piece.strip() for piece in text.split(","))):
         key, equals, value = (piece.strip() for piece in part.partition("="))
         if key not in fields or not equals:
@@ -323,23 +303,21 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
             raise InputError(f"{named}: '{part}' is no setting of '{name}'; its settings and their defaults: {known}")
         if key in values:
             raise InputError(f"{named}: {key} is given twice; give it once")
-        values[key] = _converted(named, key, value, kinds[key])
+        kind_of = kinds[key]
+        if typing.get_origin(kind_of) is typing.Literal:
+            words = {str(word): word for word in typing.get_args(kind_of)}
+            if value not in words:
+                raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
+            values[key] = words[value]
+            continue
+        try:
+            values[key] = kind_of(value.encode("ascii") if kind_of in (int, float) else value)
+        except ValueError as error:
+            wanted = _WANTED.get(kind_of, kind_of.__name__)
+            raise InputError(f"{named}: {key} is '{value}': expected {wanted}") from error
+        if kind_of is float and not math.isfinite(values[key]):
+            raise InputError(f"{named}: {key} is '{value}': expected a finite number")
     try:
         return kind(**values)
     except (ValueError, TypeError) as error:
         raise InputError(f"{named}: {error}") from error
-
-
-def _converted(named: str, key: str, value: str, kind: Any) -> Any:
-    if typing.get_origin(kind) is typing.Literal:
-        words = {str(word): word for word in typing.get_args(kind)}
-        if value not in words:
-            raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
-        return words[value]
-    try:
-        number = kind(value.encode("ascii") if kind in (int, float) else value)
-    except ValueError as error:
-        raise InputError(f"{named}: {key} is '{value}': expected {_WANTED.get(kind, kind.__name__)}") from error
-    if kind is float and not math.isfinite(number):
-        raise InputError(f"{named}: {key} is '{value}': expected a finite number")
-    return number

@@ -7,6 +7,7 @@ import difflib
 import math
 import re
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -72,14 +73,14 @@ class Table:
 
     def table(self, key: str) -> Table:
         """Return a table inside this one, the same object each time."""
-        value = self._get(key)
+        value = self.raw(key)
         if not self._read[key]:
             self._read[key] = [Table(value, (*self._path, key), self._example)]
         return self._read[key][0]
 
     def tables(self, key: str) -> tuple[Table, ...]:
         """Return the tables of an array, written as [[key]]; none for a missing key."""
-        value = self._get(key, ())
+        value = self.raw(key, ())
         if value == ():
             return ()
         if not isinstance(value, list):
@@ -92,10 +93,6 @@ class Table:
                 Table(one, (*self._path, key, number), self._example) for number, one in enumerate(value)
             ]
         return tuple(self._read[key])
-
-    def raw(self, key: str) -> Any:
-        """Return a value of any type."""
-        return self._get(key)
 
     def text(self, key: str, default: Any = _NEEDED) -> str:
         """Return a non-empty text."""
@@ -168,18 +165,21 @@ class Table:
         """Raise KeyFault for keys that were never read: a misspelt key would go unnoticed."""
         for key in self._data:
             if key not in self._read:
-                known = [_named((*self._path, one)) for one in self._known]
-                raise KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
+                known, path = [_named((*self._path, one)) for one in self._known], (*self._path, key)
+                near = difflib.get_close_matches(name := _shortened(_named(path)), known, n=1, cutoff=0.5)
+                hint = f"did you mean {near[0]}? " if near else ""
+                raise KeyFault(f"unknown key {name}: {hint}known are {', '.join(known)}", path)
             for inner in self._read[key]:
                 inner.refuse_unread()
 
     def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:
-        value = self._get(key, default)
+        value = self.raw(key, default)
         if value is not default and not is_right(value):
             raise self.fault(key, f"is {quoted(value)}: expected {wanted}")
         return value
 
-    def _get(self, key: str, default: Any = _NEEDED) -> Any:
+    def raw(self, key: str, default: Any = _NEEDED) -> Any:
+        """Return a value of any type."""
         self._read.setdefault(key, [])
         self._known[key] = None
         if key in self._data:
@@ -235,12 +235,6 @@ def _named(path: KeyPath) -> str:
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
 
 
-def _refused(name: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return f"unknown key {name}: {hint}known are {', '.join(known)}"
-
-
 def _shortened(text: str) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
@@ -276,7 +270,9 @@ class LineFinder:
         self._lines: dict[KeyPath, int] = {}
         self._counts: dict[KeyPath, int] = {}  # tables so far in each array of tables
         self._table: KeyPath = ()
-        self._scan()
+        with suppress(IndexError, RecursionError, ValueError):  # partial results are better than none
+            while self._skip(_BLANK) < len(self._text):
+                self._header() if self._text[self._at] == "[" else self._pair(self._table)
 
     def line(self, path: KeyPath) -> int:
         """Return the line of a key, from 1 on; for a missing key that of its table, or 1."""
@@ -285,13 +281,6 @@ class LineFinder:
             if found is not None:
                 return found
         return 1
-
-    def _scan(self) -> None:
-        try:
-            while self._skip(_BLANK) < len(self._text):
-                self._header() if self._text[self._at] == "[" else self._pair(self._table)
-        except (IndexError, RecursionError, ValueError):
-            return  # partial results are better than none
 
     def _header(self) -> None:
         start, is_array = self._at, self._text.startswith("[[", self._at)

@@ -39,7 +39,7 @@ from ..link.codec import (
     pack,
     unpack,
 )
-from ..metrics import psnr_db
+from ..metrics import psnr
 
 if TYPE_CHECKING:
     import moderngl
@@ -252,7 +252,7 @@ class Coder:
             else:
                 upload(into, arrived[key])
         for key, before in coded.before.items():
-            self._lost_db.append(psnr_db(picture_from_linear(arrived[key]), before))
+            self._lost_db.append(psnr(picture_from_linear(arrived[key]), before))
         return True
 
     def close(self) -> None:

@@ -14,7 +14,7 @@ from .reading.text_table import Head, read_head
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
-    """Read a head trace.
+    """Read a head trace: its `track` has the poses, `notes` what was repaired or assumed.
 
     name_or_path: a file, or a bare name (no folder, no ending), which is looked up among the
     shipped recordings first. options: overrides facts of the file, or adds missing ones. Errors:

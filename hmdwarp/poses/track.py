@@ -169,6 +169,10 @@ class PoseTrack:
     def __len__(self) -> int:
         return len(self.time_ns)
 
+    def __repr__(self) -> str:
+        span = f"{self.duration_ns * 1e-9:.2f} s at {self.rate_hz:.1f} Hz"
+        return f"<PoseTrack '{self.name}': {len(self)} poses in {span}>"
+
     @property
     def start_ns(self) -> int:
         """Instant of the first sample."""

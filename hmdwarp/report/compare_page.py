@@ -88,6 +88,8 @@ def _columns() -> Iterator[Column]:
 
 
 COLUMNS = by_name(_columns())
+# What a notebook shows of each row.
+OF_NOTEBOOK = tuple(COLUMNS[name] for name in ["strategy", "flip", "psnr_db", "client_ms", "mbit_s", "start_bytes"])
 _SHOWN = (
     *("flip", "psnr_db", "flicker", "hole_share", "client_ms", "server_ms", "mbit_s", "up_mbit_s"),
     *("start_bytes", "client_bytes"),

@@ -281,6 +281,7 @@ def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
 
 Pixels = NDArray[np.uint8]
 Panel = tuple[str, Pixels]
+LATE = "late frame"  # the panel that may be wider than the shown ones
 
 # Error maps are brightest here: the mean is near 0.1, and hardly a pixel has 1.
 ERROR_TOP = 0.5
@@ -319,7 +320,7 @@ def comparison_panels(
     rendered: None where there is no late picture. error_map: as magma; brightest at ERROR_TOP.
     beside: what other warps made of the late frame.
     """
-    late = [] if rendered is None else [("late frame", rendered)]
+    late = [] if rendered is None else [(LATE, rendered)]
     levels = np.asarray(error_map, np.float32) / (255 if np.asarray(error_map).dtype == np.uint8 else 1)
     error = magma(levels / ERROR_TOP)
     return [("truth", truth), *late, ("warped", warped), *beside, (f"error (FLIP 0 to {ERROR_TOP:g})", error)]

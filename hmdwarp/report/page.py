@@ -180,7 +180,9 @@ class Page:
             loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
             lstrip_blocks=True,
         )  # fmt: skip
-        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else run_texts.name_pieces(text)
+        environment.filters["pieces"] = lambda text: (
+            [text] if isinstance(text, Markup) else run_texts.name_pieces(text, r"|(?<=[._])(?=[a-z])")
+        )
         return environment.get_template("page.html").render(
             page=self,
             sections=[section for section in self.sections if section is not None and any(section.blocks)],

@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..metrics import QUALITY, Figure
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
-from .files import Panel, Pixels, panels_in
+from .files import LATE, Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
 from .page import Article, Choice, Group, Heading, Page, Picture, Section, Sentences, fact, machine_pairs
 from .replay_page import metric_charts
@@ -31,8 +31,6 @@ ROWS = "rows"
 # What other keys say already, and what equal runs may have otherwise.
 _LEFT_OUT = frozenset({*TIMED_KEYS, "gate", "interval", "difference", "timeline"})
 _MAGNIFY = 16
-# The same program on another machine may add in another order.
-_ROUNDING = 1e-9
 _WORDS = {True: "better", False: "worse", None: "changed"}
 _STYLES = {True: "word holds", False: "word fails", None: "word"}
 
@@ -58,7 +56,8 @@ def is_same(key: str, stored: Any, now: Any, tolerance: float = 0.0) -> bool:
     """Return whether two values are equal but for rounding, or this near."""
     if not all(isinstance(value, int | float) for value in (stored, now)):
         return bool(stored == now)
-    return math.isclose(stored, now, rel_tol=_ROUNDING, abs_tol=tolerance)
+    # 1e-9: the same program on another machine may add in another order.
+    return math.isclose(stored, now, rel_tol=1e-9, abs_tol=tolerance)
 
 
 @attrs.frozen(eq=False)
@@ -99,7 +98,9 @@ class StoredRun:
             return None
         with opened(path, PICTURE_FILE, self.place) as file:
             strip = np.asarray(Image.open(file).convert("RGB"))
-        return dict(zip(labels, panels_in(strip, len(labels) + 1, self.summary["size"][1]), strict=False))
+        width, height = self.summary["size"]
+        found = zip(labels, panels_in(strip, len(labels) + 1, height), strict=False)
+        return {label: panel if label == LATE else panel[:, :width] for label, panel in found}
 
 
 def _number(text: str | None) -> float | str | None:
@@ -124,10 +125,9 @@ class FigureChange:
 
     @property
     def size(self) -> float:
-        """Change as a share of the larger value, 1 where a run lacks it."""
-        if self.stored is None or self.now is None:
-            return 1.0
-        return abs(self.now - self.stored) / max(abs(self.now), abs(self.stored), 1e-300)
+        """Change as a share of the larger value; what a run lacks counts as 0."""
+        stored, now = self.stored or 0.0, self.now or 0.0
+        return abs(now - stored) / max(abs(now), abs(stored), 1e-300)
 
     @property
     def is_better(self) -> bool | None:
@@ -163,7 +163,8 @@ def figures_table(changes: Sequence[FigureChange]) -> Table:
         ))
         for one in changes
     ]  # fmt: skip
-    return Table("", [(head, "") for head in ("metric", "stored", "now", "change", "verdict")], lines, label="Figures")
+    heads = [(head, "") for head in ("metric", "stored", "now", "change", "verdict")]
+    return Table("", heads, lines, style="figures", label="Figures")
 
 
 @attrs.frozen(eq=False)
@@ -171,13 +172,10 @@ class PictureDiff:
     """A picture of both runs that differs."""
 
     name: str
-    # In what.
-    told: str
-    # Of the pixels, and levels of 255.
-    share: float = 0.0
-    largest: int = 0
-    # Stored, now, and the difference.
-    pictures: tuple[Pixels, ...] = ()
+    told: str  # in what it differs
+    share: float = 0.0  # of the pixels
+    largest: int = 0  # difference, of 255
+    pictures: tuple[Pixels, ...] = ()  # stored, now, and the difference
 
 
 @attrs.frozen(eq=False)
@@ -245,16 +243,15 @@ class RunDiff:
     def page(self, command: str) -> str:
         """Return the page: the figures, each picture beside its difference, both runs over time."""
         count = len(self.setup) + len(self.figures) + len(self.refreshes) + len(self.pictures)
-        summary = self.second.summary
         labels = ("stored", "now", f"absolute difference, x{_MAGNIFY}")
-        shown = [one for one in self.pictures if one.pictures]
         choice = Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
         articles = [
             Article([Heading(one.name, one.told), Group("panels", [
                 Picture.of(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png")
                 for label, picture in zip(labels, one.pictures, strict=True)
             ])])
-            for one in shown
+            for one in self.pictures
+            if one.pictures
         ]  # fmt: skip
         return Page(
             kind="diff",
@@ -271,7 +268,7 @@ class RunDiff:
                     [Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
                 ),
             ),
-            made_with=machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"]),
+            made_with=machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
         ).html()
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import attrs
+from markupsafe import Markup
 
 from .. import errors
 from ..metrics import JOD, STAGES, Figure, metrics, metrics_in_order
@@ -84,9 +85,9 @@ def pair_text(baseline: str, condition: str) -> str:
     return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
 
-def name_pieces(text: str) -> list[str]:
-    """Split a long name where it may break: after the colon, comma or blank between its parts."""
-    return re.split(r"(?<=[:, ])(?=\S)", text)
+def name_pieces(text: str, also: str = "") -> list[str]:
+    """Split a long name after colon, comma or blank, where it may break; also: more patterns."""
+    return re.split(rf"(?<=[:, ])(?=\S){also}", text)
 
 
 Heads = Sequence[tuple[str, str]]
@@ -172,6 +173,18 @@ class Table:
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         sides = [f"{'<' if self.style_of(n) == 'word' else '>'}{wide}" for n, wide in enumerate(widths)]
         return "\n".join("  ".join(map(format, line, sides)).rstrip() for line in lines)
+
+    def html(self) -> str:
+        """Return the table as HTML, for a notebook: words at the left, numbers at the right."""
+        cell = Markup('<{0} style="text-align: {1}">{2}</{0}>').format
+        sides = ["left" if self.style_of(column) == "word" else "right" for column in range(len(self.heads))]
+        heads = [cell("th", side, f"{n} [{u}]" if u else n) for side, (n, u) in zip(sides, self.heads, strict=True)]
+        rows = [
+            Markup().join(cell("td", *pair) for pair in zip(sides, (one.text for one in line.cells), strict=True))
+            for line in self.lines
+        ]
+        row = Markup("<tr>{}</tr>").format
+        return str(Markup("<table>{}</table>").format(Markup().join(map(row, [Markup().join(heads), *rows]))))
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:

@@ -27,11 +27,11 @@ HATCHES = ("", "....", "////", "")
 # Stand-in colours, all of one length, and the CSS variables that replace them.
 INK, GRID = "#010101", "#020202"
 SERIES = tuple(f"#0500{number:02x}" for number in range(len(_SERIES)))
-REGIONS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_TONES = dict(zip((*SERIES, *REGIONS), (*_SERIES, *_REGIONS), strict=True))
+REGION_COLOURS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
+_TONES = dict(zip((*SERIES, *REGION_COLOURS), (*_SERIES, *_REGIONS), strict=True))
 CSS_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
 CSS_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
-CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(REGIONS)}
+CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(REGION_COLOURS)}
 # What a chart of a page has on white paper, by stand-in.
 PAPER_COLOURS = {INK: "#30373f", GRID: "#e2e6ea", **{stand_in: light for stand_in, (light, _) in _TONES.items()}}
 

@@ -121,7 +121,12 @@ def cells_table(one: Mapping[str, Any]) -> Table:
     """Return an experiment's numbers by setting, each marked by whether the claim holds there."""
     columns = list(dict.fromkeys(cell["column"] for cell in one["cells"]))
     rows = list(dict.fromkeys(cell["row"] for cell in one["cells"]))
-    found = {(cell["row"], cell["column"]): _cell_text(one, cell) for cell in one["cells"]}
+    found = {
+        (cell["row"], cell["column"]): "–"
+        if (value := cell["value"]) is None
+        else f"{plain(value * one['scale'], one['digits'])}{MARKS[cell['holds']]}"
+        for cell in one["cells"]
+    }
     lines = [[row, *(found.get((row, column), "") for column in columns)] for row in rows]
     return Table.of(one["measured"], [("setting", ""), *((column, one["unit"]) for column in columns)], lines)
 

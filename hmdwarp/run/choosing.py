@@ -161,7 +161,15 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
         usable = [row if device else _without_lens(row) for row in usable]
     elif {row["lens"] for row in usable} == {"none"}:
         notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
-    notes += _other_terms(usable, options, size, name)
+    differing = []  # that nothing corrects
+    of_run = {"guard": options.guard_band.factors(size).entry, "latency_ms": options.latency_ms, "scene": options.scene}
+    for key, mine in of_run.items():
+        theirs = list(dict.fromkeys(row[key] for row in usable if key in row))
+        if theirs and mine not in theirs:
+            values = ", ".join(map(str, theirs))
+            unit = " ms" if key == "latency_ms" else ""
+            differing.append(f"{key.removesuffix('_ms')} {values}{unit} (this run: {mine}{unit})")
+    notes += [f"{name} was measured with {'; '.join(differing)}."] if differing else []
     same = [row for row in usable if tuple(row["size"]) == size]
     try:
         levels = levels_from(same or usable)
@@ -191,22 +199,6 @@ def _without_lens(row: Row) -> Row:
     return {**row, "lens": "none", "time_ms": {**times, "total": total}}
 
 
-def _other_terms(rows: list[Row], options: PipelineOptions, size: tuple[int, int], name: str) -> list[str]:
-    """Return a note on the differences between the benchmark and this run that nothing corrects."""
-    differing = []
-    for key, mine, unit in (
-        ("guard", options.guard_band.factors(size).entry, ""),
-        ("latency_ms", options.latency_ms, " ms"),
-        ("scene", options.scene, ""),
-    ):
-        theirs = list(dict.fromkeys(row[key] for row in rows if key in row))
-        if theirs and mine not in theirs:
-            differing.append(
-                f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
-            )
-    return [f"{name} was measured with {'; '.join(differing)}."] if differing else []
-
-
 INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
 # Every fill with every warp would be over a hundred pictures per instant, and some fills depend on
 # earlier refreshes, which a few instants cannot show. These differ most in cost and quality; use
@@ -228,7 +220,6 @@ class Choice:
     # named its warp.
     level: QualityLevel | None
     levels: tuple[QualityLevel, ...]
-    # The reasons, one sentence each.
     notes: tuple[str, ...]
     # Of the level on a client's device that is modelled, the least and the most; None if measured.
     range_ms: tuple[float, float] | None = None
@@ -323,11 +314,21 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
         "FILE saves that"
     )
     alone = [c for c in combinations if not c.plan.fills]
-    size = options.size or source.headset.eye_size_px
-    if device is None:
-        times = dict(_first_times(options, source, alone))
-    else:
+    times = {}
+    if device is not None:
+        size = options.size or source.headset.eye_size_px
         times = {c.warp: device_ms(c.plan, size, device)[1] for c in alone}
+    for batch in [] if times else _batches(options, source.headset, alone):
+        with _frames_for(batch, options, source) as setup:
+            (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
+            for combination in batch:
+                compensator = setup.compensator(combination.plan)
+                inputs = setup.loop.inputs(refresh, combination.plan.needs)
+                for _ in range(2):  # the first warms up
+                    for eye_inputs in inputs:
+                        compensator.run(eye_inputs)
+                    stages = setup.target.gpu.timer.collect()
+                times[combination.warp] = sum(milliseconds for _, milliseconds in stages) / 2
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
     rows = (_on_device(row, plan, device) for plan, row in _rows(options, source, kept))
@@ -346,23 +347,6 @@ def _frames_for(combinations: Sequence[Combination], options: RunOptions, source
     network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
     alone = attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
     return set_up_replay(alone, needs_of(c.plan for c in combinations), source=source)
-
-
-def _first_times(
-    options: RunOptions, source: Source, combinations: Sequence[Combination]
-) -> Iterator[tuple[str, float]]:
-    """Yield (warp, ms per eye) from one timed run in the middle of the replay, after a warm-up."""
-    for batch in _batches(options, source.headset, combinations):
-        with _frames_for(batch, options, source) as setup:
-            (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
-            for combination in batch:
-                compensator = setup.compensator(combination.plan)
-                inputs = setup.loop.inputs(refresh, combination.plan.needs)
-                for _ in range(2):  # the first warms up
-                    for eye_inputs in inputs:
-                        compensator.run(eye_inputs)
-                    stages = setup.target.gpu.timer.collect()
-                yield combination.warp, sum(milliseconds for _, milliseconds in stages) / 2
 
 
 def _rows(options: RunOptions, source: Source, combinations: Sequence[Combination]) -> Iterator[tuple[Plan, Row]]:

@@ -6,22 +6,23 @@ import importlib
 import itertools
 import time
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..client.compensator import EyeResult
 from ..client.inputs import History, PassInputs
-from ..client.plan import Plan
+from ..client.plan import Plan, build_plan
 from ..client.strategies import has_own_link
-from ..colour import linear_from_srgb, picture_from_linear
+from ..client.warp_kinds import ArrayWarp
+from ..colour import picture_from_linear
 from ..frames import Needs
 from ..frames.layers import Layer, layers
 from ..geometry import View
-from ..gpu.context import Gpu
-from ..gpu.textures import Canvas, download, upload
+from ..gpu.textures import Canvas, download
 from ..link import Link, LinkOptions, Pacer
+from ..options import Choice, NoSettings
 from ..resources import install_line
 from .replay_setup import Schedule
 
@@ -72,50 +73,50 @@ def opencv_depth(inverse_depth: NDArray[np.floating]) -> tuple[NDArray[np.float3
     return depth.astype(np.float32), np.where(known, 255, 0).astype(np.uint8)
 
 
-class OpenCvWarp:
-    """cv2.warpFrame in place of a compensator: its picture and its time, nothing else.
+class OpenCvWarp(ArrayWarp):
+    """cv2.warpFrame: the whole rendered picture with one camera, as the function demands.
 
-    The whole rendered picture is warped with one camera, as the function demands, and the shown
-    view is cut out of it. plan: what it is compared beside, for what frames must carry.
+    The shown view is cut out of it.
     """
 
-    def __init__(self, gpu: Gpu, plan: Plan, shown_size: tuple[int, int]) -> None:
-        self._cv2 = importlib.import_module("cv2")
-        self._gpu, self.plan, self._size = gpu, plan, shown_size
-        self._canvases = [Canvas(gpu.gl, shown_size) for _ in range(2)]
+    name = OPENCV
+    carries = False  # it takes bytes
 
-    def run(self, inputs: PassInputs) -> EyeResult:
-        """Warp one eye's picture; its time is that of the call to OpenCV alone."""
-        rendered, canvas = inputs.rendered, self._canvases[inputs.eye]
-        picture = picture_from_linear(download(rendered.colour))
+    def prepare(self) -> None:
+        self._cv2 = importlib.import_module("cv2")
+
+    def arrays(self, inputs: PassInputs) -> tuple[Any, ...]:
+        """Return the arguments of cv2.warpFrame, and what of its picture is shown."""
+        rendered, (wide, high) = inputs.rendered, self.shown_size
         depth, mask = opencv_depth(download(rendered.inverse_depth))
         camera = opencv_camera(rendered.view, rendered.size)
         # Half a pixel to the right and down: warpFrame rounds places down to whole pixels.
         to_nearest = np.eye(4)
         to_nearest[0, 2], to_nearest[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
         motion = to_nearest @ opencv_motion(rendered.view, inputs.shown)
-        started_ns = time.perf_counter_ns()
-        _, warped, covered = self._cv2.warpFrame(depth, picture, mask, motion, camera)
-        done_ns = time.perf_counter_ns()
-        self._gpu.timer.add("warp", (done_ns - started_ns) * 1e-6)
         # The shown part: a guard band adds whole pixels.
-        own, (wide, high) = opencv_camera(inputs.shown, self._size), self._size
+        own = opencv_camera(inputs.shown, self.shown_size)
         x, y = (round(camera[k, 2] - own[k, 2]) for k in (0, 1))
-        cut = np.s_[y : y + high, x : x + wide]
-        coverage = covered[cut] > 0
-        colour = linear_from_srgb(warped[cut]) * coverage[..., None]
-        upload(canvas.texture, np.dstack([colour, coverage]))
+        picture = picture_from_linear(download(rendered.colour))
+        return depth, picture, mask, motion, camera, np.s_[y : y + high, x : x + wide]
+
+    def warp(self, *given: Any) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return sRGB and coverage of the shown part."""
+        *arguments, shown = given
+        _, warped, covered = self._cv2.warpFrame(*arguments)
+        return warped[shown], covered[shown]
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        super().run(inputs, into)
+        done_ns = time.perf_counter_ns()
         while time.perf_counter_ns() < done_ns + SPIN_S * 1e9:  # not asleep: a core that has slept is slow for a while
             pass
-        return EyeResult(inputs.middle, canvas, canvas, canvas)
 
-    def renew(self) -> None:
-        """Nothing to do: it remembers nothing."""
 
-    def close(self) -> None:
-        """Free the pictures."""
-        for canvas in self._canvases:
-            canvas.release()
+def outside_plan(name: str) -> Plan:
+    """Return the plan of one of PLANLESS; of the oracle, what it is compared beside."""
+    plan = build_plan((), "forward", "none", "none", client_geometry=False)
+    return attrs.evolve(plan, choice=Choice(OpenCvWarp, NoSettings())) if name == OPENCV else plan
 
 
 # For the compensators of one batch on a GPU; a software renderer may use part of the machine's

@@ -40,6 +40,9 @@ class LiveResult:
     # As summary.json, including `live`.
     summary: dict[str, Any]
 
+    def __repr__(self) -> str:
+        return f"<LiveResult {self.summary['warp']} + {self.summary['fill']}; {self.folder}>"
+
     def describe(self) -> list[str]:
         """Return the lines to print at the end."""
         return live_lines(self.summary, self.folder)

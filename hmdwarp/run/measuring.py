@@ -18,7 +18,7 @@ from ..frames import EyeImage
 from ..frames.layers import PICTURE
 from ..geometry import View, gaze_tangent, looking
 from ..gpu.textures import download, flip_rows
-from ..metrics import Compared, QualityJob, QualityPool, psnr_db
+from ..metrics import Compared, QualityJob, QualityPool, psnr
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
@@ -44,7 +44,7 @@ class NearGaze:
         """Take a picture in. shown: of the eye, with its gaze at that instant. rendered: drawn."""
         near = flip_rows(near_gaze(shown, now.shown.shape[1::-1]))
         if near.any():  # as a picture one pixel high
-            self._psnr_db.append(psnr_db(now.shown[near][None], now.truth[near][None]))
+            self._psnr_db.append(psnr(now.shown[near][None], now.truth[near][None]))
         if rendered.gaze is not None or shown.gaze is None or self.looks_ahead:  # else, as of recordings, not known
             off = float(_in_world(shown) @ _in_world(rendered))
             self._off_deg.append(math.degrees(math.acos(min(1.0, off))))
@@ -141,7 +141,7 @@ class Probe:
             self.second_eye["hole_share"][number] = _hole_share(coverage(result))
             if isinstance(server, RecordedRenderer) and server.right is not None:
                 truth = draw_truth(server.right, refresh.inputs[second], self._setup.sizes.shown, depth=False)
-                self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
+                self.second_eye["psnr_db"][number] = psnr(shown_picture(result), truth.picture)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.

@@ -25,11 +25,11 @@ from ..pipeline.remote_source import RemoteFrames
 from ..pipeline.source import PoseRequest, nothing
 from ..poses import Origin, PoseSample
 from ..scenes import InputEvent
-from ..sources.feed.listener import Asked
+from ..sources.feed.listener import Asked, listening
 from ..sources.feed.message import RAW, Ask
 from ..sources.server import Renderer
 from .options import ProxyRunOptions
-from .serve_run import answering, listening
+from .serve_run import answering
 
 # For the first frame, and between looks at whether it is there.
 _FIRST_NS, _LOOK_S = 30_000_000_000, 0.005
@@ -46,7 +46,8 @@ def proxy(
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
     plan = build_plan((), options.warp, options.fill, "none", client_geometry=False)
-    listener, _, _ = listening(options, say)
+    how = {"is_open": options.open, "per_address": options.per_address}
+    listener, _, _ = listening(options.listen, say, options.token_file, options.key_pair, **how)
     with closing(listener), Gpu() as gpu, closing(_Warping(gpu, options, plan, say)) as server:
         say(f"listening at {listener.address}: a proxy for {options.feed.connect}, {options.warp} + {options.fill}")
         answering(listener, server, server.draw_asked, goes_on)

@@ -237,7 +237,7 @@ def set_up_replay(
         poses.start()
         run.cleanup.callback(poses.close)
         run.start(gpu, poses, lambda now_ns: track, schedule.age_ns, schedule.link_latency_ns(run.options))
-        notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
+        notes[:0] = [*source.notes, *trace.notes, *source.scene.notes]
         notes.extend([*run.options.notes, *motion_notes(run.options, source.scene, run.plans[0])])
         run.trace, run.track, run.schedule, run.notes = trace, track, schedule, notes
         unfinished.pop_all()

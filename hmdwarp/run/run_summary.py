@@ -178,6 +178,13 @@ class ReplayResult:
         """Path of the page."""
         return self.folder / "report.html"
 
+    def __repr__(self) -> str:
+        about, means = self.summary, {one.name: self.summary["quality"][one.name]["mean"] for one in metrics_in_order()}
+        found = [metric.figure for metric in metrics_in_order() if metric.tile_note and means[metric.name] is not None]
+        figures = ", ".join(f"{one.label} {one.text(means[one.name])} {one.unit}".strip() for one in found)
+        run = f"{about['trace']}, {about['scene']}, {about['latency_ms']:g} ms, {about['warp']} + {about['fill']}"
+        return f"<ReplayResult {run}: {figures}; {self.report}>"
+
     def _repr_html_(self) -> str:
         """Return the table that ends a run: a notebook shows it."""
         return summary_html(self.summary, *self.against)

@@ -34,8 +34,8 @@ from ..resources import import_extra, recording_names
 from ..scenes import InputBook, load_scene
 from ..sources import sequences
 from ..sources.feed import bounds
-from ..sources.feed.key_pairs import KeyPair, key_pair
-from ..sources.feed.listener import Asked, Listener
+from ..sources.feed.key_pairs import KeyPair
+from ..sources.feed.listener import Asked, Listener, listening
 from ..sources.feed.message import (
     ANY,
     BYTES,
@@ -49,12 +49,11 @@ from ..sources.feed.message import (
     Picture,
     Session,
 )
-from ..sources.feed.options import secret_in
 from ..sources.feed.parts import Layers
 from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer, Server
 from .browser_log import SessionLog
-from .options import ListenOptions, ServeOptions
+from .options import ServeOptions
 from .replay_setup import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
@@ -73,7 +72,8 @@ def serve(
     say: called with each line for the log, first with the address.
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
-    listener, secret, pair = listening(options, say)
+    how = {"is_open": options.open, "per_address": options.per_address}
+    listener, secret, pair = listening(options.listen, say, options.token_file, options.key_pair, **how)
     with closing(listener):
         drawing = PipelineOptions(mirrors=options.mirrors, samples=options.samples)
         if options.frames is None:
@@ -87,18 +87,6 @@ def serve(
             say(f"listening at {listener.address}: {source.title}")
             with _door(options, listener, source, secret, pair, say) if options.web else nullcontext():
                 answering(listener, server, functools.partial(_drawn, server), goes_on)
-
-
-def listening(options: ListenOptions, say: Callable[[str], None]) -> tuple[Listener, str, KeyPair | None]:
-    """Return what listens, the shared secret and the key pair. Errors: as Listener."""
-    secret, pair = secret_in(options.token_file), None
-    if options.key_pair is not None:
-        pair, is_new = key_pair(options.key_pair)
-        if is_new:
-            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
-    how = options.open, options.per_address
-    found = Listener(options.listen, secret, pair, is_open=how[0], per_address=how[1], say=say)
-    return found, secret, pair
 
 
 # Returns the frame for a request that needs these layers.

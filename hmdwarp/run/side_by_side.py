@@ -37,7 +37,7 @@ from ..metrics import (
 )
 from ..pipeline.loop import Refresh
 from ..sources.server import Renderer
-from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
+from .combinations import ORACLE, Case, Combination, frames_used, instants_of
 from .frame_rows import Row, stage_columns
 from .replay_setup import ReplayRun
 from .truth import Truth, WholePictures, coverage, draw_truth, shown_picture
@@ -177,11 +177,9 @@ class SideBySide:
             if not isinstance(compensator, Compensator):
                 compensator.close()
 
-    def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp | Oracle:
+    def _compensator_of(self, combination: Combination) -> Compensator | Oracle:
         if combination.warp == ORACLE:
             return Oracle(self._setup.server, combination.plan, self._setup.sizes.shown)
-        if combination.is_outside:
-            return OpenCvWarp(self._setup.target.gpu, combination.plan, self._setup.sizes.shown)
         return self._setup.compensator(combination.plan)
 
     def refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
@@ -205,7 +203,7 @@ class SideBySide:
                     compensator.learn(inputs)
         self._setup.target.gpu.timer.collect()
 
-    def inputs(self, compensator: Compensator | OpenCvWarp | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
+    def inputs(self, compensator: Compensator | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
         """Return what a compensator reads of a refresh, eye by eye."""
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 

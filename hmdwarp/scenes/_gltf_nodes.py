@@ -79,8 +79,10 @@ class Curve:
 
 
 def _product(p: Array, q: Array) -> Array:
-    """Multiply quaternions xyzw."""
-    return np.append(p[3] * q[:3] + q[3] * p[:3] + np.cross(p[:3], q[:3]), p[3] * q[3] - p[:3] @ q[:3])
+    """Multiply quaternions xyzw: ten times as fast as by np.cross."""
+    (a, b, c, d), (x, y, z, w) = p.tolist(), q.tolist()
+    first = d * x + w * a + (b * z - c * y), d * y + w * b + (c * x - a * z)
+    return np.array([*first, d * z + w * c + (a * y - b * x), d * w - (a * x + b * y + c * z)])
 
 
 class Nodes:
@@ -169,18 +171,20 @@ class Nodes:
             return rest, np.zeros((4, 4))
         if not curves:
             if node not in self._matrices:
-                self._matrices[node] = _matrix(rest)
+                matrix = self._matrices[node] = np.eye(4)
+                matrix[:3, :3] = Rotation.from_quat(rest["rotation"]).as_matrix() * rest["scale"]
+                matrix[:3, 3] = rest["translation"]
             return self._matrices[node], np.zeros((4, 4))
         parts = {path: (rest[path], np.zeros(_WIDTH[path])) for path in _WIDTH} | {
             path: curve.at(seconds) for path, curve in curves.items()
         }
         (place, speed), (turn, turning), (scale, growing) = (parts[path] for path in _WIDTH)
-        rotation = Rotation.from_quat(turn).as_matrix()
+        placed, change, rotation = np.eye(4), np.zeros((4, 4)), Rotation.from_quat(turn).as_matrix()
         x, y, z = 2 * _product(turning, turn * (-1, -1, -1, 1))[:3]
         spin = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ rotation
-        change = np.zeros((4, 4))
+        placed[:3, :3], placed[:3, 3] = rotation * scale, place
         change[:3, :3], change[:3, 3] = spin * scale + rotation * growing, speed
-        return _matrix({"translation": place, "rotation": turn, "scale": scale}), change
+        return placed, change
 
     def _rest_of(self, index: int) -> dict[str, Array] | Array:
         """Return translation, rotation and scale of a node, or its 4x4 matrix."""
@@ -272,13 +276,6 @@ class Nodes:
                 raise error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
             values = values if each == 3 else values / size
         return Curve(path, kind, times, values)
-
-
-def _matrix(parts: dict[str, Array]) -> Array:
-    out = np.eye(4)
-    out[:3, :3] = Rotation.from_quat(parts["rotation"]).as_matrix() * np.asarray(parts["scale"])
-    out[:3, 3] = parts["translation"]
-    return out
 
 
 MOST_PLACED = 1_000_000  # of nodes at instants, to know which chains are rigid: two or three minutes
@@ -388,7 +385,8 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
     used = weights > 0
     if (which[used] >= len(joints)).any():
         raise file.error(f"{name}: a vertex uses joint {int(which[used].max())}, there are {len(joints)}")
-    which[~used] = 0
+    which[~used], columns_used = 0, used.any(axis=0)
+    which, weights = which[:, columns_used], weights[:, columns_used]
     if "inverseBindMatrices" not in found:
         return Driven(nodes, rest, joints, np.tile(np.eye(4), (len(joints), 1, 1)), which, weights)
     inverse = file.numbers(found["inverseBindMatrices"], name, 16).astype(np.float64)

@@ -36,8 +36,18 @@ def lit_by(
     lit: of each mesh, whether lamps light it. Where they cannot, a note says why, and there are no
     lamps. origin: of the scene, which meshes are relative to.
     """
-    placed: list[Mesh] | str = _misfit(meshes, lit, lamps, textures)
-    if not placed:
+    triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
+    placed: list[Mesh] | str
+    if len(lamps) > MOST_LAMPS:
+        placed = f"there are {len(lamps)}, expected at most {MOST_LAMPS}"
+    elif any(mesh.material.reflectivity for mesh in meshes):
+        placed = "something mirrors, expected matt surfaces"
+    elif any(texture.emission is not None for texture in textures):
+        placed = "a texture shines, expected none that does"
+    elif not 0 < triangles <= MOST_TRIANGLES:
+        size = f"{ATLAS[0]}x{ATLAS[1]} texels"
+        placed = f"{triangles:,} lit triangles, expected 1 to {MOST_TRIANGLES}: the light atlas has {size}"
+    else:
         placed = _in_atlas(meshes, lit)
     if isinstance(placed, str):
         notes.add(f"its lamps are left out, and a plain light from above is used: {placed}")
@@ -45,23 +55,6 @@ def lit_by(
     shown, factor = _exposed(lamps, placed, origin)
     notes.add(f"its candelas and lux are shown times {factor:.3g}: a white surface they light has {MEAN_LIGHT:g}")
     return placed, shown
-
-
-def _misfit(meshes: Sequence[Mesh], lit: Sequence[bool], lamps: Sequence[Lamp], textures: Sequence[Texture]) -> str:
-    """Return why lamps cannot light the meshes, with the figure; "" if they can."""
-    triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
-    if len(lamps) > MOST_LAMPS:
-        return f"there are {len(lamps)}, expected at most {MOST_LAMPS}"
-    if any(mesh.material.reflectivity for mesh in meshes):
-        return "something mirrors, expected matt surfaces"
-    if any(texture.emission is not None for texture in textures):
-        return "a texture shines, expected none that does"
-    if not 0 < triangles <= MOST_TRIANGLES:
-        return (
-            f"{triangles:,} lit triangles, expected 1 to {MOST_TRIANGLES}: the light atlas has {ATLAS[0]}x{ATLAS[1]} "
-            "texels"
-        )
-    return ""
 
 
 @attrs.frozen(eq=False)
@@ -72,7 +65,7 @@ class _Chart:
     # (k, 3) vertices, in which triangles are the same corners as in the file.
     triangles: NDArray[np.int64]
     # Of its parallelogram: a corner and the two beside it, and the corner across or -1.
-    corners: tuple[int, int, int, int]
+    corners: tuple[int, ...]
     sides_m: tuple[float, float]
 
     def texels(self, texel_m: float) -> tuple[int, int]:
@@ -134,7 +127,7 @@ def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
     for number, face in enumerate(faces):
         for k in range(3):
             of_edge.setdefault(tuple(sorted((face[k], face[k - 1]))), []).append(number)
-    free = set(range(len(faces)))
+    free, found = set(range(len(faces))), list[tuple[list[int], tuple[int, ...]]]()
     for edge, both in of_edge.items():
         if len(both) == 2 and free >= set(both):
             first, second = ((set(faces[number].tolist()) - set(edge)).pop() for number in both)
@@ -142,17 +135,11 @@ def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
             long_m = float(np.linalg.norm(positions[edge[0]] - positions[edge[1]]))
             if first != second and np.linalg.norm(across) <= SAME * long_m:
                 free -= set(both)
-                corners = first, edge[0], edge[1], second
-                yield _Chart(index, faces[both], corners, _sides(positions, corners))
-    for number in sorted(free):
-        a, b, c = map(int, faces[number])
-        corners = a, b, c, -1
-        yield _Chart(index, faces[[number]], corners, _sides(positions, corners))
-
-
-def _sides(positions: Array, corners: Sequence[int]) -> tuple[float, float]:
-    start = positions[corners[0]]
-    return float(np.linalg.norm(positions[corners[1]] - start)), float(np.linalg.norm(positions[corners[2]] - start))
+                found.append((both, (first, edge[0], edge[1], second)))
+    found += [([number], (*map(int, faces[number]), -1)) for number in sorted(free)]
+    for numbers, corners in found:
+        wide, high = (float(np.linalg.norm(positions[end] - positions[corners[0]])) for end in corners[1:3])
+        yield _Chart(index, faces[numbers], corners, (wide, high))
 
 
 def _cut(

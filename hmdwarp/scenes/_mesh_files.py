@@ -57,12 +57,6 @@ def _trimesh() -> Any:
     return import_extra("trimesh", "trimesh", "scenes")
 
 
-def is_closed(positions: Array, triangles: NDArray[Any]) -> bool:
-    """Return whether it may be culled from behind; an open surface may be seen from both sides."""
-    part = _trimesh().Trimesh(positions, triangles, process=False)
-    return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
-
-
 @contextmanager
 def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
     """Pass on what trimesh warns of in the block, by either way, instead of printing it."""
@@ -371,6 +365,8 @@ def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: N
     except (ValueError, StopIteration):
         share = 1.0
     see_through = Material(see_through=True, opacity=share) if 0 <= share < 1 else Material()
-    look = Look(np.ones(3), texture, see_through, not is_closed(vertices, faces))
+    # What is closed may be culled from behind; an open surface may be seen from both sides.
+    closed = bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
+    look = Look(np.ones(3), texture, see_through, not closed)
     colour = np.broadcast_to(np.asarray(colour, np.float64), vertices.shape)
     return Draft(name, vertices, look, faces, normals_of(vertices, faces), uv, colour)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import struct
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -175,10 +175,22 @@ class Pieces:
         if number > len(self.meshes):
             return []
         known = self.meshes if number else self.stand_ins
-        lit = [mesh is not None and self.under_lamps(mesh) for mesh in known]
-        return [
-            (k, _with_arrays(known[k], rows, corners, more)) for k, rows, corners, more in _unpacked_meshes(thing, lit)
-        ]
+        (count,) = _COUNT.unpack_from(thing)
+        whole = zlib.decompress(thing[_COUNT.size :])
+        sizes = np.frombuffer(whole, np.uint32, 3 * count).reshape(count, 3)
+        _, vertices, triangles = sizes.sum(axis=0).tolist()
+        at, after = sizes.nbytes, sizes.nbytes + 32 * vertices + 12 * triangles
+        rows = _from_byte_planes(whole[at : at + 32 * vertices], (vertices, 8), np.float32)
+        corners = _from_byte_planes(whole[at + 32 * vertices : after], (triangles, 3), np.uint32)
+        further = _from_byte_planes(whole[after:], ((len(whole) - after) // 32, 8), np.float32)
+        found, row, corner, lit_row = list[tuple[int, Mesh]](), 0, 0, 0
+        for k, of_rows, of_corners in sizes.tolist():
+            mesh = known[k]
+            assert mesh is not None
+            lit = further[lit_row : lit_row + of_rows] if self.under_lamps(mesh) else None
+            found.append((k, _with_arrays(mesh, rows[row : row + of_rows], corners[corner : corner + of_corners], lit)))
+            row, corner, lit_row = row + of_rows, corner + of_corners, lit_row + (0 if lit is None else of_rows)
+        return found
 
     def _blank(self, mesh: Mesh) -> Mesh:
         """Return a mesh of the same sizes and nature without content."""
@@ -204,28 +216,6 @@ def _cut(mesh: Mesh) -> list[Mesh]:
     return [mesh] if len(chunks) == 1 else [with_triangles(mesh, chunk) for chunk in chunks]
 
 
-# Positions, places on the texture and light, (n, 8); triangles; under lamps (n, 8) normals, places
-# in the light atlas and albedo.
-_Arrays = tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.float32] | None]
-
-
-def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple[int, *_Arrays]]:
-    (count,) = _COUNT.unpack_from(data)
-    whole = zlib.decompress(data[_COUNT.size :])
-    sizes = np.frombuffer(whole, np.uint32, 3 * count).reshape(count, 3)
-    _, vertices, triangles = sizes.sum(axis=0).tolist()
-    at, after = sizes.nbytes, sizes.nbytes + 32 * vertices + 12 * triangles
-    rows = _from_byte_planes(whole[at : at + 32 * vertices], (vertices, 8), np.float32)
-    corners = _from_byte_planes(whole[at + 32 * vertices : after], (triangles, 3), np.uint32)
-    further = _from_byte_planes(whole[after:], ((len(whole) - after) // 32, 8), np.float32)
-    first_row = first_corner = first_lit = 0
-    for k, rows_of, corners_of in sizes.tolist():
-        own, its = rows[first_row : first_row + rows_of], corners[first_corner : first_corner + corners_of]
-        yield k, own, its, further[first_lit : first_lit + rows_of] if under_lamps[k] else None
-        first_row, first_corner = first_row + rows_of, first_corner + corners_of
-        first_lit += rows_of if under_lamps[k] else 0
-
-
 def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray[Any]:
     planes = np.frombuffer(data, np.uint8).reshape(-1, shape[0]) if shape[0] else np.zeros((4 * shape[1], 0), np.uint8)
     values = np.cumsum(planes, axis=1, dtype=np.uint8).T
@@ -233,10 +223,13 @@ def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArra
 
 
 def _with_arrays(
-    mesh: Mesh | None, rows: NDArray[np.float32], triangles: NDArray[np.uint32], lit: NDArray[np.float32] | None
+    mesh: Mesh, rows: NDArray[np.float32], triangles: NDArray[np.uint32], lit: NDArray[np.float32] | None
 ) -> Mesh:
-    """Return the mesh with what was packed of it, as _Arrays, and nothing else of its own."""
-    assert mesh is not None
+    """Return the mesh with nothing of its own but what was packed of it.
+
+    rows: (n, 8) positions, places on the texture and light; lit: (n, 8) normals, places in the
+    light atlas and albedo, of a mesh under lamps.
+    """
     return attrs.evolve(
         mesh,
         positions=rows[:, :3],

@@ -55,34 +55,23 @@ class Ball:
     colour: Triple = (1.0, 1.0, 1.0)
 
     def mesh(self, name: str, rings: int = 48) -> Mesh:
-        """Return a grid of `rings` x 2 `rings` cells, inside the sphere by at most `sagitta`."""
+        """Return a grid of `rings` x 2 `rings` cells, with vertices on the sphere."""
         theta = np.linspace(0, np.pi, rings + 1)
         phi = np.linspace(0, 2 * np.pi, 2 * rings + 1)
         tt, pp = np.meshgrid(theta, phi, indexing="ij")
         normals = np.stack([np.sin(tt) * np.sin(pp), np.cos(tt), np.sin(tt) * np.cos(pp)], axis=-1).reshape(-1, 3)
+        corner = (np.arange(rings)[:, None] * len(phi) + np.arange(2 * rings)).ravel()
+        down, across_down = corner + len(phi), corner + len(phi) + 1
         return Mesh(
             name,
             np.array(self.centre) + self.radius * normals,
             normals,
             np.stack([pp / (2 * np.pi) * 2, 1 - tt / np.pi], axis=-1).reshape(-1, 2),
             np.array(self.colour) * (0.55 + 0.45 * normals[:, 1:2]),
-            grid_triangles(rings + 1, 2 * rings + 1),
+            np.stack([corner, down, across_down, corner, across_down, corner + 1], axis=1).reshape(-1, 3),
             self.texture,
             albedo=np.tile(self.colour, (len(normals), 1)),
         )
-
-    def sagitta(self, rings: int = 48) -> float:
-        """Return how far flat cells lie inside: r (1 - cos a) for half a cell's diagonal a."""
-        half_diagonal = np.hypot(np.pi / rings, np.pi / rings) / 2
-        return float(self.radius * (1 - np.cos(half_diagonal)))
-
-
-def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
-    """Return the triangles of a grid of vertices; front: (next column) x (previous row)."""
-    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
-    down, both, across = corner + columns, corner + columns + 1, corner + 1
-    pairs = np.stack([corner, down, both, corner, both, across], axis=1)
-    return pairs.reshape(-1, 3).astype(np.uint32)
 
 
 def checker(

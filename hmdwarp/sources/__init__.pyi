@@ -1,1 +1,2 @@
+from . import feed as feed
 from . import sequences as sequences

@@ -116,8 +116,8 @@ def test_a_head_that_moves_to_the_side_alone_does_not_tell_focal_length_from_dep
     """Parallax is the focal length times the way over the depth: both name the same pictures."""
     frames = filmed(moved(gpu, 0, (0.3, 0, 0), np.random.default_rng(14)), (1.2, 1.2))
     answer = check(Stated(frames))
-    assert answer.verdict == "wrong" and "cannot be told" in answer.headline()
-    assert "field of view" in answer.headline() and "depth scale" in answer.headline()
+    assert answer.verdict == "wrong" and "cannot be told" in answer.headline
+    assert "field of view" in answer.headline and "depth scale" in answer.headline
     assert answer.code == () and len(answer.as_good) > 1
     assert all(finding.as_stated for finding in answer.findings)
     assert {"focal", "scale"} <= {finding.name for finding in answer.findings if not finding.told}
@@ -142,7 +142,7 @@ def test_what_is_named_is_told_and_has_code_that_reads_the_frames_right(name, in
     frames = wrong_frames(in_the_room, name, np.random.default_rng(3))
     answer = check(Stated(frames))
     changed = [finding for finding in answer.findings if not finding.as_stated]
-    assert all(finding.told and finding.label in answer.headline() for finding in changed)
+    assert all(finding.told and finding.label in answer.headline for finding in changed)
     assert bool(changed) == bool(answer.code) == (answer.verdict == "wrong" and not answer.as_good)
     if name in ("right", "eyes swapped", "late", "not reversed"):
         return  # no line of code alone puts these right
@@ -284,7 +284,7 @@ def test_frames_of_different_things_do_not_agree(recorded):
     shuffled = [attrs.evolve(mixed[k], view=mixed[-1 - k].view) for k in rng.permutation(len(mixed))]
     answer = check(Stated(shuffled))
     assert answer.verdict == "no agreement"
-    assert "stands still" in answer.headline() and answer.as_json()["code"] == []
+    assert "stands still" in answer.headline and answer.as_json()["code"] == []
 
 
 def test_pictures_without_detail_do_not_agree_in_colour(in_the_room):
@@ -292,7 +292,7 @@ def test_pictures_without_detail_do_not_agree_in_colour(in_the_room):
     frames = right_frames(in_the_room, CAMERA, np.random.default_rng(9))
     frames = [attrs.evolve(frame, colour=np.full_like(frame.colour, 0.5)) for frame in frames]
     answer = check(Stated(frames))
-    assert answer.verdict == "no agreement" and "but not in colour" in answer.headline()
+    assert answer.verdict == "no agreement" and "but not in colour" in answer.headline
 
 
 def test_the_picture_has_a_row_as_stated_and_one_as_found(in_the_room):

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from commands import hmdwarp
 from PIL import Image
 
 from hmdwarp.report import StoredRun
@@ -14,22 +15,11 @@ from hmdwarp.report import StoredRun
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     """Options of a tiny replay, and its folder, recorded as a baseline."""
-    import sys
-
-    from hmdwarp.cli import main
-
     folder = tmp_path_factory.mktemp("stored")
     options = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against", "none"]
     options += ["--metrics-every", "2", "--images", "2", "--quiet"]
-    before = sys.argv
-    sys.argv = ["hmdwarp", "replay", "look-around", *options, "--out", str(folder / "first")]
-    sys.argv += ["--baseline", str(folder / "run"), "--update-baseline"]
-    try:
-        with pytest.raises(SystemExit) as left:
-            main()
-    finally:
-        sys.argv = before
-    assert not left.value.code
+    store = ["--out", folder / "first", "--baseline", folder / "run", "--update-baseline"]
+    assert not hmdwarp("replay", "look-around", *options, *store).returncode
     return options, folder / "run"
 
 
@@ -67,7 +57,6 @@ def test_a_replay_run_again_is_equal_and_requirements_are_read_of_it(command, st
     assert command("diff", out / "summary.json", again).done()
     made = json.loads((out / "summary.json").read_text())["made_with"]
     assert {"commit", "options", "numpy", "moderngl", "python"} == {*made}
-    # The baseline would be overwritten.
     command("replay", "look-around", *options, "--out", out, "--baseline", out).refused("another --out")
 
 

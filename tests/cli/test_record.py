@@ -55,10 +55,6 @@ def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command
     assert track.origin == "hmdwarp record, synthetic motion 'walk'"
 
 
-def test_quiet_is_quiet(tmp_path, command):
-    command("record", "--source", "synthetic", "--seconds", "0.1", "--out", tmp_path / "a.csv", "--quiet").done()
-
-
 @pytest.mark.parametrize(
     "options, status, told",
     [

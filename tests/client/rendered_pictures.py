@@ -26,19 +26,23 @@ def warped(
     rendered_pose: Pose | None = None,
     shown_size: tuple[int, int] | None = None,
     fov: Fov = FOV,
+    client_depth: np.ndarray | None = None,
+    depth_error: float = 0.0,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees, as large as the rendered picture if nothing is said.
 
-    All bottom row first.
+    All bottom row first. client_depth: what the client has drawn itself.
     """
     size, choice = depth.shape[::-1], parse_warp(spec)
     shown_size = shown_size or size
-    textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
-    for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
+    textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
+    own = client_depth if client_depth is not None else np.zeros(shown_size[::-1])
+    for texture, picture, dtype in zip(textures, (colour, depth, own), (np.float16, *[np.float32] * 2), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
     canvas = Canvas(gpu.gl, shown_size)
     warp = choice.entry(gpu, size, shown_size, choice.settings)
-    warp.run(PassInputs(EyeImage(View(rendered_pose or Pose(), fov), *textures), View(pose, fov)), canvas)
+    rendered = EyeImage(View(rendered_pose or Pose(), fov), *textures[:2], depth_error=depth_error)
+    warp.run(PassInputs(rendered, View(pose, fov), client_inverse_depth=textures[2]), canvas)
     gpu.gl.memory_barrier()
     out = read(canvas.texture)
     for thing in (*textures, canvas):

@@ -54,12 +54,6 @@ def random_depth(seed: int, size: tuple[int, int], holes: float = 0.1, sky: floa
     return depth
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_a_picture_of_64_by_64_gives_the_median_of_all(gpu, seed):
-    depth = random_depth(seed, (GRID, GRID), holes=seed * 0.2, sky=0.05)
-    assert gpu_median(gpu, depth) == lower_median(depth)
-
-
 @pytest.mark.parametrize(
     "size", [(1, 1), (3, 5), (67, 53), (129, 2), (2, 129), (1000, 3), (63, 65), (641, 401), (128, 128)]
 )
@@ -90,8 +84,3 @@ def test_neighbouring_floats_are_told_apart(gpu):
     assert gpu_median(gpu, values.reshape(GRID, GRID)) == np.float32(0.1)
     values[: GRID * GRID // 2] = np.nextafter(np.float32(0.1), np.float32(0))
     assert gpu_median(gpu, values.reshape(GRID, GRID)) == np.nextafter(np.float32(0.1), np.float32(0))
-
-
-@pytest.mark.parametrize("value", [1e-37, 2.0**-100, 3e38, float(np.finfo(np.float32).max)])
-def test_the_ends_of_float32(gpu, value):
-    assert gpu_median(gpu, np.full((5, 5), value)) == np.float32(value)

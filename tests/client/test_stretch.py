@@ -77,22 +77,3 @@ def test_a_head_that_only_turned_hid_nothing(gpu):
     got, depth = holed.fill(gpu, "stretch")
     assert np.array_equal(got, holed.colour)
     assert np.array_equal(depth, holed.inverse_depth)
-
-
-def test_between_two_ends_of_one_surface_it_goes_from_one_to_the_other(gpu):
-    """A crack in a wall, the head moved sideways.
-
-    At its middle the mean of both sides, to the left more of the left one.
-    """
-    holed = Holed(gpu, 1, (60, 20), empty=0)
-    rendered = holed.inputs.rendered.view
-    beside = Pose(rendered.pose.position_m + rendered.pose.rotation.apply([0.3, 0, 0]), rendered.pose.orientation_xyzw)
-    holed.inputs = attrs.evolve(holed.inputs, shown=View(beside, rendered.fov))
-    holed.colour[:, :30], holed.colour[:, 30:], holed.inverse_depth[:] = (1, 0, 0, 1), (0, 0, 1, 1), 0.05
-    crack = np.zeros((20, 60), bool)
-    crack[:, 27:34] = True
-    holed.empty(crack)
-    got, depth = holed.fill(gpu, "stretch")
-    assert (np.diff(got[:, 26:35, 0], axis=1) < 0).all()
-    assert np.abs(got[:, 30, 0] - 0.5).max() <= TOLERANCE
-    assert np.abs(depth - 0.05).max() <= 1e-6

@@ -17,7 +17,7 @@ from hmdwarp.colour import picture_from_linear, srgb8_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import download
 from hmdwarp.run import replay
-from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -58,7 +58,8 @@ def test_a_known_turn():
 @given(vectors(), QUATERNIONS, poses(), vectors())
 def test_q_and_minus_q_are_the_same_pose(position, q, other, point):
     plus, minus = Pose(position, q), Pose(position, -np.asarray(q))
-    assert plus.isclose(minus, 0)
+    assert plus.isclose(minus, 0) and plus == minus and hash(plus) == hash(minus)
+    assert plus != Pose(np.nextafter(plus.position_m, np.inf), q)
     assert np.array_equal(plus.transform(point), minus.transform(point))
     assert np.array_equal(plus.matrix(), minus.matrix())
     assert (other @ plus).isclose(other @ minus, ATOL)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import REGIONS, border_holes, near_discontinuity, pooled, psnr_db, region_of, region_sums
+from hmdwarp.metrics import REGIONS, border_holes, near_discontinuity, pooled, psnr, region_of, region_sums
 
 from .pictures import noise
 
@@ -124,7 +124,7 @@ def test_regions_together_are_the_picture():
     shares = [figures[name]["share"] for name in REGIONS]
     assert all(shares) and sum(shares) == pytest.approx(1, abs=1e-12)
     mean_square = sum(figures[name]["share"] * 10 ** (-figures[name]["psnr_db"] / 10) for name in REGIONS)
-    assert -10 * math.log10(mean_square) == pytest.approx(psnr_db(shown, truth), abs=1e-9)
+    assert -10 * math.log10(mean_square) == pytest.approx(psnr(shown, truth), abs=1e-9)
     assert sum(figures[name]["share"] * figures[name]["flip"] for name in REGIONS) == pytest.approx(mean, abs=1e-9)
 
 

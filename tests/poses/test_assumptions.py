@@ -60,12 +60,12 @@ def test_an_assumption_says_who_says_it(who, said):
 
 
 def test_notes_name_what_nobody_says(tmp_path):
-    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes()
+    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes
     assert any(
         "not stated in the files" in note and "length 1 m per unit (override with --scale)" in note for note in notes
     )
     assert sum(note.count("--axes") for note in notes) == 1
-    assert load_trace("walk").notes() == []
+    assert load_trace("walk").notes == []
 
 
 def test_the_first_that_states_a_fact_is_believed():

@@ -62,7 +62,7 @@ def test_recordings_load_clean_at_90_hz_from_a_standing_head(kind):
     assert loaded.format == "native"
     assert [d.kind for d in loaded.defects] == []
     assert loaded.track.duration_ns / 1e9 == pytest.approx(KINDS[kind].seconds)
-    assert loaded.notes() == []
+    assert loaded.notes == []
     assert loaded.track.rate_hz == pytest.approx(90, rel=1e-6)
     assert f"hmdwarp trace synth {kind}" in loaded.track.origin
     start = loaded.track.pose(0)

@@ -158,7 +158,7 @@ def test_a_lead_that_holds_wins_one_that_does_not_ties_and_a_metric_that_disagre
     assert told["best"] == ["layered", "rotation"] and [one["metric"] for one in told["disagree"]][:1] == ["psnr_db"]
     assert told["disagree"][0]["difference"] == pytest.approx(2) and told["disagree"][0]["best"] == "rotation"
     text = verdict_text(told)
-    assert "a tie by FLIP: layered and rotation." in text and "PSNR disagrees: rotation is better by 2.00 dB" in text
+    assert "a tie by FLIP: layered and rotation." in text and "But PSNR favours rotation by 2.00 dB (95 %:" in text
     assert case.within(best["time_ms"]["total"]["median"] - 1e-9).verdict()["best"] == ["rotation"]
     few = [
         {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}

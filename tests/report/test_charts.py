@@ -54,7 +54,3 @@ def test_few_points_or_none(count):
     text = svg([{"time_s": t, "flip": 0.1} for t in range(count)])
     assert ("not measured" in text) == (count == 0)
     assert ("<use" in text) == (count > 0)  # dots
-
-
-def test_constant_zero_is_drawn_on_an_axis_from_zero():
-    svg([{"time_s": t, "flip": 0.0} for t in range(30)])

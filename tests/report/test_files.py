@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.report import (
@@ -139,13 +138,6 @@ def test_json_has_no_nan_and_knows_numpy_numbers(tmp_path):
     assert everything_below(tmp_path) == set()
     write_json(tmp_path / "out.json", {"n": np.int64(3), "x": np.float32(0.5), "s": "ü"})
     assert json.loads((tmp_path / "out.json").read_text()) == {"n": 3, "x": 0.5, "s": "ü"}
-
-
-def test_png_is_the_picture(tmp_path):
-    picture = np.random.default_rng(0).integers(0, 256, (5, 7, 3), dtype=np.uint8)
-    write_png(tmp_path / "p.png", picture[::-1])
-    with Image.open(tmp_path / "p.png") as image:
-        assert np.array_equal(np.asarray(image), picture[::-1])
 
 
 def test_a_folder_appears_whole(tmp_path):

@@ -15,7 +15,7 @@ from hmdwarp.poses import LoopedSource, Origin, PoseSample, PoseTrack, Walker, p
 from hmdwarp.poses.predictors import predictors
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.run.host import RecentPoses
-from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.sources.feed import FeedOptions
 
 MS = 1_000_000
 PERIOD_NS, AT = 11_111_111, 90  # of the samples, and the first one that is elsewhere

@@ -16,21 +16,13 @@ from replays import replayed
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
-from hmdwarp.run import LiveOptions, ReplayResult, RunOptions, live
+from hmdwarp.run import LiveOptions, RunOptions, live
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences.options import MASK
 
-SIZE, COUNT, RATE_HZ = (60, 40), 12, 30.0
-WALL_M = 2.0
+from .recorded import COUNT, SIZE
 
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Twelve frames at 30 Hz; from one to the next the camera moves 2 cm and turns 1 degree."""
-    path = tmp_path_factory.mktemp("recorded") / "walk-past"
-    path.mkdir()
-    write_npz(path, taken(COUNT, SIZE))
-    return path
+RATE_HZ, WALL_M = 30.0, 2.0
 
 
 @pytest.fixture(scope="module")
@@ -42,16 +34,6 @@ def wall(tmp_path_factory):
         path, [attrs.evolve(frame, depth_m=np.full_like(frame.depth_m, WALL_M)) for frame in taken(6, SIZE, 0, 0)]
     )
     return path
-
-
-@pytest.fixture
-def run(tmp_path, gpu):
-    def call(folder: Path, **said: object) -> ReplayResult:
-        usual = {"latency": 100.0, "against": "", "metrics_every": 3, "workers": 0, "images": 0}
-        made = RunOptions.of({**usual, "frames": folder, "out": tmp_path / "out", "force": True, **said})
-        return replayed(made, False, gpu)
-
-    return call
 
 
 @pytest.mark.parametrize(("guard", "shown"), [("1.5", [40, 27]), ("1.25x1", [48, 40])])

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import pytest
 from recorded_folders import fov_of, taken, write_nerfstudio, write_npz, write_tum
-from replays import replayed, rows_of
+from replays import rows_of
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError, PlanError
@@ -22,38 +22,12 @@ from hmdwarp.options import options_of
 from hmdwarp.pipeline.recorded_renderer import RecordedRenderer
 from hmdwarp.pipeline.source import nothing
 from hmdwarp.poses import load_trace
-from hmdwarp.run import ReplayResult, RunOptions, set_up_replay
+from hmdwarp.run import RunOptions, set_up_replay
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import SequenceOptions
 from hmdwarp.sources.server import Target
 
-# Of 30 Hz: three frames late.
-LATE_MS = 100.0
-COUNT = 12
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Twelve frames at 30 Hz; from one to the next the camera moves 2 cm and turns 1 degree."""
-    path = tmp_path_factory.mktemp("recorded") / "walk-past"
-    path.mkdir()
-    write_npz(path, taken(COUNT, (60, 40)))
-    return path
-
-
-def options(folder: Path, out: Path | str = "nowhere", **said: object) -> RunOptions:
-    usual = {"latency": LATE_MS, "against": "", "metrics_every": 3, "workers": 0, "images": 0}
-    return RunOptions.of({**usual, "frames": folder, "out": Path(out), **said})
-
-
-@pytest.fixture
-def run(folder, tmp_path, gpu):
-    """run(folder=..., page=False, **said): a replay into tmp_path / "out"."""
-
-    def call(folder: Path = folder, page: bool = False, **said: object) -> ReplayResult:
-        return replayed(options(folder, tmp_path / "out", force=True, **said), page, gpu)
-
-    return call
+from .recorded import COUNT, LATE_MS, SIZE, options
 
 
 def test_without_latency_the_frame_is_the_truth(run):
@@ -68,7 +42,7 @@ def test_without_latency_the_frame_is_the_truth(run):
 
 def test_a_late_frame_is_the_one_taken_then_with_its_exact_pose(run, tmp_path):
     result = run(page=True, images=2, against="none", video=True)
-    frames, rows = taken(COUNT, (60, 40)), rows_of(tmp_path / "out")
+    frames, rows = taken(COUNT, SIZE), rows_of(tmp_path / "out")
     assert len(rows) == COUNT - 3 and {row["eye"] for row in rows} == {"0"}
     for number, row in enumerate(rows):
         drawn, shown = (
@@ -218,11 +192,11 @@ def test_part_of_a_recording(run, tmp_path):
 def test_layouts_give_the_same_figures(run, tmp_path):
     """But for depth in steps of 0.2 mm or 1 mm: a hundredth of a pixel."""
     expected = run().summary["quality"]["psnr_db"]["mean"]
-    fx, fy, cx, cy = fov_of((60, 40)).intrinsics((60, 40))
+    fx, fy, cx, cy = fov_of(SIZE).intrinsics(SIZE)
     for write in (write_tum, write_nerfstudio):
         other = tmp_path / write.__name__
         other.mkdir()
-        write(other, taken(COUNT, (60, 40)))
+        write(other, taken(COUNT, SIZE))
         centre = 0.5 if write is write_nerfstudio else 0
         if centre:
             file = other / "transforms.json"
@@ -261,7 +235,7 @@ def test_options_beyond_a_recording_are_refused(said, told, folder):
 def framed(folder: Path, rim: tuple[int, int, int, int]) -> Path:
     """Frames whose outermost rows and columns (top, bottom, left, right) are a noisy white."""
     folder.mkdir()
-    frames, rng = taken(COUNT, (60, 40)), np.random.default_rng(5)
+    frames, rng = taken(COUNT, SIZE), np.random.default_rng(5)
     top, bottom, left, right = rim
     for frame in frames:
         inside = np.zeros(frame.depth_m.shape, bool)

@@ -16,7 +16,7 @@ from hmdwarp.experiments.sweep import ClusterOptions
 from hmdwarp.metrics import QUALITY
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.writing import write_native
-from hmdwarp.run import RunOptions, figures, replay, set_up_replay
+from hmdwarp.run import RunOptions, measured, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
 from hmdwarp.study.export.export_rows import columns_for
@@ -210,7 +210,7 @@ def test_a_warp_chosen_by_the_machine_is_not_made_up(store, tmp_path):
     with pytest.raises(InputError, match="cannot be repeated"):
         run_options(showing, store.contents().sessions[0], store.traces, OPTIONS)
     with pytest.raises(InputError, match="neither warp .auto. nor a video"):
-        figures(RunOptions(trace="walk", warp="auto", budget_ms=5.0))
+        measured(RunOptions(trace="walk", warp="auto", budget_ms=5.0))
 
 
 def test_frames_are_as_old_as_they_were_unless_the_link_says_otherwise(store):

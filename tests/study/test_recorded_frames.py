@@ -7,7 +7,7 @@ from recorded_folders import taken, write_npz
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import QUALITY
-from hmdwarp.run import RunOptions, figures
+from hmdwarp.run import RunOptions, measured
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import load_design
 from hmdwarp.study.session.program import run_session
@@ -57,7 +57,7 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
         {"frames": tmp_path / "walk-past", "guard": "1.5", "warp": "none", "fill": "none", "against": ""},
         latency_ms=late["latency_ms"], seconds=shown["late"].actual["seconds"], metrics_every=2, workers=0, images=0,
     )  # fmt: skip
-    expected = figures(plain)["quality"]
+    expected = measured(plain).summary["quality"]
     assert {name: late[name] for name in QUALITY} == {name: expected[name]["mean"] for name in QUALITY}
 
 

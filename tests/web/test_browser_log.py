@@ -107,7 +107,7 @@ def test_a_session_is_a_trace_and_its_delays(logged, tmp_path):
     assert mine.format == "browser" and len(mine.track) == 9 and len(mine.track.position_m) == 9
     np.testing.assert_allclose(mine.track.position_m[-1], [3, 1.6, 0])
     assert len(load_trace(logged.path, TraceOptions(device=names[1])).track) == 3
-    assert any("--device" in note for note in load_trace(logged.path).notes())
+    assert any("--device" in note for note in load_trace(logged.path).notes)
     with pytest.raises(InputError, match=f"delays of 2 sessions .{names[0]}, {names[1]}.: keep the lines of one"):
         read_delays(logged.path)
     alone = only(logged.path, names[0], tmp_path / "one.jsonl")

@@ -210,19 +210,9 @@ class MirroredPass(RenderedPass):
         others = [image for image in inputs.others if _has_moved(rendered, image.view)][: PICTURES - 1]
         if not others or not _has_moved(rendered, shown):
             return inputs
-        eyes = np.zeros((PICTURES, 3))
-        eyes[1 : 1 + len(others)] = [_seen_from(rendered, image.view) for image in others]
+        eyes, pictures = np.zeros((PICTURES, 3)), 1 + len(others)
+        eyes[1:pictures] = [_seen_from(rendered, image.view) for image in others]
         rendered.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-        self._align_pictures(rendered, others)
-        self._find_images(1 + len(others), eyes)
-        self._separate(1 + len(others), eyes)
-        rendered.colour.bind_to_image(_IN, read=True, write=False)
-        self._joined.bind_to_image(_OUT, read=False, write=True)
-        self.trust.use(_TRUST)
-        self._run(self._join, self.rendered_size, shown_eye=_seen_from(rendered, shown))
-        return attrs.evolve(inputs, rendered=attrs.evolve(rendered, colour=self._joined))
-
-    def _align_pictures(self, rendered: EyeImage, others: list[EyeImage]) -> None:
         self.aligned.bind_to_image(_OUT, read=False, write=True)
         rendered.colour.bind_to_image(_IN, read=True, write=False)
         self._run(self._own, self.rendered_size, layer=0)
@@ -234,8 +224,6 @@ class MirroredPass(RenderedPass):
             sizes = {"other_size": other.size, "other_pixel": (1 / other.size[0], 1 / other.size[1])}
             self._run(self._align, self.rendered_size, layer=layer, H=warp.H, e=warp.e, **sizes)
         self.aligned.use(_ALIGNED)
-
-    def _find_images(self, pictures: int, eyes: np.ndarray) -> None:
         across, down = self._blocks
         planes = (across, down * (PLANES + 1))
         self.edges.bind_to_image(_OUT, read=False, write=True)
@@ -252,8 +240,6 @@ class MirroredPass(RenderedPass):
             written.bind_to_image(_OUT, read=False, write=True)
             self._run(program, size)
         self.image_depth.use(_DEPTH_OF_IMAGES)
-
-    def _separate(self, pictures: int, eyes: np.ndarray) -> None:
         self.places.bind_to_image(_OUT, read=False, write=True)
         self._run(self._places, self.rendered_size, pictures=pictures, eyes=eyes)
         self.light.bind_to_image(_OUT, read=False, write=True)
@@ -270,6 +256,11 @@ class MirroredPass(RenderedPass):
         self._unexplained.bind_to_image(_IN, read=True, write=False)
         self.trust.bind_to_image(_OUT, read=False, write=True)
         self._run(self._compare, self._blocks)
+        rendered.colour.bind_to_image(_IN, read=True, write=False)
+        self._joined.bind_to_image(_OUT, read=False, write=True)
+        self.trust.use(_TRUST)
+        self._run(self._join, self.rendered_size, shown_eye=_seen_from(rendered, shown))
+        return attrs.evolve(inputs, rendered=attrs.evolve(rendered, colour=self._joined))
 
     def _run(self, program: Compute, size: tuple[int, int], **uniforms: Any) -> None:
         wide, high = self.rendered_size

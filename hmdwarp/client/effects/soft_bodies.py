@@ -14,7 +14,7 @@ from ...geometry import View
 from ...geometry.view import tangents_of_pixels
 from ...gpu.shaders import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
-from ...scenes import Scene, unlit
+from ...scenes import unlit
 from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
 from ..client_scene import ClientScene, Store
 from ..drawn_scenes import whole_weight
@@ -38,7 +38,16 @@ class DeformingBodies(Store):
 
     def __init__(self, client: ClientScene, wanted: None) -> None:
         super().__init__(client, wanted)
-        self._scene = scene = _what_deforms(client.scene)  # with its baked light
+        # Deforming surfaces alone with their baked light, and the textures that they have.
+        meshes = [mesh for mesh in client.scene.meshes if mesh.is_surface and mesh.deformation is not None]
+        used = sorted({mesh.texture for mesh in meshes} - {-1})
+        number = {-1: -1} | {texture: k for k, texture in enumerate(used)}
+        plain = [
+            attrs.evolve(mesh, texture=number[mesh.texture], material=attrs.evolve(mesh.material, normal_map=-1))
+            for mesh in meshes
+        ]
+        textures = [client.scene.textures[texture] for texture in used]
+        self._scene = scene = attrs.evolve(client.scene, meshes=plain, textures=textures, lamps=())
         gpu = self._gpu = client.gpu
         bare = unlit(scene)
         self._textures = SceneTextures(gpu, bare)
@@ -50,12 +59,13 @@ class DeformingBodies(Store):
         self._baked = [gl.buffer(np.float32(mesh.light).tobytes()) for mesh in scene.meshes]
         self._past = [gl.buffer(reserve=12 * len(mesh.positions), dynamic=True) for mesh in scene.meshes]
         self._past_ns: int | None = None
-        plain, late = (gpu.shaders.draw("effects/soft_body.vert", "effects/soft_body.frag", LATE=k) for k in (0, 1))
-        self._plain, self._late = plain, late
-        self._vertices = [body.buffers.vertex_array(gl, plain.program, colour=True) for body in self._then]
+        self._plain, self._late = (
+            gpu.shaders.draw("effects/soft_body.vert", "effects/soft_body.frag", LATE=k) for k in (0, 1)
+        )
+        self._vertices = [body.buffers.vertex_array(gl, self._plain.program, colour=True) for body in self._then]
         self._vertices_late = [
             one.buffers.vertex_array(
-                gl, late.program, (baked, "3f4", "in_baked"), (past, "3f4", "in_late"), colour=True
+                gl, self._late.program, (baked, "3f4", "in_baked"), (past, "3f4", "in_late"), colour=True
             )
             for one, baked, past in zip(self._now, self._baked, self._past, strict=True)
         ]
@@ -110,19 +120,6 @@ class DeformingBodies(Store):
             body.close()
         self._framebuffers.close()
         self._textures.close()
-
-
-def _what_deforms(scene: Scene) -> Scene:
-    """Return the scene with its deforming surfaces alone, and the textures that they have."""
-    meshes = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.deformation is not None]
-    used = sorted({mesh.texture for mesh in meshes} - {-1})
-    number = {-1: -1} | {texture: k for k, texture in enumerate(used)}
-    textures = [scene.textures[texture] for texture in used]
-    plain = [
-        attrs.evolve(mesh, texture=number[mesh.texture], material=attrs.evolve(mesh.material, normal_map=-1))
-        for mesh in meshes
-    ]
-    return attrs.evolve(scene, meshes=plain, textures=textures, lamps=())
 
 
 class SoftBodiesPass(ShownPass):

@@ -150,20 +150,6 @@ class MeshWarp(Warp):
         if max(wide, high) > MOST_SIDE:
             most = f"'{self.name}' takes at most {MOST_SIDE} pixels a side"
             raise InputError(f"a rendered picture of {wide}x{high}: {most}")
-        self._compile()
-        self._allocate()
-
-    @property
-    def cuts(self) -> tuple[bool, bool]:
-        """Whether sheets between surfaces are cut by slope, and by vertex identity."""
-        return True, False
-
-    @property
-    def merging(self) -> dict[str, Any]:
-        """Uniforms of the shaders that merge: tolerance in shown pixels and coarsest cell."""
-        return {}
-
-    def _compile(self) -> None:
         slope, vertex = map(int, self.cuts)
         shaders, adaptive = self.gpu.shaders, int(self.adaptive)
         self._blocks = shaders.compute("warps/mesh_blocks.comp", ADAPTIVE=adaptive, SLOPE=slope)
@@ -181,9 +167,7 @@ class MeshWarp(Warp):
         self._pieces = shaders.draw(
             "warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex
         )
-
-    def _allocate(self) -> None:
-        gl, (wide, high) = self.gpu.gl, self.rendered_size
+        gl = self.gpu.gl
         cells = (wide + 1) * (high + 1)
         self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.rendered_size)
         groups = self._groups[0] * self._groups[1]
@@ -215,25 +199,29 @@ class MeshWarp(Warp):
         ]
         self._target = MeshTarget(self.gpu, self.shown_size)
 
+    @property
+    def cuts(self) -> tuple[bool, bool]:
+        """Whether sheets between surfaces are cut by slope, and by vertex identity."""
+        return True, False
+
+    @property
+    def merging(self) -> dict[str, Any]:
+        """Uniforms of the shaders that merge: tolerance in shown pixels and coarsest cell."""
+        return {}
+
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         rendered, shown = inputs.rendered, inputs.shown
         forward = view_map(rendered.view, self.rendered_size, shown, self.shown_size)
         rendered.inverse_depth.bind_to_image(0, read=True, write=False)
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
-        self._make_cells(forward, rendered.view)
-        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
-        self._draw(forward, shown, rendered.view)
-        self._target.copy_to(into)
-
-    def _make_cells(self, forward: WarpMap, rendered: View) -> None:
         named = {
             "H": forward.H,
             "e": forward.e,
             "rendered_size": self.rendered_size,
             "shown_size": self.shown_size,
             "rendered_inverse_depth": 0,
-            "steepest": self._steepest(rendered),
+            "steepest": self._steepest(rendered.view),
             "reach": reach(forward, self.shown_size),
             "group_count": self._groups[0] * self._groups[1],
             "draws": self._calls,
@@ -253,14 +241,8 @@ class MeshWarp(Warp):
             self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
             self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
             self._run(self._choose, named, lambda: self._choose.program.run_indirect(self._buffers[6]))
-
-    def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
-        program.uniforms.set_declared(**named)
-        dispatch()
-        self.gpu.barrier()
-
-    def _draw(self, forward: WarpMap, shown: View, rendered: View) -> None:
-        back = view_map(shown, self.shown_size, rendered, self.rendered_size)
+        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
+        back = view_map(shown, self.shown_size, rendered.view, self.rendered_size)
         named = {
             "H": forward.H,
             "e": forward.e,
@@ -269,7 +251,7 @@ class MeshWarp(Warp):
             "rendered_pixel": (1 / self.rendered_size[0], 1 / self.rendered_size[1]),
             "rendered_inverse_depth": 0,
             "rendered_colour": 0,
-            "steepest": self._steepest(rendered),
+            "steepest": self._steepest(rendered.view),
             "rendered_from_shown": back.H,
             "rendered_parallax": back.e,
             "overlap": overlap(self.merging.get("tolerance", 0.0)),
@@ -280,6 +262,12 @@ class MeshWarp(Warp):
             ):
                 draw.uniforms.set_declared(**named)
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
+        self._target.copy_to(into)
+
+    def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
+        program.uniforms.set_declared(**named)
+        dispatch()
+        self.gpu.barrier()
 
     def _steepest(self, rendered: View) -> tuple[float, float]:
         return steepest(rendered, self.rendered_size, self.settings.steepest_deg)

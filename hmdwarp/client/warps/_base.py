@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from typing import Any, ClassVar, Literal
 
 import attrs
@@ -124,6 +125,10 @@ class Warp(ABC):
         self.depth_into = depth
         self.run(inputs, into)
         self.depth_into = self._run_depth
+
+    def stage(self) -> AbstractContextManager[object]:
+        """Return what times run() as stage `warp`."""
+        return self.gpu.timer.stage("warp", barrier=True)
 
     def close(self) -> None:
         """Free what the warp owns."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 import attrs
-import moderngl
 
 from ...errors import PlanError
 from ...frames import Needs
@@ -85,7 +84,17 @@ class Difference(Warp):
             self._scene.draw(shown, self._now, inputs.shown_ns)
         self.gpu.barrier()
         program = self._program
-        self._bind(difference, into)
+        model = self._now if self._now is not None else self._then
+        difference.bind_to_image(_DIFFERENCE, read=True, write=False)
+        model.colour.texture.bind_to_image(_MODEL, read=True, write=False)
+        if self._now is not None:
+            model.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)
+        self._then.depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
+        into.bind_for_writing(_WRITTEN)
+        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
+        if self.depth_into is not None:
+            self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
+            program.uniforms.set(shown_inverse_depth=_DEPTH)
         if self._now is not None:
             to_rendered = view_map(shown, self.shown_size, rendered, self.rendered_size)
             limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
@@ -103,19 +112,6 @@ class Difference(Warp):
             rendered_size=self.rendered_size,
         )
         program.run(*self.shown_size)
-
-    def _bind(self, difference: moderngl.Texture, into: Canvas) -> None:
-        model = self._now if self._now is not None else self._then
-        difference.bind_to_image(_DIFFERENCE, read=True, write=False)
-        model.colour.texture.bind_to_image(_MODEL, read=True, write=False)
-        if self._now is not None:
-            model.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)
-        self._then.depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
-        into.bind_for_writing(_WRITTEN)
-        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
-        if self.depth_into is not None:
-            self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
-            self._program.uniforms.set(shown_inverse_depth=_DEPTH)
 
     def close(self) -> None:
         super().close()

@@ -119,7 +119,16 @@ class Iterative(GatherWarp):
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         wide, high = self.rendered_size
         surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
-        self._bind_depth(inputs, surface)
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        if self._fringed:  # the gather reads the rendered depth with its fringes moved
+            fringed, view = self._fringed[inputs.eye % len(self._fringed)], inputs.rendered.view
+            fringed.bind_to_image(2, read=False, write=True)
+            which = self._whole.get(inputs.eye) == (view.hidden, view.fov)
+            self._whole[inputs.eye] = view.hidden, view.fov
+            self._fringes[which].uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
+            self._run_fringe[which]()
+            self.gpu.barrier()
+            fringed.bind_to_image(1, read=True, write=False)
         surface |= {"last_centre": (wide - 0.5, high - 0.5)}
         cells = {}
         if self._seeds is not None:
@@ -134,21 +143,6 @@ class Iterative(GatherWarp):
         if not all(map(WarpMap.moves_whole_pixels, maps)):
             back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
             self._older.add(older, back, into, self.depth_into, depth_limits(self.settings, inputs.rendered))
-
-    def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
-        """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
-        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-        if not self._fringed:
-            return
-        fringed, view = self._fringed[inputs.eye % len(self._fringed)], inputs.rendered.view
-        fringed.bind_to_image(2, read=False, write=True)
-        which = self._whole.get(inputs.eye) == (view.hidden, view.fov)
-        self._whole[inputs.eye] = view.hidden, view.fov
-        uniforms = {"fringed_inverse_depth": 2, "rendered_size": self.rendered_size, **surface}
-        self._fringes[which].uniforms.set(**uniforms)
-        self._run_fringe[which]()
-        self.gpu.barrier()
-        fringed.bind_to_image(1, read=True, write=False)
 
     def close(self) -> None:
         super().close()

@@ -6,9 +6,11 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
-from operator import add
+from operator import add, itemgetter
 from pathlib import Path
 from typing import Any
+
+import attrs
 
 from ...client.capability import lacking
 from ...client.classes import Client
@@ -24,18 +26,22 @@ from ...metrics import (
     metrics,
     pooled,
 )
-from ...report.bench.rows import COLUMNS, Columns, cases, row_name
+from ...report.bench.rows import COLUMNS, Columns, cases, row_name, table_of
 from ...resources import __version__, import_extra
 from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplayRun
 from ...run.run_summary import summary_of_rows
 from ...run.side_by_side import Measured
+from ..sweep import MOST_SHOWN
 from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 ORACLE_LACKS = "it knows the depth of the truth, which no client has"
 # Keys of a row that grow with its pictures.
 LONG = ("at_instants", "blocks", "jod", "jod_failure")
+# What a notebook shows of each row.
+_SHOWN = ("trace", "scene", "latency_ms", "strategy", "warp", "fill", "flip", "psnr_db", "ssim", "total_ms")
+OF_NOTEBOOK = tuple(COLUMNS[name] for name in _SHOWN)
 # The columns of bench.csv.
 NAMES = [column.name for column in COLUMNS.values() if column.is_filed]
 
@@ -127,6 +133,14 @@ def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
 
 class Rows(list[dict[str, Any]]):
     """The rows of a bench by the columns of bench.csv: texts, numbers, None for what is unknown."""
+
+    def __repr__(self) -> str:
+        return f"<Rows: {len(self)} of a bench; to_pandas() returns the table>"
+
+    def _repr_html_(self) -> str:
+        """Return the first rows, a notebook shows them."""
+        columns = [attrs.evolve(one, value=itemgetter(one.name), shown=None) for one in OF_NOTEBOOK]
+        return table_of("", columns, self[:MOST_SHOWN]).html()
 
     def to_pandas(self) -> Any:
         """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""

@@ -59,6 +59,7 @@ from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, 
 from .bench_rows import (
     LONG,
     NAMES,
+    OF_NOTEBOOK,
     Rows,
     about_rating,
     check_parquet,
@@ -166,8 +167,8 @@ def _crops(
             set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
             SideBySide(setup, wanted) as beside,
         ):
-            chosen = instants_of(setup.schedule.count, work.options.instants)
-            turns = {number: chosen.index(number) for number in numbers.values()}
+            measured = instants_of(setup.schedule.count, work.options.instants)
+            turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
                 if number not in turns:
                     beside.teach(refresh)
@@ -328,7 +329,7 @@ def bench(
         )
         files = (swept.kept.file(case.identity, CROPS) for case in itertools.islice(swept.done, MOST_CROPS))
         write_bench(out, data, options, [unpacked(path.read_bytes()) if path.exists() else [] for path in files])
-    return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
+    return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused, OF_NOTEBOOK)
 
 
 def _case(work: BenchCase) -> SweepCase:
@@ -429,7 +430,14 @@ def merge(options: MergeOptions) -> ExperimentResult:
                     f"{folder} and {folders[0]} were made by different programs (hmdwarp {bench['hmdwarp']} and "
                     f"{benches[0]['hmdwarp']}), so their pictures may differ: run one of them again"
                 )
-        _tell_apart(benches)
+        # Machines of one host that draw with different GPUs are named by their GPUs too.
+        of_all = [each["machine"] for bench in benches for each in (bench, *bench["rows"])]
+        gpus: dict[str, set[str]] = {}
+        for machine in of_all:
+            gpus.setdefault(machine["host"], set()).add(machine["gl_renderer"])
+        for machine in of_all:
+            if len(gpus[machine["host"]]) > 1:
+                machine["host"] += f" ({machine['gl_renderer']})"
         rows = _joined([row for bench in benches for row in bench["rows"]])
         machines = {bench["machine"]["host"]: {key: bench[key] for key in _MACHINE} for bench in reversed(benches)}
         data = {
@@ -442,7 +450,7 @@ def merge(options: MergeOptions) -> ExperimentResult:
         }
         with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
             write_bench(out, data, options)
-        return ExperimentResult(options.out, data, options.out / "bench.html")
+        return ExperimentResult(options.out, data, options.out / "bench.html", columns=OF_NOTEBOOK)
     except HmdwarpError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -471,17 +479,6 @@ def _read(folder: Path) -> dict[str, Any]:
     if any("blocks" not in row or "host" not in row["machine"] for row in rows) or "program" not in data:
         raise InputError(f"{path}: of an older hmdwarp, which did not say what merge compares: run that bench again")
     return data
-
-
-def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:
-    """Name machines of one host that draw with different GPUs by their GPUs too."""
-    machines = [each["machine"] for bench in benches for each in (bench, *bench["rows"])]
-    gpus: dict[str, set[str]] = {}
-    for machine in machines:
-        gpus.setdefault(machine["host"], set()).add(machine["gl_renderer"])
-    for machine in machines:
-        if len(gpus[machine["host"]]) > 1:
-            machine["host"] += f" ({machine['gl_renderer']})"
 
 
 def _joined(rows: Sequence[Row]) -> list[Row]:

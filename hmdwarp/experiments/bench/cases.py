@@ -26,7 +26,7 @@ from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
-from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing
+from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_traces_of_one_name
 from ...run.replay_setup import first_shown_s, schedule_for, schedule_of
 from ...scenes import CONVERGED, Scene
@@ -121,9 +121,11 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
     """
     pairs = pairs_of(options) if options.warps or not options.strategies else []
     own = [
-        _combination(options, scene, *pair)
-        for pair in pairs
-        if options.warps or not _left_aside(options, scene, pair[0])
+        Combination(
+            warp, fill, outside_plan(warp) if warp in PLANLESS else plan_of(options, scene, warp, fill, options.lens)
+        )
+        for warp, fill in pairs
+        if options.warps or not _left_aside(options, scene, warp)
     ]
     return own + [_strategy(options, scene, text) for text in options.strategies]
 
@@ -142,12 +144,6 @@ def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
         elif chosen or fill in _INCOMPLETE or warp in WITH_COMPLETE_FILLS:
             pairs.append((warp, fill))
     return pairs
-
-
-def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: str) -> Combination:
-    if warp in PLANLESS:  # colour and depth of the whole picture, as this warp reads them
-        return Combination(warp, fill, build_plan((), "forward", "none", "none", client_geometry=False))
-    return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
 
 
 def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:

@@ -27,7 +27,7 @@ from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
 from ...report import OutputFolder, png_bytes, write_paper
 from ...report.bench.rows import first_cases
-from ...report.compare_page import COLUMNS, OF_COMPARE, compare_page
+from ...report.compare_page import COLUMNS, OF_COMPARE, OF_NOTEBOOK, compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
 from ...run.replay_setup import first_shown_s, schedule_for
@@ -88,7 +88,7 @@ def compare(
             }
         )
         _write(out, data, options.paper, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
-    return ExperimentResult(options.out, data, options.out / PAGE, swept)
+    return ExperimentResult(options.out, data, options.out / PAGE, swept, columns=OF_NOTEBOOK)
 
 
 def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:

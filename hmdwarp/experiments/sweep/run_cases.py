@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
 from ...report import SCHEMA, OutputFolder
+from ...report.bench.rows import Column, table_of
 from ...resources import __version__
 from .cluster import run_on_cluster
 from .options import ClusterOptions, ExperimentOptions, KeptOptions
@@ -85,6 +87,17 @@ class ExperimentResult:
     swept: Swept | None = None
     # Why no result fits the options, else "".
     refused: str = ""
+    # Of the rows in `data`, those that a notebook shows.
+    columns: tuple[Column, ...] = ()
+
+    def __repr__(self) -> str:
+        failed = 0 if self.swept is None else len(self.swept.failed)
+        return f"<ExperimentResult: {len(self.data.get('rows', ()))} rows, {failed} cases failed; {self.report}>"
+
+    def _repr_html_(self) -> str | None:
+        """Return a table of the first rows: a notebook shows it."""
+        rows = itertools.islice(self.data.get("rows", ()), MOST_SHOWN)
+        return table_of("", self.columns, rows).html() if self.columns else None
 
     def raise_failures(self) -> None:
         """Raise the error of a run in which cases failed: see raise_failed."""

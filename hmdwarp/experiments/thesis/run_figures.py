@@ -24,7 +24,7 @@ from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
-from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr_db
+from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
 from ...pipeline.sizes import refreshes_of
@@ -281,7 +281,7 @@ class _Watcher:
         kinds = holes_of(covered, seen.truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
         there = covered != 0
         found: Figures = {
-            "psnr_db": psnr_db(now.shown, now.truth),
+            "psnr_db": psnr(now.shown, now.truth),
             "hole_share": hole_share(covered),
             "border_share": float(kinds.border.mean()),
             "inner_share": float((kinds.disoccluded | kinds.cracks).mean()),
@@ -297,7 +297,7 @@ class _Watcher:
             found["flicker"] = flicker(now.error, now.view, self._before.error, self._before.view)
         if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
-            found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
+            found["gain_db"] = psnr(now.shown[there][None], truth) - psnr(seen.late[there][None], truth)
         self._figures.append(found)
         self._before = None
         self._first = self._first or (now.shown, seen.truth)

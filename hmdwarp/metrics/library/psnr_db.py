@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from ..metric import Metric, metrics
-from ..picture_pairs import PSNR_CAP_DB, check_pair, db_of
+from ..picture_pairs import PSNR_CAP_DB, db_of, pair_of
 
 
-def psnr_db(shown: NDArray[Any], truth: NDArray[Any]) -> float:
-    """Return the ratio in dB over all pixels and channels, at most 100 dB (identical pictures too).
+def psnr(shown: ArrayLike, truth: ArrayLike) -> float:
+    """Return the ratio in dB over all pixels and channels, at most 100 (identical pictures too).
 
-    shown, truth: (h, w, 3), as metrics.picture_pairs. For uint8 the squared error is summed in
-    integers, so the figure is exact and independent of the order of summation.
-    Errors: InputError for pictures that cannot be compared.
+    Parameters
+    ----------
+    shown, truth : (h, w, 3) array_like
+        sRGB, both uint8 or both floats from 0 to 1. The squared error of uint8 is summed in
+        integers, so the figure is exact.
+
+    Raises
+    ------
+    InputError
+        For pictures that cannot be compared.
     """
-    check_pair(shown, truth)
+    shown, truth = pair_of(shown, truth)
     if shown.dtype == np.uint8:
         difference = shown.astype(np.int32) - truth
         mean_square = int(np.sum(difference * difference, dtype=np.int64)) / shown.size / 255**2
@@ -32,7 +38,7 @@ metrics.register(
     Metric(
         name="psnr_db",
         order=10,
-        compute=lambda m: psnr_db(m.now.shown, m.now.truth),
+        compute=lambda m: psnr(m.now.shown, m.now.truth),
         of_seen_share=lambda value, share: value + 10 * math.log10(share) if value < PSNR_CAP_DB else value,
         higher_is_better=True,
         label="PSNR",

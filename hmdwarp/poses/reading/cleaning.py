@@ -45,8 +45,12 @@ class LoadedTrace:
     device: str = ""  # whose rows were taken, where a column names devices
     assumptions: tuple[Assumption, ...] = ()  # every fact by which the file was read, and who says it
 
+    def __repr__(self) -> str:
+        return f"<LoadedTrace {self.path.name}, {self.format}: {self.track!r}>"
+
+    @property
     def notes(self) -> list[str]:
-        """Return a line for each defect, and of the facts that are only assumed."""
+        """A line for each defect, and of the facts that are only assumed."""
         is_told = any(defect.kind == "axes-contradicted" for defect in self.defects)
         remedy = "" if "--axes" in self.axes else "; --axes states them"
         assumed = [f"the trace's axes: {self.axes}{remedy}"] if self.axes_assumed and not is_told else []

@@ -42,8 +42,8 @@ class Crops:
         """Cut out the square in which the methods' FLIP is highest on average. kept: by method."""
         from PIL import Image
 
-        jobs, errors_of = [each.job for each in kept.values()], [one.result.error_map for one in kept.values()]
-        maps = np.stack([each for each in errors_of if each is not None])
+        jobs = [each.job for each in kept.values()]
+        maps = np.stack([np.asarray(one.result.error_map) for one in kept.values()])
         truth, (high, wide) = jobs[0].now.truth, maps.shape[1:]
         side = min(high, wide, max(_LEAST_PX, high // 5))
         sums = np.pad(maps.mean(axis=0).cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))

@@ -45,8 +45,7 @@ from ..page import (
     texts,
 )
 from ..run_texts import Table, axes_of_traces, counted, listed
-from ..style import GRID, HATCHES, INK, Look
-from ..style import REGIONS as REGION_COLOURS
+from ..style import GRID, HATCHES, INK, REGION_COLOURS, Look
 from .crops import Crops, crops_chart
 from .rows import (
     COLUMNS,
@@ -405,7 +404,7 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
     note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★"))
     winners = [verdict_text(group.verdict()) for group in groups if group.rows]
     columns = [COLUMNS[name] for name in decision(rows)]
-    folds: list[Any] = []
+    folds: list[Fold] = []
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
         folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))

@@ -156,14 +156,14 @@ def verdict_text(verdict: Mapping[str, Any]) -> str:
         return f"{verdict['case']}: no winner: intervals need {LEAST_INSTANTS} instants."
     shown = [*names[:_MOST_NAMED], *([f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else [])]
     won = f"{names[0]} wins by {label}." if len(names) == 1 else f"a tie by {label}: {listed(shown)}."
-    words = [f"{verdict['case']}: {won}"]
+    others = []
     for one in verdict["disagree"]:
         metric = metrics.get(one["metric"])
         sign = 1 if metric.higher_is_better else -1
         by, *ends = (metric.figure.text(sign * value) for value in (one["difference"], *one["interval"][::sign]))
-        told = f"{metric.label} disagrees: {one['best']} is better by {by} {metric.figure.unit}".rstrip()
-        words.append(f"{told} (95 %: {' to '.join(ends)}).")
-    return " ".join(words)
+        told = f"{metric.label} favours {one['best']} by {by} {metric.figure.unit}".rstrip()
+        others.append(f"{told} (95 %: {' to '.join(ends)})")
+    return f"{verdict['case']}: {won}" + (f" But {listed(others)}." if others else "")
 
 
 def cases(rows: Iterable[Row], of: Conditions = OF_BENCH) -> list[Case]:

@@ -8,12 +8,13 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Collection
+from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ...errors import InputError
-from .key_pairs import KeyPair
+from .key_pairs import KeyPair, key_pair
 from .message import (
     LARGEST_ASK,
     MOST_BYTES,
@@ -29,6 +30,7 @@ from .message import (
     encode,
     token_of,
 )
+from .options import secret_in
 from .sockets import (
     CALLS,
     KERNEL_BYTES,
@@ -394,3 +396,15 @@ class Listener:
         self._connections.close()
         self._socket.close(0)
         self._context.term()
+
+
+def listening(
+    address: str, say: Callable[[str], None], token_file: Path | None, pair_name: Path | None, **how: Any
+) -> tuple[Listener, str, KeyPair | None]:
+    """Return what listens, the shared secret and the key pair. how, errors: as Listener."""
+    secret, pair = secret_in(token_file), None
+    if pair_name is not None:
+        pair, is_new = key_pair(pair_name)
+        if is_new:
+            say(f"made {pair_name}.key_secret, which stays here, and {pair_name}.key, which clients need")
+    return Listener(address, secret, pair, **how, say=say), secret, pair

@@ -28,7 +28,6 @@ import attrs
 from ...errors import InputError
 from ...platforms import fcntl, takes_more, termios
 from ...resources import import_extra
-from . import EXTRA
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
@@ -71,7 +70,7 @@ _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
 
 def zmq_module() -> ModuleType:
     """Return the library. Errors: MachineError where it is not installed."""
-    return import_extra("zmq", "pyzmq", EXTRA)
+    return import_extra("zmq", "pyzmq", "feed")
 
 
 def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:

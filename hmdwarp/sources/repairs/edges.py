@@ -138,3 +138,17 @@ def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]
             marks[distance:] |= jumps
             marks[:-distance] |= jumps
     return found
+
+
+@repairs.register
+class NoRepair(Repair):
+    """Leave depth as it is: missing depth is a hole."""
+
+    name = "none"
+    summary = "depth as it was given: a pixel without depth is a hole"
+    needs = "nothing"
+    source = "the baseline of every repair"
+    is_pass = False
+
+    def run(self, colour: Pixels, depth: MeasuredDepth) -> MeasuredDepth:
+        return depth

@@ -130,6 +130,16 @@ class Sequence:
     # where it was not recorded.
     right: Sequence | None = None
 
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def __getitem__(self, at: int) -> RecordedFrame:
+        return self.frames[at]
+
+    def __repr__(self) -> str:
+        (wide, high), seconds = self.frames[0].size, (self.frames[-1].time_ns - self.frames[0].time_ns) * 1e-9
+        return f"<Sequence '{self.name}', {self.layout}: {len(self)} frames of {wide}x{high} in {seconds:.2f} s>"
+
     def with_no_depth(self, meaning: str) -> Sequence:
         """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""
         if meaning != FAR:

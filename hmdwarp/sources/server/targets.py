@@ -147,17 +147,14 @@ class TargetPool:
         self.out[target.colour] = target
         self._handed, self._most_out = self._handed + 1, max(self._most_out, len(self.out))
         if self._handed == IDLE_AFTER:
-            self._free_idle()
+            idle = self.made - self._most_out
+            for unused in self._free[:idle]:
+                unused.release(self._forget)
+            del self._free[:idle]
+            self._handed, self._most_out = 0, self.live
+            # Not only for what was freed: each frame that came through leaves gaps in the heap.
+            self._gpu.give_back_memory()
         return target
-
-    def _free_idle(self) -> None:
-        idle = self.made - self._most_out
-        for target in self._free[:idle]:
-            target.release(self._forget)
-        del self._free[:idle]
-        self._handed, self._most_out = 0, self.live
-        # Not only for what was freed here: each frame that came through the heap leaves gaps in it.
-        self._gpu.give_back_memory()
 
     def _make(self) -> Target:
         return Target(

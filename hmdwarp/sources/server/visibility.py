@@ -114,22 +114,15 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
     corner += boxes[4:]
     x, y, z = corner * corner
     farthest = np.sqrt(x + y + z)
-    edges = np.array(_quantiles(farthest, classes) if len(farthest) else [])
-    found: NDArray[np.intp] = edges.searchsorted(farthest, side="left")
-    return found
-
-
-def _quantiles(values: Array, classes: int) -> list[float]:
-    """Return the borders between `classes` classes of equal size."""
-    # These are np.quantile's numbers without its 65 us of checks.
-    ordered = np.sort(values).tolist()
-    edges = []
-    for k in range(1, classes):
+    # The borders between classes of equal size: np.quantile's numbers without its 65 us of checks.
+    ordered, edges = np.sort(farthest).tolist(), []
+    for k in range(1, classes if ordered else 0):
         place = (len(ordered) - 1) * (k / classes)
         below = int(place)
         low, high, share = ordered[below], ordered[min(below + 1, len(ordered) - 1)], place - below
         edges.append(high - (high - low) * (1 - share) if share >= 0.5 else low + (high - low) * share)
-    return edges
+    found: NDArray[np.intp] = np.array(edges).searchsorted(farthest, side="left")
+    return found
 
 
 Spans = tuple[tuple[int, int], ...]  # (first index, number of indices) of each draw call
@@ -161,16 +154,11 @@ def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:
     # Plain numbers: a NumPy one costs as much as the rest.
     batches, starts, ends = chunks.batch[found].tolist(), first.tolist(), end.tolist()
     spans = zip([0, *breaks], [*breaks, len(ends)], strict=True)
-    runs = [(batches[i], starts[i], ends[j - 1] - starts[i]) for i, j in spans]
-    return _by_batch(runs)
-
-
-def _by_batch(runs: list[tuple[int, int, int]]) -> Draws:
     out: list[tuple[int, list[tuple[int, int]]]] = []
-    for batch, first, count in runs:
-        if not out or out[-1][0] != batch:
-            out.append((batch, []))
-        out[-1][1].append((first, count))
+    for i, j in spans:
+        if not out or out[-1][0] != batches[i]:
+            out.append((batches[i], []))
+        out[-1][1].append((starts[i], ends[j - 1] - starts[i]))
     return tuple([(batch, tuple(spans)) for batch, spans in out])
 
 
@@ -221,19 +209,10 @@ class Visibility:
         eye_from_here = np.eye(4)
         eye_from_here[:3, :3] = middle.rotation_matrix.T
         eye_from_here[:3, 3] = -eye_from_here[:3, :3] @ eye
-        boxes = self._chunks.boxes
-        clip = clip_from_eye(fov) @ eye_from_here
-        return draws_of(
-            self._chunks, visible(boxes, clip, self._slack(boxes, eye, side_planes(clip_from_eye(fov)))), eye
-        )
-
-    def _slack(self, boxes: Array, eye: Array, planes: Array) -> Array:
-        """Return (5, n): how far outside each plane of the middle view a visible box may be.
-
-        For a point p: |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the
-        middle's eye.
-        """
+        boxes, clip = self._chunks.boxes, clip_from_eye(fov)
+        # How far outside each plane of the middle view a visible box may be, (5, n). Of a point p:
+        # |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the middle's.
         reach = np.sqrt(((boxes[:3] - eye[:, None]) ** 2).sum(axis=0)) + np.sqrt((boxes[4:] ** 2).sum(axis=0))
-        steep = np.sqrt((planes[:, :3] ** 2).sum(axis=1))
-        slack: Array = steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
-        return slack
+        steep = np.sqrt((side_planes(clip)[:, :3] ** 2).sum(axis=1))
+        slack = steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
+        return draws_of(self._chunks, visible(boxes, clip @ eye_from_here, slack), eye)

@@ -14,7 +14,7 @@ import pytest
 from replays import contents, run
 from report.bench_samples import a_bench
 
-from hmdwarp.experiments.bench import BenchOptions, bench
+from hmdwarp.experiments.bench import BenchOptions, bench, read
 from hmdwarp.experiments.bench.bench_rows import NAMES
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
@@ -71,6 +71,8 @@ def test_json_has_every_key_and_no_number_that_is_none(full):
     assert set(data["clocks"]) == {"wall_ms", "gpu_ms", "note"} and data["clocks"]["wall_ms"] > 0
     cases = {(row["latency_ms"], row["warp"], row["fill"]) for row in data["rows"]}
     assert len(data["rows"]) == len(cases) == 2 * 3 * 2
+    assert len(repr(result)) < 200 and len(repr(read(out))) < 200
+    assert all(shown._repr_html_().count("<tr") > len(cases) for shown in (result, read(out)))
 
 
 def test_rows_are_summaries_and_more(full):

@@ -63,18 +63,6 @@ def compared(out: Path, *options: str) -> tuple[dict, str]:
     return json.loads((out / "compare.json").read_text(encoding="utf-8")), " ".join(done.stdout.split())
 
 
-def test_two_recordings_of_one_name_are_refused(tmp_path):
-    """Tables, charts and fronts tell recordings apart by their names, and would mix the two."""
-    files = [tmp_path / person / "head.csv" for person in ("anna", "ben")]
-    for file, name in zip(files, ("walk", "look-around"), strict=True):
-        file.parent.mkdir()
-        shutil.copy(Path(__file__).parents[3] / "recordings" / f"{name}.csv", file)
-    chosen = "--strategy", "imposter", *TINY, "--headset", "flat-90", "--workers", "0", "--out", tmp_path / "out"
-    done = hmdwarp("compare", *files, *chosen)
-    assert done.returncode == InputError.exit_status
-    assert "are both called 'head': leave one out, or rename a file" in " ".join(done.stderr.split())
-
-
 @pytest.mark.slow(5)
 @pytest.mark.parametrize("scene", sorted({scene_for(name) for name in strategies.names()} - {"planes"}))
 def test_a_strategy_runs_by_its_name_where_a_scene_calls_for_it(scene, tmp_path):

@@ -55,13 +55,6 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
     raise AssertionError("no frame came")
 
 
-def next_of(caller: Caller) -> list[Arrival]:
-    """Return what has arrived, once something has."""
-    while not (arrived := caller.take()):
-        caller.wait_until(time.monotonic_ns() + WHENEVER_MS * 1_000_000)
-    return arrived
-
-
 @contextmanager
 def feeder(layers_of=lambda ask: (), views_of=lambda views: views, as_sent=lambda frame: frame):
     """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.

@@ -22,10 +22,9 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import Origin, PoseSample, load_trace
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.sources.feed import sockets
+from hmdwarp.sources.feed import FeedOptions, sockets
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.sockets import SILENT_NS
 
 from .exchange import answered, exchanged, feeder, port_of

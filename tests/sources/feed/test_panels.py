@@ -19,7 +19,7 @@ from hmdwarp.frames.layers.panels import PanelDelivery, Panels, things_of
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.pipeline.feed_layers import made, needs_of_client, parts_of, wanted_of
 from hmdwarp.scenes import Panel, Scene, load_scene
-from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.server import Server
 
 VIEWS = [View(Pose((x, 1.6, 0.0)), Fov.symmetric(1.0, 0.8)) for x in (-0.03, 0.03)]

@@ -12,13 +12,13 @@ from replays import small
 from serving import Serving, free_port
 
 from hmdwarp.gpu import download
-from hmdwarp.metrics import psnr_db
+from hmdwarp.metrics import psnr
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.writing import write_native
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import InputBook, load_scene
-from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.server import Server
 
 from .test_strategies import patient, unhurried
@@ -57,7 +57,7 @@ def test_a_client_without_depth_gets_the_picture_for_its_head_and_its_delay_has_
         truth = download(server.draw(view, last.shape[1::-1], time_ns=drawn_ns).colour)[..., :3]
     # Resampled and coded, but in its place: nearer to the truth than that is, moved by a pixel.
     last, truth = (np.clip(one, 0, 1).astype(np.float64) for one in (last, truth))
-    assert psnr_db(last, truth) > psnr_db(np.roll(truth, 1, axis=1), truth)
+    assert psnr(last, truth) > psnr(np.roll(truth, 1, axis=1), truth)
 
 
 OFF_MS = 600  # the lamp goes off

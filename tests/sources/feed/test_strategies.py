@@ -24,8 +24,8 @@ from hmdwarp.gpu import download
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import synthesise, write_synthetic
 from hmdwarp.run import RunOptions, set_up_replay
+from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.feed.caller import Caller
-from hmdwarp.sources.feed.options import FeedOptions
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from hmdwarp import Pose, warp_image
 from hmdwarp.geometry import inverse_depth_from_metres
-from hmdwarp.metrics import psnr_db
+from hmdwarp.metrics import psnr
 from hmdwarp.scenes import scenes
 from hmdwarp.sources.repairs import parse_repairs
 from hmdwarp.sources.server import Server
@@ -57,7 +57,7 @@ WARP = "iterative:sheet=0,fringe=own"
 def error_db(frame_of, fault: str, repair: str) -> float:
     frame, truth = frame_of(fault), frame_of(None)
     shown = warp_image(frame.colour, frame.depth_m, frame.view, truth.view, warp=WARP, repair=repair)
-    return psnr_db(shown.colour, truth.colour)
+    return psnr(shown.colour, truth.colour)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

@@ -181,7 +181,9 @@ def test_missing_facts_are_requested_by_option(tmp_path):
     refused(tmp_path, "--intrinsics FX,FY,CX,CY", "camera.json")
     refused(tmp_path, "--depth-scale", options=attrs.evolve(MILLIMETRES, depth_scale=None))
     (tmp_path / "camera.json").write_text(json.dumps({"intrinsics": [40, 42, 17.3, 11.1], "depth_scale": 0.001}))
-    assert len(sequences.open(tmp_path).frames) == 2
+    found = sequences.open(tmp_path)
+    assert [*found] == [found[0], found[-1]] == [*found.frames] and len(found) == 2
+    assert "2 frames" in repr(found)
 
 
 def test_a_denser_trajectory_is_the_motion_between_the_frames(tmp_path):

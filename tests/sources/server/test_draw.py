@@ -111,7 +111,8 @@ def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_c
     # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine
     # farther (x 1.5, as the ball curves away meanwhile), and inverse depth falls by its square
     # times that.
-    sagitta = np.array([*(ball.sagitta() for ball in BALLS), 0.0, 0.0])[shape]
+    half = np.hypot(np.pi, np.pi) / 48 / 2  # of the diagonal of one of 48 x 96 cells
+    sagitta = np.array([*(ball.radius * (1 - np.cos(half)) for ball in BALLS), 0.0, 0.0])[shape]
     safe = away_from_edges(shape) & (cosine > 0.35) & (shape < len(BALLS))
     tolerance = depth_tolerance(exact) + 1.5 * exact**2 * sagitta / cosine
     assert safe.mean() > 0.1

@@ -71,8 +71,8 @@ def test_the_depth_of_what_a_plane_mirror_shows_is_that_of_the_whole_path(server
         beyond = max(beyond, chrome_there, other_mirror)
         expected.append(1 / (1 / met[k] + 1 / beyond) if beyond else 0.0)
     expected, chosen_found = np.array(expected), found[chosen]
-    # Flat cells lie inside the balls by Ball.sagitta (1.5 mm); silhouettes are of one pixel; and
-    # the backs of things are not drawn.
+    # Flat cells lie inside the balls by up to 1.5 mm; silhouettes are of one pixel; and the backs
+    # of things are not drawn.
     close = np.abs(chosen_found - expected) <= 0.004 * expected + 1e-5
     assert len(chosen) > 200
     assert close.mean() > 0.95

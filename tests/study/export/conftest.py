@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+import functools
 import shutil
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -12,27 +13,17 @@ import pytest
 
 from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.writing import write_native
-from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
+from hmdwarp.study.design import design_from_text
 from hmdwarp.study.store import PERSON, PILOT, Store
 
 from ..made_up import LATE_OR_WARPED
+from ..store.sessions import SetClock, go_through
 
 NASTY = 'says "ouch"\tand;\nthen, näïve – \u2028 =1+1 🙂 Maria Withdrawn'
 
 
-class Day:
-    """A clock on a day that must be nowhere in an export; two seconds pass with every look."""
-
-    def __init__(self) -> None:
-        self._now, self._mono = datetime(2031, 7, 23, 16, 41, 7, tzinfo=UTC), 0
-
-    def utc(self) -> datetime:
-        self._now += timedelta(seconds=2)
-        return self._now
-
-    def mono_ns(self) -> int:
-        self._mono += 2_000_000_000
-        return self._mono
+# A clock on a day that must be nowhere in an export; two seconds pass with every look.
+day = functools.partial(SetClock, datetime(2031, 7, 23, 16, 41, 7, tzinfo=UTC), 2)
 
 
 def write_trace(path: Path, seed: int, samples: int = 40) -> PoseTrack:
@@ -54,28 +45,24 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
         design, None, code, origin, facts={"hmdwarp": "0.0", "headset": "test-hmd", "trace": f"secret-of-{code}"}
     )
     rng = np.random.default_rng(seed)
-    showing = None
-    for step in steps_of(design, session.order, session.part):
-        if until is not None and getattr(step, "trial", 0) > until:
-            break
-        if isinstance(step, Show):
-            showing = store.begin_showing(session, step, dict(step.condition.settings))
-            write_trace(store.traces / showing.trace, 100 * seed + step.trial)
-            actual = {
-                "latency_ms_median": 401.5 + step.trial, "pictures": 90, "seconds": 1.5, "hole_share_mean": None,
-                "warp": "forward", "size": "96x120",
-            }  # fmt: skip
-            showing = store.end_showing(session, showing, actual, complete=True)
-        elif isinstance(step, Ask):
-            values = step.scale.values()
-            value = (
-                None
-                if step.trial == 2 and seed == 1 and step.scale.kind == "rating"
-                else values[rng.integers(len(values))]
-            )
-            store.answer(session, step, value, 1.25, "participant", showing if step.about else None)
-            if step.trial == 1 and step.scale.kind == "rating":
-                store.answer(session, step, step.scale.least, 0.5, "participant", showing)
+
+    def value(step):
+        is_rating, values = step.scale.kind == "rating", step.scale.values()
+        if is_rating and (step.trial, seed) == (2, 1):
+            return None
+        one = values[rng.integers(len(values))]
+        return (one, step.scale.least) if is_rating and step.trial == 1 else one
+
+    def actual(step):
+        return {
+            "latency_ms_median": 401.5 + step.trial, "pictures": 90, "seconds": 1.5, "hole_share_mean": None,
+            "warp": "forward", "size": "96x120",
+        }  # fmt: skip
+
+    def trace(path, step):
+        write_trace(path, 100 * seed + step.trial)
+
+    go_through(store, session, value, trace, of=design, until=99 if until is None else until, actual=actual)
     store.record(session, "remark", "trial/1", by="experimenter", text=f"{NASTY} {code}")
     complete = until is None
     return store.end(
@@ -91,7 +78,7 @@ def design():
 @pytest.fixture(scope="session")
 def kept(tmp_path_factory, design):
     """The folder of the store, closed, and its clock."""
-    folder, clock = tmp_path_factory.mktemp("kept") / "data", Day()
+    folder, clock = tmp_path_factory.mktemp("kept") / "data", day()
     with Store(folder, create=True, clock=clock) as made:
         sit(made, design, "Alpha-1", seed=1)
         sit(made, design, "Beta-2", seed=2, until=2)

@@ -16,7 +16,7 @@ from hmdwarp.study.design import Show, steps_of
 from hmdwarp.study.export.write import CHANNELS, ExportOptions, Rates, TrackingSystem, export, motion_text
 from hmdwarp.study.store import PERSON, Store
 
-from .conftest import Day, write_trace
+from .conftest import day, write_trace
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def test_the_tracking_system_is_named_not_the_emulated_headset(facts, wanted):
 
 def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, design):
     """Begun with a mouse and resumed in a headset: each trial's own."""
-    with Store(tmp_path / "data", create=True, clock=Day()) as store:
+    with Store(tmp_path / "data", create=True, clock=day()) as store:
         session = store.begin(design, None, "P1", PERSON, facts={"source": "desktop", "headset": "rift-dk1"})
         steps = [step for step in steps_of(design, session.order, session.part) if isinstance(step, Show)]
         for step in steps[:2]:

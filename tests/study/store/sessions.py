@@ -72,12 +72,13 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
 
 
 def go_through(
-    store: Store, session: Session, value=2.25, trace: str = "", of: Design | None = None, until: int = 99, actual=None
+    store: Store, session: Session, value=2.25, trace="", of: Design | None = None, until: int = 99, actual=None
 ) -> None:
     """Every step of it that is not done, up to this trial.
 
     value: of every answer, or a function of the step, whose last value counts if there are several.
-    trace: what is written as each head's recording, "" for none. actual: a function of the step.
+    trace: what is written as each head's recording, "" for none, or a function that writes it.
+    actual: a function of the step.
     """
     showing: Showing | None = None
     for step in steps(session, of):
@@ -87,14 +88,16 @@ def go_through(
             break
         if isinstance(step, Show):
             showing = store.begin_showing(session, step, step.condition.settings, recorded=bool(trace))
-            if trace:
+            if callable(trace):
+                trace(store.traces / showing.trace, step)
+            elif trace:
                 (store.traces / showing.trace).write_text(trace, encoding="utf-8")
             seen = actual(step) if actual else {"seconds": step.seconds, "missed": 3}
             showing = store.end_showing(session, showing, seen, complete=True)
         elif isinstance(step, Ask):
             values = value(step) if callable(value) else value
             for one in values if isinstance(values, tuple) else (values,):
-                store.answer(session, step, one, 1.5, "participant", showing)
+                store.answer(session, step, one, 1.5, "participant", showing if step.about else None)
         else:
             store.finish_step(session, step.key)
 
@@ -107,17 +110,17 @@ def whole(store: Store, code: str, status: str = "complete", **more) -> Session:
 
 
 class SetClock:
-    """A clock that goes on by a second whenever it is read, and may be set."""
+    """A clock that goes on whenever it is read, and may be set."""
 
-    def __init__(self) -> None:
-        self.instant, self.mono = datetime(2026, 3, 1, 9, 0, tzinfo=UTC), 0
+    def __init__(self, begin: datetime = datetime(2026, 3, 1, 9, 0, tzinfo=UTC), step_s: int = 1) -> None:
+        self.instant, self.mono, self._step_s = begin, 0, step_s
 
     def utc(self) -> datetime:
-        self.instant += timedelta(seconds=1)
+        self.instant += timedelta(seconds=self._step_s)
         return self.instant
 
     def mono_ns(self) -> int:
-        self.mono += 1_000_000_000
+        self.mono += 1_000_000_000 * self._step_s
         return self.mono
 
 

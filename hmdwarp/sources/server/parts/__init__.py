@@ -1,4 +1,4 @@
-"""Content of frames besides plain surfaces, one file each: in the picture, or as layers."""
+"""Content of frames besides plain surfaces, by families: in the picture, or as layers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,15 @@ from ..passes import ScenePasses
 from ..targets import Framebuffers, LastUsed, Target
 from ..upload import SceneTextures
 
-parts: Registry[type[Part]] = Registry("part", __name__)
+parts: Registry[type[Part]] = Registry(
+    "part",
+    __name__,
+    modules={
+        **dict.fromkeys(("cube", "foveated", "views", "wide"), "views"),
+        **dict.fromkeys(("cutouts", "overlay", "transparency"), "blended"),
+        **dict.fromkeys(("difference", "scene_update"), "scene_update"),
+    },
+)
 
 
 @attrs.frozen(eq=False)

@@ -88,7 +88,10 @@ class Sheets:
         self._middles = np.ascontiguousarray(_middles(self._rows["position"].astype(np.float64), self._triangles))
         self._places = [(mesh.material.head_locked, mesh.body) for mesh in meshes]
         self._textures = sorted({mesh.texture for mesh in meshes})
-        self._kinds = self._kinds_of_meshes()
+        self._kinds = np.zeros(len(meshes), _KIND)  # what the shaders know of each mesh, all but its place
+        for kind, mesh in zip(self._kinds, meshes, strict=True):
+            kind["passes"] = (*mesh.material.tint, mesh.material.opacity)
+            kind["slot"], kind["one_sided"] = self._slot(mesh.texture), not mesh.double_sided
         gl = context.gpu.gl
         self._vertices = gl.buffer(self._rows.tobytes() or b"\0" * _VERTEX.itemsize, dynamic=True)
         self._indices = gl.buffer(reserve=max(12, self._triangles.nbytes), dynamic=True)
@@ -148,14 +151,6 @@ class Sheets:
             gl.blend_equation = moderngl.FUNC_ADD  # type: ignore[assignment]
         framebuffer.depth_mask = True
 
-    def _kinds_of_meshes(self) -> NDArray[np.void]:
-        """Return what the shaders know of each mesh, all but its place."""
-        kinds = np.zeros(len(self._meshes), _KIND)
-        for kind, mesh in zip(kinds, self._meshes, strict=True):
-            kind["passes"] = (*mesh.material.tint, mesh.material.opacity)
-            kind["slot"], kind["one_sided"] = self._slot(mesh.texture), not mesh.double_sided
-        return kinds
-
     def _slot(self, texture: int) -> int:
         return self._textures.index(texture) % _SLOTS
 
@@ -173,22 +168,19 @@ class Sheets:
         """Return the order, cached for the next call: one picture has several."""
         key = (view.pose, view.head_from_eye, time_ns)
         if self._order is None or any(a is not b and a != b for a, b in zip(self._order.key, key, strict=True)):
-            self._deform(time_ns)
+            if time_ns != self._written_ns and any(mesh.deformation is not None for mesh in self._meshes):
+                for index, mesh in enumerate(self._meshes):
+                    if mesh.deformation is not None:
+                        positions = np.asarray(mesh.deformation.positions(time_ns), np.float64)
+                        positions = positions.reshape(mesh.positions.shape)
+                        self._rows["position"][self._vertices_of[index]] = positions
+                        self._middles[:, self._mesh_of == index] = _middles(positions, mesh.triangles)
+                self._vertices.write(self._rows.tobytes())
+                self._written_ns = time_ns
             places = {place: self._eye_from(place, view, time_ns) for place in set(self._places)}
             eye_from = tuple(places[place] for place in self._places)
             self._order = _Order(key, self._sorted(places), eye_from)
         return self._order
-
-    def _deform(self, time_ns: int) -> None:
-        if time_ns == self._written_ns or all(mesh.deformation is None for mesh in self._meshes):
-            return
-        for index, mesh in enumerate(self._meshes):
-            if mesh.deformation is not None:
-                positions = np.asarray(mesh.deformation.positions(time_ns), np.float64).reshape(mesh.positions.shape)
-                self._rows["position"][self._vertices_of[index]] = positions
-                self._middles[:, self._mesh_of == index] = _middles(positions, mesh.triangles)
-        self._vertices.write(self._rows.tobytes())
-        self._written_ns = time_ns
 
     def _eye_from(self, place: _Place, view: View, time_ns: int) -> Array:
         """Return 4x4, relative to the eye before any rotation."""

@@ -56,7 +56,18 @@ class Reflections(Part):
         if baked:
             seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
-            self._compose_into(eye, baked, seen, surface)
+            eye.colour.bind_to_image(0, read=True, write=True)
+            surface.colour.bind_to_image(1, read=True, write=False)
+            seen.inverse_depth.bind_to_image(2, read=True, write=False)
+            seen.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
+            seen.colour.use(0)
+            units = {"picture": 0, "surface": 1, "seen_inverse_depth": 2, "seen": 0}
+            pixel = (1 / eye.size[0], 1 / eye.size[1])
+            mirrors = uniforms_of([one.mirror for one in baked], eye.view, eye.size)
+            self._compose.uniforms.set(size=eye.size, seen_pixel=pixel, **units, **mirrors)
+            self.context.gpu.barrier()
+            self._compose.run(*eye.size)
+            self.context.gpu.barrier()
         if not needed:
             return eye
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
@@ -92,17 +103,12 @@ class Reflections(Part):
                         self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
                     self._store(self._march, Target(eye.colour, eye.inverse_depth), number, planes, bounds, seen)
                 else:
-                    self._draw_behind(eye, one, number, planes, bounds, seen)
-
-    def _draw_behind(
-        self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
-    ) -> None:
-        if self._mirrored is None:
-            self._mirrored = MirroredPasses(self.context)
-        behind = self.kept("behind", eye.size)
-        framebuffer = self.context.framebuffers.over(behind.colour, behind.inverse_depth)
-        self._mirrored.draw_behind(one.mirror.shape, eye.view, framebuffer, bounds, eye.drawn_ns)
-        self._store(self._take, behind, number, mirrors, bounds, seen)
+                    if self._mirrored is None:
+                        self._mirrored = MirroredPasses(self.context)
+                    behind = self.kept("behind", eye.size)
+                    onto = over(behind.colour, behind.inverse_depth)
+                    self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
+                    self._store(self._take, behind, number, planes, bounds, seen)
 
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
@@ -115,26 +121,9 @@ class Reflections(Part):
         units = {"seen_colour": 0, "seen_inverse_depth": 1, "behind_colour": 2, "behind_inverse_depth": 3}
         places = {"from": bounds[:2], "to": bounds[2:]}
         program.uniforms.set(taken=number, **units, **places, **mirrors)
-        self._barrier()
+        self.context.gpu.barrier()
         program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
-        self._barrier()
-
-    def _compose_into(self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target) -> None:
-        eye.colour.bind_to_image(0, read=True, write=True)
-        surface.colour.bind_to_image(1, read=True, write=False)
-        seen.inverse_depth.bind_to_image(2, read=True, write=False)
-        seen.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        seen.colour.use(0)
-        units = {"picture": 0, "surface": 1, "seen_inverse_depth": 2, "seen": 0}
-        pixel = (1 / eye.size[0], 1 / eye.size[1])
-        mirrors = uniforms_of([surface.mirror for surface in chosen], eye.view, eye.size)
-        self._compose.uniforms.set(size=eye.size, seen_pixel=pixel, **units, **mirrors)
-        self._barrier()
-        self._compose.run(*eye.size)
-        self._barrier()
-
-    def _barrier(self) -> None:
-        self.context.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        self.context.gpu.barrier()
 
     def close(self) -> None:
         for surface in self._surfaces:
@@ -161,14 +150,6 @@ def plane_in_eye(mirror: Mirror, view: View) -> Array:
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
-def reflection_in_eye(mirror: Mirror, view: View) -> Array:
-    """Return 4x4: eye space to the mirror image's place behind the mirror."""
-    plane = plane_in_eye(mirror, view)
-    out = np.eye(4)
-    out[:3] -= 2 * np.outer(plane[:3], plane)
-    return out
-
-
 def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) -> Bounds:
     """Return the pixels in which any of the mirrors may be visible, an empty rectangle for none."""
     found = [one for mirror in mirrors if (one := bounds_in_view(mirror, view, size)) is not None]
@@ -183,19 +164,12 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
 
     None for none.
     """
-    return _ball_in_view(mirror, view, size) if mirror.is_curved else _plane_in_view(mirror, view, size)
-
-
-def _ball_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the bounds of the cube around a ball; near the eye, those of the picture."""
-    signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
-    corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
-    corners = corners @ view.pose.rotation_matrix
-    ahead = -corners[:, 2] >= NEAR_M
-    return _bounds_of(corners, view, size) if ahead.all() else (0, 0, *size) if ahead.any() else None
-
-
-def _plane_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+    if mirror.is_curved:  # the bounds of the cube around a ball; near the eye, those of the picture
+        signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
+        corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
+        corners = corners @ view.pose.rotation_matrix
+        ahead = -corners[:, 2] >= NEAR_M
+        return _bounds_of(corners, view, size) if ahead.all() else (0, 0, *size) if ahead.any() else None
     if plane_in_eye(mirror, view)[3] <= 0:
         return None
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
@@ -226,14 +200,6 @@ def _before(polygon: Array, near_m: float) -> Array:
     return np.array(kept).reshape(-1, 3)
 
 
-def part_of_view(view: View, size: tuple[int, int], bounds: Bounds) -> View:
-    """Return the view of these pixels alone."""
-    named = tangents_of_pixels(view, size)
-    start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])
-    low, high = start + step * bounds[:2], start + step * bounds[2:]
-    return View(view.pose, Fov.from_tangents((low[0], high[0], low[1], high[1])))
-
-
 class MirroredPasses(ScenePasses):
     """Passes for the scene as it appears behind a plane mirror, in the eye's own pixels.
 
@@ -252,8 +218,10 @@ class MirroredPasses(ScenePasses):
     ) -> None:
         """Draw colour and inverse depth into the pixels of `bounds`; the others are undefined."""
         self._mirror = mirror
-        seen = part_of_view(view, framebuffer.size, bounds)
-        gl = self._gl
+        named, gl = tangents_of_pixels(view, framebuffer.size), self._gl
+        start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])
+        low, high = start + step * bounds[:2], start + step * bounds[2:]
+        seen = View(view.pose, Fov.from_tangents((low[0], high[0], low[1], high[1])))  # these pixels alone
         clear_depth(gl, framebuffer)
         gl.front_face = "cw"
         gl.enable_direct(CLIP_DISTANCE_0)
@@ -264,8 +232,10 @@ class MirroredPasses(ScenePasses):
 
     def _seen_from(self, view: View, place: Place) -> Place:
         """Return the place of the eye behind the mirror; no visibility is cached for it."""
-        self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
-        behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
+        plane, behind_from_eye = plane_in_eye(self._mirror, view), np.eye(4)
+        behind_from_eye[:3] -= 2 * np.outer(plane[:3], plane)
+        self._surface.uniforms.set(before_mirror=plane @ place.eye_from_here)
+        behind_from_here = behind_from_eye @ place.eye_from_here
         return Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
 
     def _set_background(self, view: View) -> None:
@@ -337,7 +307,16 @@ class Ball(MirrorSurface):
         """
         view = eye.view
         from_scene = eye_from_scene(view, self._context.scene.origin_m)
-        self._draw_around(around, eye.drawn_ns)
+        passes = self._context.colour
+        for drawing in passes.moving:
+            drawing.set_time(eye.drawn_ns)
+        key = (eye.drawn_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
+        if self._around is not around or self._around_of != key:
+            centre = View(Pose(self.mirror.shape.centre_m), Fov.from_tangents((-1, 1, -1, 1)))
+            over = self._context.framebuffers.over(around.colour, around.inverse_depth)
+            draw_cube(self._context.gpu.gl, passes, centre, over, eye.drawn_ns)
+            over.viewport = (0, 0, *over.size)
+            self._around, self._around_of = around, key
         around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         around.colour.use(0)
         around.inverse_depth.use(1)
@@ -353,19 +332,6 @@ class Ball(MirrorSurface):
         )
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._curved.render(moderngl.TRIANGLES)
-
-    def _draw_around(self, around: Target, time_ns: int) -> None:
-        passes = self._context.colour
-        for drawing in passes.moving:
-            drawing.set_time(time_ns)
-        key = (time_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
-        if self._around is around and self._around_of == key:
-            return
-        centre = View(Pose(self.mirror.shape.centre_m), Fov.from_tangents((-1, 1, -1, 1)))
-        over = self._context.framebuffers.over(around.colour, around.inverse_depth)
-        draw_cube(self._context.gpu.gl, passes, centre, over, time_ns)
-        over.viewport = (0, 0, *over.size)
-        self._around, self._around_of = around, key
 
     def close(self) -> None:
         self._curved.release()

@@ -1,8 +1,8 @@
-"""Further pictures of an eye, from places that it may come to.
+"""Further pictures of an eye: from places that it may come to, wide, all around, and foveated.
 
-They are those that leave the least empty there. Source: the 2014 thesis, section 3.5: the views
-must together cover every pixel, so that the second is neither too far nor too near; how far follows
-from how far the eye can move.
+Those places leave the least empty there. Source: the 2014 thesis, section 3.5: the views must
+together cover every pixel, so that the second is neither too far nor too near; how far follows from
+how far the eye can move.
 """
 
 from __future__ import annotations
@@ -14,10 +14,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames import EyeImage
-from ....geometry import Pose, View, WarpMap
-from ....gpu.textures import SCALAR, download, flip_rows
-from ..passes import ScenePasses
+from ....errors import InputError
+from ....frames import EyeImage, Needs
+from ....frames.layers.foveated import FoveatedPicture
+from ....geometry import Fovea, Pose, View, WarpMap
+from ....geometry.cube import cube_size, wide_size, wide_view
+from ....gpu.textures import COLOUR, SCALAR, download, flip_rows
+from ..passes import ScenePasses, draw_cube
 from . import DrawContext, Drawing, Part, parts
 
 Array = NDArray[np.float64]
@@ -167,3 +170,72 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
     nearer = found - np.nan_to_num(depths) > _NEARER * np.nan_to_num(depths) + _FLOOR
     shown: NDArray[np.bool_] = inside & ~nearer
     return shown
+
+
+@parts.register
+class Cube(Part):
+    """Colour of the six faces of geometry.cube, as sharp as the picture.
+
+    Errors: InputError beyond the GL limit.
+    """
+
+    name = "cube"
+    order = 110
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        context = self.context
+        size = cube_size(eye.view.fov, eye.size)
+        if max(size) > (limit := context.gpu.max_texture_size):
+            raise InputError(
+                f"a cube map as sharp as a picture of {eye.size[0]}x{eye.size[1]} would have {size[0]}x{size[1]} "
+                f"pixels: expected at most {limit} on each side (this GPU's limit); "
+                "use a smaller size, a wider field of view or another warp"
+            )
+        cube = context.acquire(size, depth=False).colour
+        draw_cube(context.gpu.gl, context.passes_for(drawing), eye.view, context.framebuffers.over(cube), eye.drawn_ns)
+        return eye.having(cube=cube)
+
+
+@parts.register
+class Wide(Part):
+    """As wide as geometry.wide says, around the view without guard band.
+
+    Everything is drawn into it, without layers, except for head-locked content.
+    """
+
+    name = "wide"
+    order = 120
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        view, size = wide_view(drawing.view), wide_size(drawing.view.fov, drawing.size)
+        wide = drawing.of_light(view, size)
+        wide = attrs.evolve(wide, needs=wide.needs | Needs(overlay=drawing.needs.get("overlay")))
+        return eye.having(wide=self.context.draw(view, size, wide))
+
+
+_KINDS = {"foveated": COLOUR, "foveated_depth": SCALAR}
+
+
+@parts.register
+class Foveated(Part):
+    """Made when the picture is complete, of colour and of inverse depth where each is needed."""
+
+    name = "foveated"
+    order = 195
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        needs = [drawing.needs[name] for name in _KINDS if name in drawing.needs]
+        fovea: Fovea = needs[0]
+        grid = fovea.grid(eye.view, eye.size)
+        made: dict[str, Any] = {}
+        for number, (name, kind) in enumerate(_KINDS.items()):
+            if name in drawing.needs:
+                into = self.context.acquire(grid.small, kind, depth=False).colour
+                (eye.inverse_depth if number else eye.colour).bind_to_image(0, read=True, write=False)
+                into.bind_to_image(1, read=False, write=True)
+                program = self.context.gpu.shaders.compute("server/foveate.comp", DEPTH=number)
+                program.uniforms.set(picture=0, foveated=1, **grid.uniforms)
+                program.run(*grid.small)
+                made[name] = FoveatedPicture(into, grid)
+        self.context.gpu.barrier()
+        return eye.having(**made)

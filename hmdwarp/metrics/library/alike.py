@@ -1,0 +1,80 @@
+"""SSIM and FLIP, over all pixels."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...errors import InputError, in_brief
+from ...geometry import real
+from ...gpu import Gpu
+from ..job import Input
+from ..metric import Metric, metrics
+from ..pair_pass import PairPass
+from ..picture_pairs import Alike, pair_of
+
+
+def ssim(shown: ArrayLike, truth: ArrayLike) -> float:
+    """Return the structural similarity, at most 1: a Gaussian window (sigma 1.5), borders too.
+
+    Parameters and errors: as psnr; floats count as the nearest byte. Source: Wang et al. 2004.
+    """
+    return _alike(shown, truth, 1.0).ssim
+
+
+def flip(shown: ArrayLike, truth: ArrayLike, pixels_per_degree: float = 20.0) -> float:
+    """Return the mean LDR-FLIP error, from 0 (identical) to 1.
+
+    Parameters and errors: as psnr; floats count as the nearest byte. pixels_per_degree: of the
+    display, about 20 for a headset and 67 for a monitor. Source: Andersson et al. 2020.
+    """
+    if not 0.1 <= real(pixels_per_degree) <= 1000:
+        raise InputError(f"pixels_per_degree is {in_brief(pixels_per_degree)}: expected 0.1 to 1000, such as 20")
+    return float(_alike(shown, truth, real(pixels_per_degree)).flip_map.mean(dtype=float))
+
+
+def _alike(shown: ArrayLike, truth: ArrayLike, pixels_per_degree: float) -> Alike:
+    pair = [one if one.dtype == np.uint8 else np.rint(255 * one).astype(np.uint8) for one in pair_of(shown, truth)]
+    with Gpu() as gpu, closing(PairPass(gpu, pair[0].shape[1::-1], pixels_per_degree)) as measuring:
+        return measuring.run(*pair)
+
+
+metrics.register(
+    Metric(
+        name="ssim",
+        order=20,
+        compute=lambda m: m.alike.ssim,
+        needs=Input.TRUTH | Input.ALIKE,
+        of_seen_share=lambda value, share: 1 - (1 - value) / share,
+        higher_is_better=True,
+        least=-1.0,
+        most=1.0,
+        label="SSIM",
+        bench_rank=2,
+        tile_note="higher is better, 1 is identical",
+        description="Structural similarity to a picture without latency, 1 is the same",
+        explanation="Structural similarity, Gaussian window of 11×11 pixels (σ 1.5), borders included; higher is "
+        "better.",
+        study_title="structural similarity (SSIM)",
+    )
+)
+
+metrics.register(
+    Metric(
+        name="flip",
+        order=30,
+        most=1.0,
+        compute=lambda m: float(m.alike.flip_map.mean(dtype=float)),
+        needs=Input.TRUTH | Input.ALIKE,
+        label="FLIP",
+        bench_rank=float("inf"),
+        tile_note="lower is better, 0 is identical",
+        chart="FLIP error",
+        description="FLIP error against a picture without latency, 0 is the same",
+        explanation="How visible the difference is when the two pictures alternate, at the headset's pixels per "
+        "degree; 0 is identical.",
+        study_title="error (FLIP)",
+    )
+)
