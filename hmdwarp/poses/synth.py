@@ -378,13 +378,8 @@ def _path(t: Array, seconds: float) -> tuple[Array, Array]:
     return place, turned
 
 
-_BUILDS = {
-    "still": _still,
-    "look-around": _look_around,
-    "reversals": _reversals,
-    "walk": _walk,
-    "fast-turns": _fast_turns,
-}
+_PEOPLE = (_still, _look_around, _reversals, _walk, _fast_turns)  # kinds of their names
+_BUILDS = {build.__name__[1:].replace("_", "-"): build for build in _PEOPLE}
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 KINDS: dict[str, Kind] = {
     name: Kind(name, build=Glide(**told.pop("glide")) if "glide" in told else _BUILDS[name], **told)

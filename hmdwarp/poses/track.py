@@ -17,11 +17,10 @@ from ..errors import NO_NUMBERS, TraceError, in_brief
 from ..geometry import MOST_M, Pose, trusted_pose
 from . import quaternions
 
-_MS = 1_000_000
 # An eye that turns faster leaps: pursuit is slower (Meyer, Lasker and Robinson 1985, The upper
 # limit of human smooth pursuit velocity).
 SACCADE_DEG_S = 100.0
-SHORTEST_GAP_NS = 100 * _MS
+SHORTEST_GAP_NS = 100_000_000
 UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rotation
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
 

@@ -89,17 +89,16 @@ def write_text(
     write_rows(track, stream, separator, order, stamp)
 
 
-def _object(**properties: dict[str, Any]) -> dict[str, Any]:
-    """Return the JSON schema of an object."""
-    return {"type": "object", "properties": properties}
-
-
 def _write_mcap(track: PoseTrack, stream: IO[bytes]) -> None:
     """Write foxglove.PoseInFrame as JSON. Source: MCAP specification; Foxglove schemas."""
-    place, turn = (_object(**{name: {"type": "number"} for name in names}) for names in ("xyz", "xyzw"))
-    stamp = _object(sec={"type": "integer", "minimum": 0}, nsec={"type": "integer", "minimum": 0})
-    pose = _object(position=place, orientation=turn)
-    schema = {"title": "foxglove.PoseInFrame", **_object(timestamp=stamp, frame_id={"type": "string"}, pose=pose)}
+
+    def object_of(**properties: dict[str, Any]) -> dict[str, Any]:  # the JSON schema of one
+        return {"type": "object", "properties": properties}
+
+    place, turn = (object_of(**{name: {"type": "number"} for name in names}) for names in ("xyz", "xyzw"))
+    stamp = object_of(sec={"type": "integer", "minimum": 0}, nsec={"type": "integer", "minimum": 0})
+    pose = object_of(position=place, orientation=turn)
+    schema = {"title": "foxglove.PoseInFrame", **object_of(timestamp=stamp, frame_id={"type": "string"}, pose=pose)}
     writer = import_extra("mcap.writer", "mcap", EXTRA).Writer(stream)
     writer.start(profile="", library="hmdwarp")
     writer.add_metadata(METADATA, {"axes": MCAP_AXES, "origin": track.origin})

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.poses import Origin, TraceOptions, load_trace
@@ -70,6 +70,8 @@ def test_a_clock_is_read_as_its_writer_meant(tmp_path_factory, writer, data):
     names, fields, exact_ns, said = WRITERS[writer]
     rate = data.draw(st.sampled_from([36, 60, 72, 90, 120]), "rate")
     begins_ns = data.draw(st.integers(10**4, 2 * 10**4), "begins") * 10**14 + data.draw(st.integers(0, 9 * 10**13))
+    if writer.startswith("%m"):  # up to the 12th such a date may as well begin with its day
+        assume(datetime.datetime.fromtimestamp(begins_ns // BILLION, datetime.UTC).day > 12)
     track, count = head(4 * rate, rate), 4 * rate
     lost = set() if said == CHANGES else data.draw(st.sets(st.integers(2, count - 3), max_size=5), "lost")
     kept, table = [i for i in range(count) if i not in lost], rows(track)

@@ -15,7 +15,6 @@ from ..options import FRAMES
 from .text_table import Found, Recording, Segment
 from .times import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Stamps
 
-_NO_TIMES = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
 # Shares of steps back in time: a file with restarts has few, a shuffled one half.
 _SHUFFLED, _REVERSED = 0.2, 0.9
 _LEAST_STEPS = 10
@@ -329,7 +328,7 @@ def read_times(r: Recording) -> Found:
     r.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit]
     if r.options.rate is not None:
         r.time_unit = f"{'frame' if r.layout.unit == FRAMES else 'row'} numbers at {r.options.rate:g} Hz"
-    r.stamps = _NO_TIMES
+    r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
     return None
 
 

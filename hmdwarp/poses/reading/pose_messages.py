@@ -237,11 +237,7 @@ class Bag:
         self.path, self._lock = path, threading.Lock()
         highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
         types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
-        if path.is_dir():  # what rosbags would wait for is refused: SQLite opens a .db3 by its name
-            opened(path / _METADATA, TABLE).close()
-        for file in path.iterdir() if path.is_dir() else (path,):
-            if file.suffix in ENDINGS or file == path:
-                opened(file, BAG).close()
+        _check_plain(path)
         _bound_unpacking()
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
@@ -339,6 +335,15 @@ def _bound_unpacking() -> None:
     vars(second)["zstd"] = SimpleNamespace(
         decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
     )
+
+
+def _check_plain(path: Path) -> None:
+    """Refuse what rosbags would wait for: SQLite opens a .db3 by its name."""
+    if path.is_dir():
+        opened(path / _METADATA, TABLE).close()
+    for file in path.iterdir() if path.is_dir() else (path,):
+        if file.suffix in ENDINGS or file == path:
+            opened(file, BAG).close()
 
 
 def stamp_ns(stamp: Any) -> int:
