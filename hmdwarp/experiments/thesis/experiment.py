@@ -494,10 +494,6 @@ QUICK_SCALE = 1 / 8
 QUICK_SIZE = (160, 100)
 
 
-def _names(texts: list[str]) -> tuple[str, ...]:
-    return tuple(name.strip() for text in texts for name in text.split(","))
-
-
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class ThesisOptions(ExperimentOptions):
     """Which experiments of the thesis to run again, and how large.
@@ -513,7 +509,7 @@ class ThesisOptions(ExperimentOptions):
         kind=list,
         default=None,
         metavar="NAME,..",
-        parse=_names,
+        parse=lambda texts: tuple(name.strip() for text in texts for name in text.split(",")),
     )
     quick: bool = option(
         False, "Small pictures and the middle speed only: a check that everything runs, in two minutes."
