@@ -138,10 +138,10 @@ def _layout(reader: Any) -> Row:
 def _stated(facts: Iterable[Any]) -> list[tuple[Any, str]]:
     """Return what a file format assumes, with who states it."""
     by = _of("poses.assumptions").By
-    said = {by.USER: "stated by {0.option}", by.NOBODY: "not stated"}
+    said = {by.USER: "stated by {0.option}", by.DEFAULT: "not stated"}
     return [
         (fact, f"{fact.value} ({said.get(fact.by, 'by the {0.by}').format(fact)}"
-         f"{f': {fact.option}' if fact.by is by.NOBODY and fact.option else ''})")
+         f"{f': {fact.option}' if fact.by is by.DEFAULT and fact.option else ''})")
         for fact in facts
     ]  # fmt: skip
 

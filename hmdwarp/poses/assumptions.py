@@ -20,7 +20,7 @@ class By(StrEnum):
     FILE = "file"
     FORMAT = "format"  # the documents of the format, layout or data set
     MOTION = "motion"
-    NOBODY = "default"
+    DEFAULT = "default"
 
 
 Fact = StrEnum("Fact", "COLUMNS ORIENTATION POSE LENGTH AXES UP CLOCK")  # what is assumed of a trace
@@ -39,8 +39,8 @@ class Assumption:
     @property
     def source(self) -> str:
         """Return who says it, in words, with the option where it is a default."""
-        remedy = f"; set with {self.option}" if self.option and self.by in (By.NOBODY, By.MOTION) else ""
-        return f"{'default' if self.by is By.NOBODY else f'by the {self.by}'}{remedy}"
+        remedy = f"; set with {self.option}" if self.option and self.by in (By.DEFAULT, By.MOTION) else ""
+        return f"{'default' if self.by is By.DEFAULT else f'by the {self.by}'}{remedy}"
 
     def __str__(self) -> str:
         return f"{self.what}: {self.value} ({self.source})"
@@ -56,7 +56,7 @@ def unstated(assumptions: Iterable[Assumption]) -> list[str]:
     found = [
         f"{assumption.what} {assumption.value}{assumption.option and f' (override with {assumption.option})'}"
         for assumption in assumptions
-        if assumption.by is By.NOBODY
+        if assumption.by is By.DEFAULT
     ]
     return [f"Assumed (not stated in the files): {'; '.join(found)}."] if found else []
 
@@ -64,13 +64,13 @@ def unstated(assumptions: Iterable[Assumption]) -> list[str]:
 def first_stated(*values: T | None) -> tuple[T | None, By]:
     """Return the first value that is there, of user, file and format, and who says it."""
     sources = (By.USER, By.FILE, By.FORMAT)
-    return next(((value, by) for value, by in zip(values, sources, strict=True) if value), (None, By.NOBODY))
+    return next(((value, by) for value, by in zip(values, sources, strict=True) if value), (None, By.DEFAULT))
 
 
 # Who says what axes a file has, in words.
 AXES_BY = {
     By.USER: "as --axes or --up says", By.FILE: "stated by the file", By.FORMAT: "by the format",
-    By.MOTION: "by --axes auto, from the motion", By.NOBODY: "assumed",
+    By.MOTION: "by --axes auto, from the motion", By.DEFAULT: "assumed",
 }  # fmt: skip
 
 
@@ -109,12 +109,12 @@ class Layout:
     unit_by: By = By.FILE  # where there is one
     device: int | None = None  # column that identifies the device of each row
     axes: str = "openxr"  # what `parse_axes` takes
-    axes_by: By = By.NOBODY
+    axes_by: By = By.DEFAULT
     gravity_down: tuple[float, ...] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
-    scale_by: By = By.NOBODY
+    scale_by: By = By.DEFAULT
     inverse: bool = False  # poses are head from world
-    direction_by: By = By.NOBODY
+    direction_by: By = By.DEFAULT
     clock_ignored: bool = False  # --trace-rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 

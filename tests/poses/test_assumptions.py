@@ -31,7 +31,7 @@ def by(loaded) -> dict[str, By]:
 
 def test_facts_of_a_plain_header_are_said_by_the_file_or_by_nobody(tmp_path):
     loaded = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw"))
-    unsaid = dict.fromkeys(("pose", "length", "axes", "up", "clock"), By.NOBODY)
+    unsaid = dict.fromkeys(("pose", "length", "axes", "up", "clock"), By.DEFAULT)
     assert by(loaded) == {"columns": By.FILE, "orientation": By.FILE} | unsaid
 
 
@@ -51,7 +51,7 @@ def test_trace_info_prints_nobody_with_the_option(tmp_path):
 
 @pytest.mark.parametrize(
     ("who", "said"),
-    [(By.NOBODY, "default; set with --scale"), (By.FILE, "by the file"), (By.USER, "by the user")],
+    [(By.DEFAULT, "default; set with --scale"), (By.FILE, "by the file"), (By.USER, "by the user")],
 )
 def test_an_assumption_says_who_says_it(who, said):
     one = Assumption("length", "1 m per unit", who, "--scale")
@@ -70,7 +70,7 @@ def test_notes_name_what_nobody_says(tmp_path):
 
 def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
-    assert first_stated(None, None, None) == (None, By.NOBODY)
+    assert first_stated(None, None, None) == (None, By.DEFAULT)
 
 
 def _bids(folder: Path) -> Path:

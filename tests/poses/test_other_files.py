@@ -114,7 +114,7 @@ def test_nine_numbers_are_by_rows_unless_the_motion_shows_columns(tmp_path):
         assert np.abs(loaded.track.position_m - walk.position_m).max() < EXACT
         assert np.abs(Rotation.from_quat(loaded.track.orientation_xyzw).as_matrix() - turns).max() < 1e-6
         if order == "rows":
-            assert by(load_trace(path), "orientation") is By.NOBODY
+            assert by(load_trace(path), "orientation") is By.DEFAULT
         else:
             assert "--matrix columns" in refusal(path)
 
@@ -138,7 +138,7 @@ def test_poses_the_other_way_round_are_suggested_by_the_motion_and_read_on_reque
     path = write(tmp_path / "i.csv", table)
     loaded = load_trace(path)
     assert any("--pose inverse" in str(d) for d in loaded.defects if d.kind == "pose-contradicted")
-    assert "contradicts" in loaded.axes and by(loaded, "pose") is By.NOBODY
+    assert "contradicts" in loaded.axes and by(loaded, "pose") is By.DEFAULT
     right = load_trace(path, TraceOptions(pose="inverse"))
     assert same_motion(right.track.evolve(time_ns=truth.time_ns), truth, atol=1e-6)
     assert "pose-contradicted" not in kinds(right) and by(right, "pose") is By.USER
@@ -160,7 +160,7 @@ def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
     path = tmp_path / "m.json"
     path.write_text(json.dumps([{"t": t, name: m} for t, m in zip(SECONDS.tolist(), turned.tolist(), strict=True)]))
     loaded = load_trace(path)
-    assert by(loaded, "pose") is (By.FILE if way else By.NOBODY)
+    assert by(loaded, "pose") is (By.FILE if way else By.DEFAULT)
     assert same_motion(loaded.track, TRACK, atol=1e-6)
 
 
@@ -289,8 +289,8 @@ def test_several_numbers_in_a_cell(tmp_path, form):
     assert loaded.format == "vectors"
     assert same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
     named = form in ("type names", "JSON in quotes", "letters in the header")
-    assert by(loaded, "orientation") is (By.FILE if named else By.NOBODY)
-    assert by(loaded, "columns") is (By.NOBODY if form == "no header" else By.FILE)
+    assert by(loaded, "orientation") is (By.FILE if named else By.DEFAULT)
+    assert by(loaded, "columns") is (By.DEFAULT if form == "no header" else By.FILE)
 
 
 def unreal_rotator(q: np.ndarray) -> tuple[float, float, float]:
@@ -343,7 +343,7 @@ def test_rotation_vectors(tmp_path, names, unit):
     table = fields(SECONDS, TRACK.position_m, vectors)
     loaded = load_trace(write(tmp_path / "v.csv", table, names))
     assert same_motion(loaded.track, TRACK, atol=1e-6)
-    assert by(loaded, "orientation") is (By.FILE if unit else By.NOBODY)
+    assert by(loaded, "orientation") is (By.FILE if unit else By.DEFAULT)
 
 
 def test_an_axis_beside_its_angle(tmp_path):
@@ -399,7 +399,7 @@ def test_motive_exports(tmp_path):
     assert (loaded.format, loaded.device, len(loaded.track)) == ("motive", "HMD", len(TRACK) - 1)
     kept = np.arange(len(TRACK)) != 50
     assert np.abs(loaded.track.position_m - TRACK.position_m[kept]).max() < EXACT
-    assert by(loaded, "length") is By.FILE and by(loaded, "axes") is By.NOBODY
+    assert by(loaded, "length") is By.FILE and by(loaded, "axes") is By.DEFAULT
     assert "wand" in str(found(loaded, "devices-interleaved"))
     path.write_text("\n".join(lines[:2] + [line.replace("Rigid Body", "Marker") for line in lines[2:]]))
     assert "without rigid bodies" in refusal(path)
@@ -508,7 +508,7 @@ def test_clocks_of_few_bits_are_counted_on(tmp_path, bits, step_ns, name, low):
     loaded = load_trace(stamped(tmp_path, ticks.tolist(), name, long))
     assert len(loaded.track) == 600 and len(loaded.segments) == 1
     assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns
-    assert "clock-wrap" in kinds(loaded) and by(loaded, "clock wrap") is By.NOBODY
+    assert "clock-wrap" in kinds(loaded) and by(loaded, "clock wrap") is By.DEFAULT
 
 
 def test_a_32_bit_clock_of_microseconds_written_as_seconds(tmp_path):

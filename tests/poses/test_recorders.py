@@ -76,7 +76,7 @@ def test_images_of_colmap_are_inverted_in_the_order_of_their_names(tmp_path):
     for found, frame in zip(map(loaded.track.pose, range(6)), FRAMES, strict=True):
         assert found.isclose(frame.pose, 1e-9)
     said = {entry.what: entry.by for entry in loaded.assumptions}
-    assert (said["pose"], said["axes"], said["length"]) == (By.FORMAT, By.FORMAT, By.NOBODY)
+    assert (said["pose"], said["axes"], said["length"]) == (By.FORMAT, By.FORMAT, By.DEFAULT)
 
 
 def test_a_broken_line_of_colmap_is_named(tmp_path):

@@ -73,14 +73,14 @@ class TraceFormat:
     def assumes(self) -> tuple[Assumption, ...]:
         """Return what is taken where neither a file nor the user says it, and who says so."""
         facts, axes = self.facts, parse_axes(self.facts.get("axes", OPENXR))
-        axes_by = facts.get("axes_by", By.NOBODY)
+        axes_by = facts.get("axes_by", By.DEFAULT)
         unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
-        scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
+        scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.DEFAULT)
         clock = UNIT_NAMES[unit] if unit else "what makes a tracker's rate"
-        way, way_by = DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY)
+        way, way_by = DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.DEFAULT)
         order = self.order or f"as the names say{f', {self.bare_order} without a header' if self.bare_order else ''}"
         return (
-            Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.NOBODY),
+            Assumption(Fact.CLOCK, clock, By.FORMAT if unit else By.DEFAULT),
             Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
             Assumption(Fact.AXES, axes.label(), axes_by, "--axes"),
             Assumption(Fact.ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),

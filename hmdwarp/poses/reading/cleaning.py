@@ -102,7 +102,7 @@ class Cleaner:
         )  # fmt: skip
         columns = columns_read(r.head, r.layout, r.taken)
         facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
-        assumed, unit = judged.axes_by is By.NOBODY, r.time_unit
+        assumed, unit = judged.axes_by is By.DEFAULT, r.time_unit
         return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
 
     def pose_repeats(self) -> NDArray[np.bool_]:

@@ -245,7 +245,7 @@ def find_unit(r: Recording) -> Found:
         r.unit = "s"
     else:
         r.unit = best if 10 <= rates[best] <= 1500 else likely[0]
-    r.layout = attrs.evolve(r.layout, unit=r.unit, unit_by=By.NOBODY)
+    r.layout = attrs.evolve(r.layout, unit=r.unit, unit_by=By.DEFAULT)
     return None, UNIT_NAMES[r.unit], BILLION / (step * UNITS_NS[r.unit])
 
 

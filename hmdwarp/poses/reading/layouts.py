@@ -53,7 +53,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     facts = clock | {
         **{"unit_by": By.FORMAT if "unit" in known else By.FILE},
         **{"position": found.position, "device": column_of_devices(head)},
-        **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.NOBODY},
+        **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.DEFAULT},
     }
     if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
         facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
@@ -97,7 +97,7 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
     order = options.quat_order
     if found.orientation is not None and found.numbered:
         if order is None and head.kind == "vectors":
-            return {"orientation": found.orientation, "order_by": By.NOBODY, "caveats": (_ORDER_ASSUMED,)}
+            return {"orientation": found.orientation, "order_by": By.DEFAULT, "caveats": (_ORDER_ASSUMED,)}
         return {"orientation": ordered(head, found.orientation, order), "order_by": By.USER}
     if found.orientation is not None:
         what = f"--quat-order {order} was given, but the header names x, y, z and w"
@@ -108,7 +108,7 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
     if matrix is not None:
         return matrix | {"position": matrix["position"] or found.position}
     if found.vector and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
-        by = By.USER if options.euler else By.FILE if found.vector_unit else By.NOBODY
+        by = By.USER if options.euler else By.FILE if found.vector_unit else By.DEFAULT
         stated = euler or Euler(VECTOR if len(found.vector) == 3 else AXIS_ANGLE, found.vector_unit == "deg")
         return {"orientation": found.vector, "euler": stated, "order_by": by}
     if euler is not None and found.angles is not None:
@@ -137,7 +137,7 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
         raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: a time and a pose")
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
-    stated = By.FORMAT if options.format == name else By.NOBODY
+    stated = By.FORMAT if options.format == name else By.DEFAULT
     return Layout(
         time=0,
         position=(1, 2, 3),
@@ -268,7 +268,7 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
     elif options.euler:
         facts["euler"] = parse_euler(options.euler)
     else:
-        facts |= {"euler": Euler(VECTOR if key == "r" else AXIS_ANGLE, degrees=False), "order_by": By.NOBODY}
+        facts |= {"euler": Euler(VECTOR if key == "r" else AXIS_ANGLE, degrees=False), "order_by": By.DEFAULT}
     (time,), place = stated.get("t", (None,)), facts.get("position") or stated.get("p")
     return Layout(time=time, columns_by=By.USER, device=column_of_devices(head), **facts | {"position": place})
 
@@ -305,7 +305,7 @@ def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, A
         "orientation": tuple(cells[i] for i in grid[:3, :3].ravel()),
         "position": tuple(cells[i] for i in grid[:3, 3]) if len(cells) > 9 else None,
         "matrix": f"by {way}" + (f" ({last[len(cells) == 12]})" if decided else ""),
-        "order_by": By.USER if order else By.FILE if decided else By.NOBODY,
+        "order_by": By.USER if order else By.FILE if decided else By.DEFAULT,
     }
 
 
@@ -357,7 +357,7 @@ def _of_matrices(head: Head, options: TraceOptions, facts: dict[str, Any]) -> La
             likely = column < cells[0], len(set(numbers.tolist())), bool((numbers % 1).any()), step
             clocks.append((likely, -column))
     time = -max(clocks)[1] if clocks else None
-    return Layout(time=time, columns_by=By.NOBODY, **matrix)
+    return Layout(time=time, columns_by=By.DEFAULT, **matrix)
 
 
 def _of_frames(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:

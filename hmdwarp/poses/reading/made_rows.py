@@ -230,7 +230,7 @@ def _cells_made(_: Path, text: str) -> Made | None:
         return None
     rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
     unreal = _UNREAL.search(lines[begin]) is not None
-    facts: dict[str, Any] = {} if named else {"columns_by": By.NOBODY}
+    facts: dict[str, Any] = {} if named else {"columns_by": By.DEFAULT}
     if unreal and any({label for label, _ in parts} in _ROTATORS for parts in first):
         facts |= {"euler": Euler("xyz", True, (-1, -1, 1)), "order_by": By.FORMAT}
     defects = () if named else (_NAMELESS,)

@@ -395,7 +395,7 @@ class JudgedAxes:
             Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
             Assumption(Fact.UP, up, up_by, "--up"),
             Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
-            *([Assumption("clock wrap", self.r.wrap, By.NOBODY)] if self.r.wrap else []),
+            *([Assumption("clock wrap", self.r.wrap, By.DEFAULT)] if self.r.wrap else []),
         )
 
     @property
@@ -411,7 +411,7 @@ class JudgedAxes:
         r, gravity = self.r, np.array(self.r.layout.gravity_down)
         metres = None if r.position is None else r.position * self.scale[0]
         evidence = evidence_of(r.time_ns, r.orientation, metres, gravity)
-        if r.layout.order_by is By.NOBODY and r.layout.euler is None:
+        if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
             self._refuse_other_order(evidence)
         verdict = judge(evidence, self.axes)
         if metres is not None:
@@ -515,7 +515,7 @@ class JudgedAxes:
             return f"{words}; {self._upright} set upright by --axes auto"
         if self._tilt_deg:
             return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
-        if self.axes_by is not By.NOBODY:
+        if self.axes_by is not By.DEFAULT:
             return words
         if self._leaves_open:
             return f"{words}; the motion does not show {self._leaves_open}; --axes or --up states it"

@@ -105,11 +105,11 @@ def assumptions_of(
         intrinsics = Assumption(INTRINSICS, "fov", By.FILE, "--intrinsics")
     scale, by = first_stated(scale, found.depth_scale, None)
     if scale is None:
-        by, scale = (By.FILE if found.path == found.where else By.NOBODY), 1.0
+        by, scale = (By.FILE if found.path == found.where else By.DEFAULT), 1.0
     facts = [intrinsics, Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale"), *OWN_FACTS]
     if found.path == found.where and encoding is None and found.encoding is None:  # an .npz file, which takes both
         if found.arrays()[0].dtype.kind == "f":
-            facts.append(Assumption("encoding", "linear (float colour)", By.NOBODY, "encoding in the file"))
+            facts.append(Assumption("encoding", "linear (float colour)", By.DEFAULT, "encoding in the file"))
         else:
             facts.append(Assumption("encoding", "sRGB (bytes)", By.FORMAT))
     return facts

@@ -98,7 +98,7 @@ def test_the_default_camera_of_redwood_is_for_its_own_pictures(tmp_path):
     assert fact(sequences.open(tmp_path, STATED), "intrinsics").by is By.USER
 
 
-@pytest.mark.parametrize(("folder", "by"), [("mine", By.NOBODY), ("rgbd_dataset_freiburg1_desk", By.FORMAT)])
+@pytest.mark.parametrize(("folder", "by"), [("mine", By.DEFAULT), ("rgbd_dataset_freiburg1_desk", By.FORMAT)])
 def test_numbers_of_the_right_size_are_still_only_assumed(folder, by, tmp_path):
     """Those of TUM's own recordings are stated by its documents."""
     write_tum(tmp_path / folder, taken(2, (640, 480)))
@@ -151,7 +151,7 @@ def test_depth_files_by_other_names_are_read(key, tmp_path):
 
     folder = rewritten(tmp_path, change)
     assert np.abs(depth_of(folder) - taken(1)[0].depth_m).max() < 1e-3
-    assert fact(sequences.open(folder), "depth scale").by is By.NOBODY
+    assert fact(sequences.open(folder), "depth scale").by is By.DEFAULT
 
 
 def test_a_depth_key_that_is_not_read_is_named(tmp_path):
@@ -234,12 +234,12 @@ def test_a_matrix_with_skew_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("times", "seconds", "by"),
     [
-        ([0, 0.25, 0.5, 1], [0, 0.025, 0.05, 0.1], By.NOBODY),
-        ([0, 0.25, 0.5, 0.75], [0, 1 / 30, 2 / 30, 0.1], By.NOBODY),
-        ([0, 0, 0, 0], [0, 1 / 30, 2 / 30, 0.1], By.NOBODY),
-        ([0, 1, 2, 3], [0, 1 / 30, 2 / 30, 0.1], By.NOBODY),
-        ([7.0, 7.05, 7.1, 7.2], [0, 0.05, 0.1, 0.2], By.NOBODY),
-        ([0, 0.05, 0.1, 0.2], [0, 0.05, 0.1, 0.2], By.NOBODY),
+        ([0, 0.25, 0.5, 1], [0, 0.025, 0.05, 0.1], By.DEFAULT),
+        ([0, 0.25, 0.5, 0.75], [0, 1 / 30, 2 / 30, 0.1], By.DEFAULT),
+        ([0, 0, 0, 0], [0, 1 / 30, 2 / 30, 0.1], By.DEFAULT),
+        ([0, 1, 2, 3], [0, 1 / 30, 2 / 30, 0.1], By.DEFAULT),
+        ([7.0, 7.05, 7.1, 7.2], [0, 0.05, 0.1, 0.2], By.DEFAULT),
+        ([0, 0.05, 0.1, 0.2], [0, 0.05, 0.1, 0.2], By.DEFAULT),
     ],
 )
 def test_time_that_is_a_share_is_no_clock(times, seconds, by, tmp_path):

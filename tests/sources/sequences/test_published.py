@@ -196,7 +196,7 @@ def test_a_camera_of_a_data_set_is_for_its_own_size(form, size, folder):
     left, right, down, up = sequence.frames[0].fov.tangents
     if form != "seven_scenes":
         assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
-    by = By.NOBODY if form == "seven_scenes" else By.FORMAT  # others have taken over its names
+    by = By.DEFAULT if form == "seven_scenes" else By.FORMAT  # others have taken over its names
     assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is by
     with pytest.raises(InputError, match=f"for {size[0]}x{size[1]} pixels, its pictures have 36x24"):
         PUBLISHED[form].write(folder, taken(1))
@@ -349,7 +349,7 @@ def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_
     sequence = sequences.open(folder, PUBLISHED["traced"].options)
     assert len(sequence.track) == 5
     said = {entry.what: (entry.value, entry.by) for entry in sequence.assumptions}
-    assert said["camera axes"] == ("x right, y down, z forward, of world and camera", By.NOBODY)
+    assert said["camera axes"] == ("x right, y down, z forward, of world and camera", By.DEFAULT)
     assert said["frame clock"] == ("pictures are named by the trace's clock, in s", By.FILE)
     file = folder / "trajectory.txt"
     file.write_text("# axes: opencv\n" + file.read_text())

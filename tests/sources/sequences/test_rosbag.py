@@ -66,7 +66,7 @@ def test_what_was_taken_is_said(tmp_path):
     write_ros1(tmp_path, taken(2))
     sequence = sequences.open(tmp_path)
     topics, by = entry(sequence, "topics")
-    assert by is By.NOBODY and f"colour {COLOUR}, depth {DEPTH}, info /camera/color/camera_info" in topics
+    assert by is By.DEFAULT and f"colour {COLOUR}, depth {DEPTH}, info /camera/color/camera_info" in topics
     assert entry(sequence, "camera pose") == ("'map' from 'camera_color_optical_frame', by TF", By.FILE)
     assert sequence.track.epoch_ns == BEGINS_NS
 
@@ -130,7 +130,7 @@ def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(t
     """It looks along x, as REP 103 has a body."""
     found = sequences.open(changed(tmp_path, without("/tf_static"), "odometry"))
     value, by = entry(found, "camera pose")
-    assert by is By.NOBODY and value == "/odom of 'base_link', which looks along x, at the camera's place"
+    assert by is By.DEFAULT and value == "/odom of 'base_link', which looks along x, at the camera's place"
     apart = found.frames[2].pose.position_m - taken(3)[2].pose.position_m
     assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm([0.1, 0.02, 0.3]), abs=1e-9)
 

@@ -123,7 +123,7 @@ def layout(
     no_depth: Said = "0",
     looks: Said = "",
     pose: Said = XYZW,
-    clock: Said = (f"{RATE_HZ:g} frames per second", By.NOBODY),
+    clock: Said = (f"{RATE_HZ:g} frames per second", By.DEFAULT),
     **more: Any,
 ) -> Callable[[Callable[[Folder], None]], Callable[[Folder], None]]:
     """Register a function as a layout.
@@ -284,7 +284,7 @@ class Folder:
         if count := of - len(self.pairs or self.frames):
             self.notes.append(f"{count} frames were left out: {why}.")
 
-    def clock(self, value: str = "", by: By = By.NOBODY, **more: Any) -> None:
+    def clock(self, value: str = "", by: By = By.DEFAULT, **more: Any) -> None:
         """State how frames have their instants: by default by the rate."""
         self.facts.append(
             Assumption(CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
@@ -443,7 +443,7 @@ class Folder:
 
     def _refuse_other_size(self, size: Size) -> None:
         """Raise InputError where numbers of a layout are for pictures of another size."""
-        open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.NOBODY)]
+        open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.DEFAULT)]
         if self.only_for in (None, size) or not open_facts:
             return
         taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)

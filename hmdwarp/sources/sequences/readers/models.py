@@ -64,7 +64,7 @@ def _sequences_in(path: Path) -> list[str]:
     f"and maybe info.txt or {_MATRIX} there or above",
     lambda path: 90 if any(path.glob("frame-*.pose.txt")) else 40 if _sequences_in(path) else 0,
     # The data set's page gives them for depth and says that neither camera was calibrated.
-    camera=Camera(585.0, 585.0, 320.0, 240.0, VGA), unit=1e-3, by=By.NOBODY, no_depth="0 or 65535", pose=MATRICES,
+    camera=Camera(585.0, 585.0, 320.0, 240.0, VGA), unit=1e-3, by=By.DEFAULT, no_depth="0 or 65535", pose=MATRICES,
 )  # fmt: skip
 def seven_scenes(at: Folder) -> None:
     """Sequences of 7-Scenes; matrices from camera to world, depth in millimetres.
@@ -209,7 +209,7 @@ def _trajectory(path: Path) -> Path | None:
 @layout(
     "open3d", f"Open3D: color/, depth/ and {_TRAJECTORIES[0]} of class {_CLASS}",
     lambda path: 87 if (path / "depth").is_dir() and _trajectory(path) is not None else 0,
-    intrinsics=("intrinsic_matrix of each frame", By.FILE), unit=1e-3, by=By.NOBODY,
+    intrinsics=("intrinsic_matrix of each frame", By.FILE), unit=1e-3, by=By.DEFAULT,
     pose="camera from world, inverted; matrices by columns", takes=("frames_camera",),
 )  # fmt: skip
 def open3d(at: Folder) -> None:
@@ -309,7 +309,7 @@ def colmap(at: Folder) -> None:
     for number, image, depth in chosen:
         camera = own[image.camera_id] if at.options.camera is None else None
         at.add(pictures / image.name, depth, number, pose_of(at.axes, image.position, image.rotation), camera=camera)
-    at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY))
+    at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.DEFAULT))
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
 
 
@@ -364,7 +364,7 @@ def _transforms(path: Path) -> Path:
     "nerfstudio", f"nerfstudio, instant-ngp: {_FILE}, whose frames have depth_file_path or depth_path",
     lambda path: 90 if _transforms(path).exists() else 0, intrinsics=("of the file or of each frame", By.FILE),
     scale=f"{' or '.join(_SCALE_KEYS)}, else {_UNIT:g} m per unit", pose=MATRICES,
-    clock=(f"timestamp or time, else {RATE_HZ:g} frames per second", By.NOBODY),
+    clock=(f"timestamp or time, else {RATE_HZ:g} frames per second", By.DEFAULT),
     axes="world=x,z,y head=x,y,-z",  # z up; the camera looks along -z, as in OpenGL
     looks="x right, y up, -z forward, in a world of z up",
 )  # fmt: skip
@@ -428,7 +428,7 @@ def _scale_of(file: Path, data: Mapping[str, Any], whole: list[Any], by_user: fl
         raise InputError(f"{file}: {both} differ; expected one scale: give --depth-scale")
     scale, by = first_stated(by_user, next(iter(stated.values()), None), None)
     # By default in nerfstudio; instant-ngp has none.
-    return (scale, by) if scale is not None else (_UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.NOBODY)
+    return (scale, by) if scale is not None else (_UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT)
 
 
 def _picture(file: Path, where: str, name: object) -> Path:
@@ -466,7 +466,7 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
     if rated or steps == {0.0} or key == "time" and steps == {1.0}:
         at.clock()
         return counted
-    at.clock(f"{key}, in seconds", By.FORMAT if key == "timestamp" else By.NOBODY)
+    at.clock(f"{key}, in seconds", By.FORMAT if key == "timestamp" else By.DEFAULT)
     return [round(value * 1e9) for value in found]
 
 
@@ -488,8 +488,8 @@ def _frames_in(path: Path) -> list[Path]:
     f"NAME.npz, NAME.exr + NAME.json, or NAME.png + NAME.depth.png + NAME.json; {CAMERA} for what all share",
     lambda path: 60 * any(one.suffix.lower() == NPZ or one.with_suffix(JSON).exists() for one in _frames_in(path)[:1]),
     intrinsics=("fov or intrinsics in each frame", By.FILE),
-    scale=("depth_scale; floats without one are metres", By.NOBODY), no_depth=OWN_FACTS[0], looks=OWN_FACTS[1],
-    pose=OWN_FACTS[2], clock=(f"time_s or time_ns, else {RATE_HZ:g} frames per second", By.NOBODY),
+    scale=("depth_scale; floats without one are metres", By.DEFAULT), no_depth=OWN_FACTS[0], looks=OWN_FACTS[1],
+    pose=OWN_FACTS[2], clock=(f"time_s or time_ns, else {RATE_HZ:g} frames per second", By.DEFAULT),
 )  # fmt: skip
 def folder(at: Folder) -> None:
     """Read frames in the axes of OpenXR, each as `hmdwarp warp` takes it."""

@@ -58,7 +58,7 @@ def _read(at: Folder, bag: Bag) -> None:
     still: list[Any] = []
     for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
         (still if topic.endswith("tf_static") else moving).extend(message.transforms)
-    tree, by = Transforms(moving, still), By.USER if at.options.frames_topics else By.NOBODY
+    tree, by = Transforms(moving, still), By.USER if at.options.frames_topics else By.DEFAULT
     topics = _topics(at.path, bag, tree, at.options.frames_topics)
     colours, depths = (_stamped(bag, topics[part]) for part in ("colour", "depth"))
     scale = DEPTHS[encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
@@ -189,10 +189,10 @@ def _poses(
         fixed = tree.up_to(frame, body, 0) if not tree.moves(frame) else None
         said = Assumption(POSE, f"{topic} of '{body}', and TF from there to '{frame}'", By.FILE)
     elif body in ("", frame) or body.endswith("optical_frame"):
-        fixed, said = np.eye(4), Assumption(POSE, f"{topic}, of the picture's own frame", By.NOBODY)
+        fixed, said = np.eye(4), Assumption(POSE, f"{topic}, of the picture's own frame", By.DEFAULT)
     else:
         fixed = _OPTICAL_FROM_BODY
-        said = Assumption(POSE, f"{topic} of '{body}', which looks along x, at the camera's place", By.NOBODY)
+        said = Assumption(POSE, f"{topic} of '{body}', which looks along x, at the camera's place", By.DEFAULT)
 
     def at(time_ns: int) -> Matrix | None:
         moved, then = motion.at(time_ns), tree.up_to(frame, body, time_ns) if fixed is None else fixed

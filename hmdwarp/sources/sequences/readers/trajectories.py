@@ -49,7 +49,7 @@ _SECONDS = Assumption(CLOCK, "seconds in the lists of pictures", By.FILE)
 
 @layout(
     "tum", "TUM RGB-D: rgb.txt, depth.txt, groundtruth.txt and the pictures that they name",
-    (95, "rgb.txt", "depth.txt", "groundtruth.txt"), world="x,z,y", camera=ADVISED, unit=1 / 5000, by=By.NOBODY,
+    (95, "rgb.txt", "depth.txt", "groundtruth.txt"), world="x,z,y", camera=ADVISED, unit=1 / 5000, by=By.DEFAULT,
     only_for=VGA, looks="x right, y down, z forward, in a world of z up", clock=_SECONDS,
 )  # fmt: skip
 def tum(at: Folder) -> None:
@@ -65,7 +65,9 @@ def tum(at: Folder) -> None:
             raise InputError(f"{file}: {len(rows)} lines; expected one of fx fy cx cy")
         own = Camera.of(rows[0].floats(4))
     at.state(
-        FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=By.FORMAT if own or "freiburg" in name else By.NOBODY
+        FREIBURG3 if "freiburg3" in name else ADVISED,
+        own=own,
+        by=By.FORMAT if own or "freiburg" in name else By.DEFAULT,
     )
     at.only_for = None if own else VGA
     try:
@@ -133,7 +135,7 @@ def icl_nuim(at: Folder) -> None:
 @layout(
     "redwood", "Redwood, Open3D: color/, depth/, trajectory.log, and maybe camera_intrinsic.json",
     lambda path: 85 if path.is_dir() and _log(path) is not None and (path / "depth").is_dir() else 0,
-    camera=ADVISED, unit=1e-3, by=By.NOBODY, looks="x right, y down, z forward", pose=MATRICES,
+    camera=ADVISED, unit=1e-3, by=By.DEFAULT, looks="x right, y down, z forward", pose=MATRICES,
     takes=("frames_camera",),
 )  # fmt: skip
 def redwood(at: Folder) -> None:
@@ -190,8 +192,8 @@ def _fits_numbered(path: Path) -> int:
 
 @layout(
     "numbered", "color/N.png, depth/N.png or .pgm, and pose.txt: x y z qx qy qz qw, a line for each; --intrinsics",
-    _fits_numbered, no_depth=("0", By.NOBODY), looks=("x right, y down, z forward", By.NOBODY),
-    pose=("world from camera, x y z qx qy qz qw", By.NOBODY), takes=("frames_camera",),
+    _fits_numbered, no_depth=("0", By.DEFAULT), looks=("x right, y down, z forward", By.DEFAULT),
+    pose=("world from camera, x y z qx qy qz qw", By.DEFAULT), takes=("frames_camera",),
 )  # fmt: skip
 def numbered(at: Folder) -> None:
     """Pictures by number, with poses from camera to world, as small examples and robots write them.
@@ -414,10 +416,10 @@ def _traces(path: Path) -> list[Path]:
 @layout(
     "traced", "color/, depth/ and one head trace of any format; pictures named by its clock, or a pose for each",
     lambda path: 30 * all(any((path / one).is_dir() for one in side) for side in (COLOURS, _TRACED_DEPTHS))
-    * bool(_traces(path)), intrinsics=(f"{_CAMERAS[0]}, {_MATRICES[0]} or {CAMERA}", By.FILE), by=By.NOBODY,
-    scale=("to be stated; floats are metres", By.NOBODY), no_depth=("0", By.NOBODY),
-    looks=Assumption(AXES, "those of the trace, else x right, y down, z forward", By.NOBODY, "--frames-axes"),
-    pose=("world from camera", By.NOBODY), takes=("frames_axes", "frames_camera"),
+    * bool(_traces(path)), intrinsics=(f"{_CAMERAS[0]}, {_MATRICES[0]} or {CAMERA}", By.FILE), by=By.DEFAULT,
+    scale=("to be stated; floats are metres", By.DEFAULT), no_depth=("0", By.DEFAULT),
+    looks=Assumption(AXES, "those of the trace, else x right, y down, z forward", By.DEFAULT, "--frames-axes"),
+    pose=("world from camera", By.DEFAULT), takes=("frames_axes", "frames_camera"),
     clock=Assumption(CLOCK, "names of pictures on the trace's clock, else a pose for each", By.FILE),
 )  # fmt: skip
 def traced(at: Folder) -> None:
@@ -435,7 +437,7 @@ def traced(at: Folder) -> None:
     except TraceError as error:
         raise InputError(str(error)) from error
     instants, clock = _instants(at, files, trace)
-    by = By.FILE if "named" in clock else By.NOBODY
+    by = By.FILE if "named" in clock else By.DEFAULT
     rated = at.options.frames_rate_hz is not None
     at.facts += [axes, Assumption(CLOCK, clock, by, "--frames-rate" if rated else "")]
     at.facts += [attrs.evolve(fact, what=POSE) for fact in trace.assumptions if fact.what == "pose"]
@@ -453,10 +455,10 @@ def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
     if find_format(head, reading).layout(head, reading).time is None:
         reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
     trace = load_trace(file, reading)
-    said = next((fact for fact in trace.assumptions if fact.what == "axes"), Assumption("axes", trace.axes, By.NOBODY))
-    if said.by is By.NOBODY:
+    said = next((fact for fact in trace.assumptions if fact.what == "axes"), Assumption("axes", trace.axes, By.DEFAULT))
+    if said.by is By.DEFAULT:
         trace = load_trace(file, attrs.evolve(reading, axes="opencv"))
-        said = Assumption(AXES, "x right, y down, z forward, of world and camera", By.NOBODY)
+        said = Assumption(AXES, "x right, y down, z forward, of world and camera", By.DEFAULT)
     return trace, attrs.evolve(said, what=AXES, option="--frames-axes")
 
 
