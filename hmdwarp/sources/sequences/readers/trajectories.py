@@ -64,11 +64,8 @@ def tum(at: Folder) -> None:
         if len(rows := at.rows(file.name)) != 1:
             raise InputError(f"{file}: {len(rows)} lines; expected one of fx fy cx cy")
         own = Camera.of(rows[0].floats(4))
-    at.state(
-        FREIBURG3 if "freiburg3" in name else ADVISED,
-        own=own,
-        by=By.FORMAT if own or "freiburg" in name else By.DEFAULT,
-    )
+    by = By.FORMAT if own or "freiburg" in name else By.DEFAULT
+    at.state(FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=by)
     at.only_for = None if own else VGA
     try:
         trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
