@@ -103,6 +103,11 @@ class WarpedImage:
     # requested.
     depth_m: NDArray[Any] | None = None
 
+    def __repr__(self) -> str:
+        high, wide = self.coverage.shape
+        share, total_ms = 100 * self.hole_share, sum(self.time_ms.values())
+        return f"<WarpedImage: {wide}x{high} {self.encoding}, {share:.1f} % holes before the fill, {total_ms:.2f} ms>"
+
     def _repr_png_(self) -> bytes:
         """Return the picture as a PNG file: a notebook shows it."""
         colour = self.colour

@@ -51,6 +51,7 @@ def test_a_notebook_shows_a_result_as_a_picture(colour):
     levels = np.random.default_rng(0).integers(0, 256, (6, 8, 3), dtype=np.uint8)
     given = levels if colour == "uint8" else linear_from_srgb(levels / 255).astype(np.float32)
     result = warp_image(given, np.full((6, 8), 2.0, np.float32), view(), view())
+    assert len(repr(result)) < 120 and "holes" in repr(result)
     shown = np.asarray(Image.open(io.BytesIO(result._repr_png_())))
     assert np.abs(shown.astype(int) - levels).max() <= 1  # one rounding of half floats
 
