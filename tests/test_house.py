@@ -182,7 +182,7 @@ def test_every_part_has_its_place():
 ROOMS = {
     "sources": (10529, 8500),
     "run": (6971, 5400),
-    "client": (7924, 6500),
+    "client": (7910, 6500),
     "cloudlight": (3600, 3600),  # done
     "scenes": (5387, 4600),
     "poses": (6004, 4500),
@@ -193,7 +193,7 @@ ROOMS = {
     "report": (5379, 4200),
     "experiments": (4044, 3200),
     "metrics options": (3461, 2600),
-    "cli": (2957, 2400),
+    "cli": (2956, 2400),
     "display web": (5014, 4000),
     "study": (11691, 10000),
     "": (601, 500),  # the modules beside the packages

@@ -160,10 +160,7 @@ def as_json(data: Any) -> str:
 
 
 def print_results(said: Said, data: Any, as_text: Callable[[], None], report: Path | None = None) -> None:
-    """Print results as text, as one JSON object by --json, or not at all by --quiet.
-
-    report: the page that has them.
-    """
+    """Print results as text, as JSON by --json, or not at all by --quiet; and name their page."""
     if said["json"]:
         typer.echo(as_json(data))
     elif not said["quiet"]:

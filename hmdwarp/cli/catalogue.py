@@ -242,6 +242,7 @@ KINDS = {
         lambda s: {
             "sets": ", ".join(f"{name}={value}" for name, value in s.options("").items()) or "nothing",
             "classes": ", ".join(f"class-{number}" for number in s.classes), "source": s.source,
+            "published": s.published or "none",
         },
     ),
     "warps": Kind(

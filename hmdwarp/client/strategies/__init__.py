@@ -32,10 +32,14 @@ class Strategy:
     # For whom it is meant: the thesis's classes 1 to 3 (its section 1.3 and its assessments).
     classes: ClassVar[tuple[int, ...]]
     source: ClassVar[str]
+    # Figures of others for the nearest system that is published, with their source.
+    published: ClassVar[str] = ""
     # The warp; "" where any will do that `check` accepts.
     warp: ClassVar[str]
     # The chain of fills; None for the one that usually follows the warp, or the one that was set.
     fill: ClassVar[str | None] = None
+    # Settings of the warp where none are given.
+    usual: ClassVar[str] = ""
     # Further options of a run, by name.
     more: ClassVar[Mapping[str, Any]] = {}
 
@@ -45,6 +49,7 @@ class Strategy:
 
         Errors: InputError for settings of a strategy that leaves the warp open.
         """
+        settings = settings or cls.usual
         if not cls.warp:
             if settings:
                 raise InputError(f"strategy '{cls.name}:{settings}': it has no settings; name a warp by --warp")
@@ -69,7 +74,7 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Strategy]:
     return type(name, (Strategy,), {**table, "name": name, "classes": tuple(table["classes"])})
 
 
-_CHECKED = dict.fromkeys(("depth_image", "proxy", "views"), "checked")
+_CHECKED = dict.fromkeys(("depth_image", "proxy"), "checked")
 strategies: Registry[type[Strategy]] = Registry(
     "strategy", __name__, of_table=_of_table, modules=_CHECKED, columns="crosses client late"
 )
