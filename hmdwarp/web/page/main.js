@@ -324,7 +324,7 @@ function tellFigures(session) {
   const passed = (performance.now() - figures.since) / 1000, frame = session.shown, cost = session.costs[session.inUse];
   if (!frame) return;
   const took = Number.isFinite(cost) ? `${cost.toFixed(2)} ms` : "not measured yet", highest = Math.max(...ages, 1);
-  $("ages").setAttribute("points", ages.map((age, k) => `${(240 * k) / AGES},${(40 - (38 * age) / highest).toFixed(1)}`).join(" "));
+  $("ages").setAttribute("points", ages.map((age, k) => `${((240 * k) / Math.max(ages.length - 1, 1)).toFixed(1)},${(40 - (38 * age) / highest).toFixed(1)}`).join(" "));
   $("ages-told").textContent = `Age of the shown frame at the last ${ages.length} refreshes: up to ${highest.toFixed(0)} ms`;
   $("acts").hidden = !session.feed.reacts;
   const rows = {
@@ -333,7 +333,8 @@ function tellFigures(session) {
     "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
     "decoded in": `${figures.decode.toFixed(1)} ms`,
     [`warped by ${session.inUse}, an eye`]: took,
-    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "no GPU timer: waited for",
+    "chosen": session.why,
+    "timed by": session.watch.clock === "gpu" ? "GPU timer" : "waiting: no GPU timer",
     "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
     "refreshes a second": (figures.refreshes / passed).toFixed(0),
     "frames a second": (figures.frames / passed).toFixed(0),
