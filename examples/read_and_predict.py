@@ -15,7 +15,7 @@ out.mkdir(parents=True, exist_ok=True)
 
 loaded = hmdwarp.load_trace("look-around")  # or a path: the format is found by looking at the file
 track = loaded.track
-print(f"{loaded.format}: {len(track)} poses in {track.duration_ns * 1e-9:.1f} s at {loaded.rate_hz:.0f} Hz")
+print(f"{loaded.format}: {len(track)} poses in {track.duration_ns * 1e-9:.1f} s at {track.rate_hz:.0f} Hz")
 
 with (out / "prediction.csv").open("w", newline="") as file:
     table = csv.writer(file)

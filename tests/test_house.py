@@ -185,7 +185,7 @@ ROOMS = {
     "client": (7910, 6500),
     "cloudlight": (3600, 3600),  # done
     "scenes": (5387, 4600),
-    "poses": (6004, 4500),
+    "poses": (6007, 4500),
     "pipeline": (5066, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),

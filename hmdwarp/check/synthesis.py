@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from ..client.effects import effects
 from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
 from ..metrics import psnr
@@ -46,7 +47,8 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
     What moves by itself goes on with the velocity that its vectors give it. Errors: as Warper.
     """
     size = frames.frames[0].size
-    with Warper(size, effects="soft_motion") as moving, Warper(size) as still:
+    carried = ",".join(effect.name for effect in effects if effect.needs.velocity)
+    with Warper(size, effects=carried) as moving, Warper(size) as still:
         for number, (now, before) in enumerate(frames.pairs):
             time_ns = round(now.time_ns + at * (now.time_ns - before.time_ns))
             truth = next((one for one in frames.frames if abs(one.time_ns - time_ns) <= _SAME_NS), None)

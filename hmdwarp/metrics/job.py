@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 
 import attrs
 import numpy as np
-from attrs.converters import optional
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError
@@ -52,6 +51,10 @@ class Compared:
         return error_image(self.shown, self.truth)
 
 
+def _covered(coverage: NDArray[Any] | None) -> NDArray[np.bool_] | None:
+    return None if coverage is None else np.asarray(coverage) != 0
+
+
 @attrs.frozen(eq=False)
 class QualityJob:
     """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
@@ -64,7 +67,7 @@ class QualityJob:
     # The neighbouring frame of the same eye.
     previous: Compared | None = None
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
-    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=optional(lambda c: np.asarray(c) != 0))
+    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     # (h, w), 1/m in the shown view, top row first.
     truth_inverse_depth: NDArray[Any] | None = None
     # View and (w, h) of the late frame.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import functools
 import operator
 from collections.abc import Callable, Iterable
 from numbers import Real
@@ -79,8 +78,12 @@ def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
         raise TraceError(f"{what}, found {in_brief(value)}") from error
 
 
-_texts = functools.partial(_tuple_of, str, what="notes: expected texts")
-_jumps = functools.partial(_tuple_of, int, what="jumps: expected indices of samples")
+def _texts(value: Iterable[str]) -> tuple[str, ...]:
+    return _tuple_of(str, value, "notes: expected texts")
+
+
+def _jumps(value: Iterable[int]) -> tuple[int, ...]:
+    return _tuple_of(int, value, "jumps: expected indices of samples")
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:

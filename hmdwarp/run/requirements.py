@@ -190,7 +190,7 @@ class Tolerance:
             is_share = number.endswith("%") and name != PIXEL
             value = _number(number.removesuffix("%")) / 100 if is_share else _number(number)
             if not 0 <= value < math.inf:
-                raise InputError(f"--tolerance {part}: expected NAME=NUMBER or NAME=PERCENT%, from 0")
+                raise InputError(f"--tolerance {part}: found '{number}', expected NAME=NUMBER or NAME=PERCENT%, from 0")
             if name in of_pictures:
                 of_pictures[name] = value
             else:

@@ -60,7 +60,7 @@ def test_a_fault_that_is_no_convention_gets_no_other_cause(name):
     answer = check(Stated(FAULTS[name].frames(list(FAULTS).index(name))))
     told = [finding.name for finding in answer.findings if not finding.as_stated and answer.decision.is_told]
     assert told in ([], ["time"] if "late" in name else []) and bool(told) == bool(answer.code)
-    assert told or answer.verdict != "wrong" or "cannot be told" in answer.headline()
+    assert told or answer.verdict != "wrong" or "cannot be told" in answer.headline
 
 
 # Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.

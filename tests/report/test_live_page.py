@@ -61,7 +61,7 @@ def test_the_lines_say_what_counts():
     assert told == [
         "shown                   1001 pictures in 12.5 s, 80.0 a second; 9 missed (0.9 %, at most 4 in a row)",
         "judder                  0.032 deg RMS", "frame age at display    203.40 ms, p95 211.00",
-        "pose age at submission  1.25 ms, p95 1.90", "from picture to picture 12.50 ms, p95 13.10",
+        "pose age at submission  1.25 ms, p95 1.90", "frame interval          12.50 ms, p95 13.10",
         "time per eye            2.25 ms, p95 2.25: warp 1.25, fill 0.50, lens 0.50",
         "drawing and both eyes   7.50 ms, p95 7.50, of 12.50 ms for a refresh",
         "holes before the fill   2.13 %, p95 2.13", "note: A <note>.",

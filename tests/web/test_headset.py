@@ -177,7 +177,7 @@ def test_what_stops_it_is_told_in_the_view_and_taken_up_again(serving, worn):
         goes_on_after("something in front", lambda: browser.does("headset.updateVisibilityState('visible')"))
         relay.is_down = True
         relay.cut()
-        goes_on_after("not there", lambda: setattr(relay, "is_down", False))
+        goes_on_after("Connection lost", lambda: setattr(relay, "is_down", False))
         browser.does("hmdwarp.session.xr.end()")
         browser.until(says("VR has ended"))
         browser.until("hmdwarp.session.shown.eyes.length === 1")
@@ -193,7 +193,7 @@ def test_a_server_started_anew(worn, tmp_path, keeps_its_secret):
     with Serving("--web", "127.0.0.1:*", *options) as server:
         address = server.line("for a browser").split()[-1]
         browser = worn(address + "&raw&size=128")
-    browser.until(says("not there"))
+    browser.until(says("Connection lost"))
     browser.does("globalThis.before = hmdwarp.session.shown.number")
     with Serving("--web", f"127.0.0.1:{port_of(address)}", *options):
         browser.until(GOES_ON if keeps_its_secret else says("does not accept this browser any more"))

@@ -99,7 +99,7 @@ def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu, video):
 def test_a_server_that_goes_is_told_and_taken_up_again(page):
     browser = page("raw&trace=walk&size=128")
     browser.does("hmdwarp.session.feed.socket.close()")
-    browser.until(says("not there"))
+    browser.until(says("Connection lost"))
     browser.does("globalThis.before = hmdwarp.session.shown.number")
     browser.until("hmdwarp.session.shown.number > before && !document.getElementById('told').textContent")
 
@@ -124,7 +124,7 @@ def test_panels_come_once_and_stay(tmp_path, gpu):
         assert np.mean((here.coverage > 0) & (off > 2)) <= 0.01  # as above
         browser.does("globalThis.least = 2")
         browser.does("setInterval(() => (least = Math.min(least, hmdwarp.session.panels.laid.length)), 4)")
-        browser.until(says("not there"))
+        browser.until(says("Connection lost"))
         with Serving(*options, f"127.0.0.1:{urlsplit(address).port}"):
             browser.until(f"{come} && !document.getElementById('told').textContent")
             assert browser.does("[held().made.Texture, held().made.Framebuffer, least]") == [*held, 2]

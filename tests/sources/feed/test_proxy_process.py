@@ -48,7 +48,7 @@ def test_a_client_without_depth_gets_the_picture_for_its_head_and_its_delay_has_
                     took_ms.append((refresh.response.render_ms, refresh.transit.ready_ns - refresh.transit.sent_ns))
             told, latency_ms = setup.channel.summary(10.0), setup.options.latency_ms
         # What was measured and what ran are two sessions of the client, and one of the proxy.
-        assert sum("here" in line for line in list(server.lines.queue)) == 1
+        assert sum("connected:" in line for line in list(server.lines.queue)) == 1
     assert [*told["layers_mbit_s"]] == ["colour"] and told["feed"]["malformed"] == 0
     # Warping is the proxy's drawing, and part of what was measured.
     assert all(0 < render_ms <= ready_ns / 1e6 for render_ms, ready_ns in took_ms) and latency_ms > 0

@@ -103,7 +103,7 @@ def test_untestable_measures_are_named_with_their_reason():
     reasons = dict(found["left_out"])
     assert [measure["name"] for measure in found["measures"]] == [FLIP, HOLES]
     assert reasons["missed refreshes"] == reasons["age of the pose"] == "the same in all trials of each person"
-    assert reasons["likeness (SSIM)"] == "too few ratings"
+    assert reasons["structural similarity (SSIM)"] == "too few ratings"
     assert reasons["flicker"] == "not measured; 'study measure' does it"
     assert [measure["dof"] for measure in found["measures"]] == [96 - 13, 96 - 5 - 13]
     assert any(said.startswith("Not tested: ") and "flicker" in said for said in found["sentences"])
