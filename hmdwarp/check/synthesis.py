@@ -47,7 +47,7 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
     What moves by itself goes on with the velocity that its vectors give it. Errors: as Warper.
     """
     size = frames.frames[0].size
-    carried = ",".join(effect.name for effect in effects if effect.needs.velocity)
+    carried = ",".join(effect.name for effect in effects if "velocity" in effect.needs)
     with Warper(size, effects=carried) as moving, Warper(size) as still:
         for number, (now, before) in enumerate(frames.pairs):
             time_ns = round(now.time_ns + at * (now.time_ns - before.time_ns))

@@ -122,8 +122,8 @@ def raw_picture(
     said = is_one_of(encoding, ENCODINGS) and not (is_bytes and encoding == LINEAR)
     said = said and (is_float if depth_scale is None else is_float or depth.dtype == np.uint16)
     scale: Any = 1.0 if depth_scale is None else depth_scale
-    said = said and isinstance(scale, Real) and not isinstance(scale, bool) and bool(0 < scale <= 1)
-    if not (fits and said and (is_bytes or values.dtype.kind == "f")):
+    is_real = isinstance(scale, Real) and not isinstance(scale, bool)
+    if not (fits and said and is_real and 0 < scale <= 1 and (is_bytes or values.dtype.kind == "f")):
         return checked_picture(colour, depth_m, depth_scale, encoding).raw()
     hidden = [np.any(mask, axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
     return RawPicture(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
-from ..job import Input, Measurement
+from ..job import Input
 from ..metric import Metric, metrics
 from ..picture_pairs import pixel_centres, row_blocks
 
@@ -78,15 +78,13 @@ class _Bilinear:
         return lower + self._y * (upper - lower)
 
 
-def _flicker(m: Measurement) -> float | None:
-    return m.flicker if m.flicker is not None else flicker(m.now.error, m.now.view, m.previous.error, m.previous.view)
-
-
 metrics.register(
     Metric(
         name="flicker",
         order=60,
-        compute=_flicker,
+        compute=lambda m: (
+            m.flicker if m.flicker is not None else flicker(m.now.error, m.now.view, m.previous.error, m.previous.view)
+        ),
         of_seen_share=lambda value, share: value,  # of the seen pixels already
         needs=Input.TRUTH | Input.PREVIOUS,
         label="Flicker",
