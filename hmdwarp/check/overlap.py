@@ -92,9 +92,7 @@ class Overlap:
         w = -moved[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
-        left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
-        column = (x / reading.wide_x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
-        line = (up - y / reading.wide_y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
+        column, line = self._pixel(x, y, self._to, reading)
         with np.errstate(invalid="ignore"):
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
