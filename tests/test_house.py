@@ -188,7 +188,7 @@ ROOMS = {
     "poses": (6007, 4500),
     "pipeline": (5066, 3700),
     "link frames": (3943, 3100),
-    "image check": (4593, 3200),
+    "image check": (4592, 3200),
     "gpu geometry headsets": (3752, 3100),
     "report": (5379, 4200),
     "experiments": (4044, 3200),

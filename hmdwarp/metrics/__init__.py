@@ -2,8 +2,7 @@
 
     hmdwarp.metrics.psnr(shown, truth), .ssim(shown, truth), .flip(shown, truth, pixels_per_degree)
 
-A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes
-are black pixels and count. What else this package exports is for the program itself.
+Pictures are sRGB-encoded, (h, w, 3), top row first; holes are black and count.
 """
 
 import lazy_loader
