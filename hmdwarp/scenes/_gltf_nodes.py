@@ -24,7 +24,7 @@ from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
-_TIMES = 16  # of which the places of all nodes are kept
+_TIMES = 8  # of which the places of all nodes are kept
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -152,7 +152,7 @@ class Nodes:
         kept = self._found.get(key)
         if kept is None:  # each node is placed once a time, however many hang below it
             if len(self._found) >= _TIMES:
-                self._found = {}
+                del self._found[next(iter(self._found))]
             kept = self._found[key] = self.root, {-1: (self.root, np.zeros((4, 4)))}
         found, way = kept[1], []
         while node not in found:
