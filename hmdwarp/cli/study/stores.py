@@ -108,7 +108,7 @@ def withdraw(said: Said) -> None:
             if not options.yes and not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
             found = opened.holdings(code)
-            typer.echo(f"{folder} holds of participant {found.code}: {found.describe()}.")
+            typer.echo(f"Participant {found.code} in {folder}: {found.describe()}.")
             typer.echo(f"Exports call this participant {found.sub}: write it down, it is erased as well.")
             if not options.yes and not typer.confirm("Erase it for good?"):
                 typer.echo("Nothing was erased.")

@@ -45,7 +45,7 @@ def test_it_asks_on_a_terminal(study, answer, left, told):
     pexpect = pytest.importorskip("pexpect")
     words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
     screen = pexpect.spawn(sys.executable, words, encoding="utf-8", timeout=120, dimensions=(24, 200))
-    screen.expect("holds of participant P01: 1 session, .*revisions included.*Exports call .*Erase it for good.*: ")
+    screen.expect("Participant P01 in .*: 1 session, .*revisions included.*Exports call .*Erase it for good.*: ")
     screen.sendline(answer)
     screen.expect(told)
     screen.expect(pexpect.EOF)
@@ -74,7 +74,7 @@ def test_pilots_and_simulated_participants_withdraw_from_stores_of_their_own(stu
         done = ran(study, "P01", "--yes", f"--{origin}")
         holds, word, erased = done.stdout.splitlines()
         assert done.returncode == 0 and erased.startswith("Participant P01 has withdrawn; erased: 1 session")
-        assert "holds of participant P01: 1 session" in holds and f" {session.sub}: " in word
+        assert holds.startswith("Participant P01 in ") and ": 1 session" in holds and f" {session.sub}: " in word
     assert codes(study) == ["P01", "P02"]
     both = ran(study, "P01", "--yes", "--pilot", "--simulated")
     assert both.returncode == 2 and "never mixed" in both.stderr
