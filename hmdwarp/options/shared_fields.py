@@ -125,8 +125,8 @@ Size = tuple[int, int]
 Guard = float | tuple[float, float]
 _FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
 _HELP = (
-    "Ask the server for this many times the pixels on each axis, and so of the field of view in tangents: 1.5 makes "
-    "2.25 times the pixels; 1.25x1.125 has a factor for each axis."
+    "Overscan: ask the server for this many times the pixels on each axis, and so of the field of view in tangents: "
+    "1.5 makes 2.25 times the pixels; 1.25x1.125 has a factor for each axis."
 )
 _BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
 

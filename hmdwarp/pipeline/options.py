@@ -186,8 +186,8 @@ class PipelineOptions(Declared):
     # Ignored by warp "auto", which chooses its own.
     fill: str = option(
         attrs.Factory(lambda self: default_fill(self.warp), takes_self=True),
-        f"Fill: {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where the warp reads "
-        "colour alone; auto's own]",
+        f"Fill (inpainting): {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where "
+        "the warp reads colour alone; auto's own]",
         kind=str,
         default=None,
     )
