@@ -281,7 +281,33 @@ def strategies_suite(folder: Path, *ready: str) -> None:
     counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
     told = f"Suite `{about['name']}` {about['version']} at {rows[0]['latency_ms']:g} ms, {counts}. Each run: "
     told += f"{ran_text(data['rows'])}."
-    replace("strategies suite", f"{told}\n\n{markdown(heads, cells, texts=2)}")
+    replace("strategies suite", f"{told}\n\n{markdown(heads, cells, texts=2)}\n\n{_by_pair(data['rows'])}")
+
+
+def _by_pair(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return who leads in each pair of head and scene, and what loss costs at most."""
+    flips: dict[tuple[str, str, str], dict[str, float]] = {}
+    frames = {"sent": 0, "lost": 0}
+    for row in rows:
+        pair = row["over"], row["scene"], row["trace"]
+        flips.setdefault(pair, {})[row["strategy"]] = row["quality"]["flip"]["mean"]
+        if "lost" in row["over"]:
+            frames = {name: count + row["link"]["frames"].get(name, 0) for name, count in frames.items()}
+    orders = [sorted(found, key=found.__getitem__) for found in flips.values()]
+    first, second, third = (dict.fromkeys(order[at] for order in orders) for at in range(3))
+    behind = [found[order[2]] - found[order[1]] for found, order in zip(flips.values(), orders, strict=True)]
+    whole = {pair[1:]: found for pair, found in flips.items() if "lost" not in pair[0]}
+    costs = [
+        found[name] - whole[pair[1:]][name] for pair, found in flips.items() if "lost" in pair[0] for name in found
+    ]
+    lines = [
+        f"Least FLIP in each of {len(flips)} sets of head, scene and link: {', '.join(first)}; next: "
+        f"{', '.join(second)}, "
+        f"{min(behind):.3f} to {max(behind):.3f} before {', '.join(third)}.",
+        f"Loss, {frames['lost']} frames of {frames['sent']}, costs {max(costs):.3f} at most; no run takes more than "
+        f"{max(row['mbit_s'] for row in rows):.1f} Mbit/s.",
+    ]
+    return "\n".join(textwrap.wrap(" ".join(lines), 100))
 
 
 def strategies(folder: Path, *ready: str) -> None:

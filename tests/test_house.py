@@ -193,7 +193,7 @@ ROOMS = {
     "report": (5379, 4200),
     "experiments": (4044, 3200),
     "metrics options": (3461, 2600),
-    "cli": (2956, 2400),
+    "cli": (2953, 2400),
     "display web": (5014, 4000),
     "study": (11691, 10000),
     "": (601, 500),  # the modules beside the packages

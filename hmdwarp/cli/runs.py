@@ -29,7 +29,7 @@ def replay(said: Said) -> None:
     if AUTO in (options.warp, options.guard):
         choice = run.choose(options, sayer(quiet))
         if not quiet and not said["json"]:
-            _print_choice(choice)
+            typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes)))
         options = attrs.evolve(choice.options, command=choice.command(sys.argv[2:]))
     with steps("refreshes", quiet=quiet) as (progress, screen):
         result = run.replay(options, progress, sayer(True) if quiet else partial(screen.print, soft_wrap=True), judge)
@@ -75,11 +75,7 @@ def choose(said: Said) -> None:
         "levels": levels[1:],
         "notes": choice.notes,
     }
-    print_results(said, data, lambda: _print_choice(choice))
-
-
-def _print_choice(choice: run.Choice) -> None:
-    typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes)))
+    print_results(said, data, lambda: typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes))))
 
 
 @takes(LiveOptions, JSON, QUIET)
@@ -92,8 +88,10 @@ def live(said: Said) -> None:
     from ._show import steps
 
     options = LiveOptions.of(said, command=command_line())
-    with steps("pictures", quiet=said["quiet"] or options.source != OFFSCREEN) as (progress, _):
-        result = go(options, sayer(said["quiet"]), lambda number: progress(number, options.pictures or 0))
+    shown = options.source != OFFSCREEN  # then its loop does nothing more
+    with steps("pictures", quiet=said["quiet"] or shown) as (progress, _):
+        after = [] if shown else [lambda number: progress(number, options.pictures or 0)]
+        result = go(options, sayer(said["quiet"]), *after)
     print_results(said, result.summary, lambda: typer.echo("\n".join(result.describe())))
 
 

@@ -24,7 +24,7 @@ from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
-_TIMES = 8  # of which the places of all nodes are kept
+_TIMES = 16  # of which the places of all nodes are kept
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -146,8 +146,8 @@ class Nodes:
         return found
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
-        """Return 4x4 world_from_node and its change in 1/s."""
-        seconds = float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
+        """Return 4x4 world_from_node and its change in 1/s, at whole ns of the period."""
+        seconds = round(time_ns * 1e-9 % self.period_s, 9) if self.period_s > 0 else 0.0
         key = id(self.root), seconds
         kept = self._found.get(key)
         if kept is None:  # each node is placed once a time, however many hang below it

@@ -24,8 +24,8 @@ class DepthImage(Strategy):
     classes = (2, 3)
     source = "the 2014 thesis, section 3.4"
     published = (
-        "MeshWarp with a field of view of 120 degrees in 4K: about 246 Mbit/s (QUASAR, Robot Lab, 1920x1080, 60 Hz); "
-        "OpenWarp: under 2 % more power than TimeWarp, and preferred by people (XRgo, MMSys 2025)"
+        "MeshWarp with a field of view of 120 degrees in 4K: about 246 Mbit/s (Lu and Rowe 2025, QUASAR, Robot "
+        "Lab, 60 Hz); OpenWarp: under 2 % more power than TimeWarp, and preferred by people (XRgo, MMSys 2025)"
     )
     warp = ""
 
