@@ -64,7 +64,7 @@ class TraceFormat:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
         facts = {**self.facts, **({} if head.made is None else head.made.facts)}
         if self.read_as:
-            return layouts.LAYOUTS[self.read_as](head, options, facts)
+            return layouts.LAYOUTS[self.read_as](head, options, facts if head.kind == self.kind else {**self.facts})
         if head.names is None and self.bare_order:
             unit = self.facts.get("unit") if options.format else None
             return layouts.unnamed_layout(head, options, self.name, self.bare_order, unit)

@@ -302,10 +302,8 @@ def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
 _QUALISYS_EACH = 16  # columns of a body: X Y Z Roll Pitch Yaw Residual Rot[0] .. Rot[8]
 _QUALISYS_TURN = tuple(7 + 3 * column + row for row in range(3) for column in range(3))  # Rot[] goes by columns
 _QUALISYS_NAMES = ("time_s", "device", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
-_QUALISYS_FACTS = {
-    **{"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "order_by": By.FORMAT},
-    **{"scale": 0.001, "scale_by": By.FORMAT},
-}
+_QUALISYS_FACTS = {"matrix": "by columns (Rot[0] Rot[1] Rot[2] is the first)", "scale": 0.001}
+_QUALISYS_FACTS |= dict.fromkeys(("order_by", "scale_by"), By.FORMAT)
 
 
 def _qualisys_made(path: Path, text: str) -> Made:
@@ -354,6 +352,8 @@ def _motive_made(path: Path, text: str) -> Made:
     if not bodies:
         raise TraceError(f"{path}: a Motive export without rigid bodies: tick 'Rigid Bodies' where it is exported")
     columns = next(iter(bodies.values()))
+    for name in (name for name, at in bodies.items() if at.keys() != columns.keys()):
+        raise TraceError(f"{path}: {name} has other columns than {next(iter(bodies))}: export it again")
     rows = [
         [row[1], name.replace(",", " "), *(row[at[part]] for part in columns)]
         for row in lines[begin + 1 :]

@@ -430,16 +430,16 @@ class Folder:
 
     def _frame(self, pair: Pair, size: Size) -> RecordedFrame:
         def read() -> Pictures:
-            picture = pair.picture() if pair.picture is not None else read_colour(pair.colour)
-            if picture.shape[1::-1] != size:
-                found = f"{picture.shape[1]}x{picture.shape[0]}"
-                raise InputError(f"{pair.colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
-            return as_pictures(picture, in_metres(self.fit(self.depth_of(pair.depth), picture, pair.depth), self.scale))
+            picture = None if pair.picture is None else pair.picture()
+            w, h = size_of(pair.colour) if picture is None else picture.shape[1::-1]
+            if (w, h) != size:
+                raise InputError(f"{pair.colour}: {w}x{h} pixels; expected {size[0]}x{size[1]}, as the first frame has")
+            picture = read_colour(pair.colour) if picture is None else picture
+            return as_pictures(picture, in_metres(self.fit(depth(), picture, pair.depth), self.scale))
 
+        depth = partial(self.depth_of, pair.depth)
         fov = (pair.camera or self.camera).fov(size, str(self.path))
-        return RecordedFrame(
-            pair.colour.name, pair.time_ns, pair.pose, fov, size, read, partial(self.depth_of, pair.depth)
-        )
+        return RecordedFrame(pair.colour.name, pair.time_ns, pair.pose, fov, size, read, depth)
 
     def _refuse_other_size(self, size: Size) -> None:
         """Raise InputError where numbers of a layout are for pictures of another size."""
