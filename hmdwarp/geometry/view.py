@@ -492,7 +492,7 @@ class WarpMap:
         """
         (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
         off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
-        # 1e-9 px in the widest picture: what rounding leaves of two equal poses, below any real motion.
+        # 1e-9 px in the widest picture: what rounding leaves of equal poses, below any real motion.
         return bool(max(map(abs, off)) <= 1e-9)
 
 
