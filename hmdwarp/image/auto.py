@@ -13,8 +13,17 @@ from ..client.plan import Plan
 from ..errors import InputError, PlanError
 from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
-from ..pipeline.governor import AdaptiveCompensator, Change, Governor
-from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
+from ..pipeline.governor import (
+    AdaptiveCompensator,
+    Change,
+    Governor,
+    QualityLevel,
+    best_within,
+    check_budget,
+    front,
+    levels_from,
+    read_rows,
+)
 from .usable import plan_of
 
 # Printed by `hmdwarp bench look-around walk --scene room,spheres --latency 100,400
