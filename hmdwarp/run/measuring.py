@@ -20,9 +20,9 @@ from ..geometry import View, gaze_tangent, looking
 from ..gpu.textures import download, flip_rows
 from ..metrics import Compared, QualityJob, QualityPool, psnr
 from ..pipeline.loop import Refresh
-from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
+from ..pipeline.sizes import build_plan_for, plan_against
 from .replay_setup import ReplayRun
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture

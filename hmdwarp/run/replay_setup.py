@@ -16,10 +16,9 @@ from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..metrics import PairPass, QualityJob, QualityPool
-from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
-from ..pipeline.sizes import latency_ns, refreshes_of
+from ..pipeline.sizes import latency_ns, plan_against, refreshes_of
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs

@@ -20,7 +20,7 @@ from hmdwarp.client.effects import effects
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, choose, levels_by_short_bench, levels_from_file, replay, set_up_replay
 from hmdwarp.run.choosing import FILLS, candidates

@@ -13,8 +13,8 @@ from replays import small
 
 from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
-from hmdwarp.run import choose, device_time
-from hmdwarp.run.device_time import device_ms
+from hmdwarp.run import choose, choosing
+from hmdwarp.run.choosing import device_ms
 
 SIZE = (2064, 2208)
 DEVICES = [device for device in map(load_client, client_names()) if device.memory_gb_s < 1e9]
@@ -26,7 +26,7 @@ def plan(warp: str, fill: str = "none"):
 
 def test_measured_passes_are_those_of_the_gpu_s_table():
     """A fill adds at most so much to any warp; the memory's is what it adds to its pyramid's."""
-    path = Path(device_time.__file__).with_name("measured_passes.toml")
+    path = Path(choosing.__file__).with_name("measured_passes.toml")
     measured = tomllib.loads(path.read_text(encoding="utf-8"))
     rows = rows_of("gpu NVIDIA H100 80GB HBM3")
     none, *others = (

@@ -24,8 +24,7 @@ from hmdwarp.poses import PoseTrack, load_trace
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
 from hmdwarp.run import live_log as log
-from hmdwarp.run.live_figures import Thinned
-from hmdwarp.run.live_summary import LiveFacts
+from hmdwarp.run.live_figures import LiveFacts, Thinned
 from hmdwarp.run.misses import MissTally
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on

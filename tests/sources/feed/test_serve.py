@@ -30,11 +30,10 @@ from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import InputEvent, load_scene
 from hmdwarp.sources.feed import FeedOptions, caller
 from hmdwarp.sources.feed import listener as listening
-from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.caller import Caller, Viewer
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Fate, Wish, encode
 from hmdwarp.sources.feed.message import Session as Told
-from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
 
 from .exchange import WHENEVER_MS, answered, exchanged, feeder
