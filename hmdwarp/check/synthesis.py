@@ -16,7 +16,7 @@ from ..image.warper import Warper
 from ..metrics import psnr
 from ..pipeline.feed_layers import velocity_of
 from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
-from .motion_verdict import Pair, grid, nearest_at
+from .motion_places import Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
 

@@ -1,6 +1,7 @@
 """OpenGL contexts without a display: which devices EGL knows, and a context on one of them.
 
-moderngl's own backend takes no device by name and makes contexts that are not told of a reset.
+And the few GL calls that moderngl lacks: its own backend takes no device by name and makes
+contexts that are not told of a reset.
 Source: EGL 1.5; EGL_EXT_device_enumeration, EGL_EXT_platform_device.
 """
 

@@ -1,5 +1,7 @@
 """Governor: keep a run within its budget by moving between quality levels on measured times.
 
+Levels are the Pareto-optimal rows of a bench.
+
 Pure: it reads neither clock nor GPU. Time counts in refreshes.
 """
 

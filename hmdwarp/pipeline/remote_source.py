@@ -30,7 +30,7 @@ from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
 from .feed_layers import made
 from .options import PipelineOptions
 from .proxy_options import REMOTE, SERVER_SCENE
-from .recorded_source import MomentOf
+from .recorded_renderer import MomentOf
 from .remote import Answer, Pending, Remote, ViewsApart
 from .source import FirstRequest, Options, PoseRequest, Source, nothing
 from .source import Target as Shown

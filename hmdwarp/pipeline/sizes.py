@@ -1,4 +1,4 @@
-"""Picture sizes of a run, how old its frames are and how many exist at once, and their memory."""
+"""Plans of a run, sizes of its pictures, how old its frames are, and their memory."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ from .channel import Channel, ChannelSetup, Settled
 from .frame_coder import Coder, Reads
 from .options import PipelineOptions
 from .proxy_options import SCENE, SourceKind
-from .recorded_source import MomentOf
+from .recorded_renderer import MomentOf
 from .remote import Remote
 
 

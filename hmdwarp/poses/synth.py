@@ -184,7 +184,6 @@ class Walker:
 
 Array = NDArray[np.float64]
 
-EYE_HEIGHT_M = 1.6
 # From the top of the neck to between the eyes: up and forward, as in the neck models of mobile VR
 # (0.075 m and 0.080 m).
 NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])

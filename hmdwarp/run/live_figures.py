@@ -1,4 +1,4 @@
-"""Figures of a live run of any length in bounded memory: times, events, fates of frames."""
+"""Figures of a live run of any length in bounded memory, and its summary."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from hmdwarp.geometry import Fov, Hidden, Pose, inverse_depth_from_metres
 from hmdwarp.gpu import download
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.options import options_of
-from hmdwarp.pipeline.recorded_source import RecordedRenderer
+from hmdwarp.pipeline.recorded_renderer import RecordedRenderer
 from hmdwarp.pipeline.source import nothing
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions, set_up_replay

@@ -1,4 +1,4 @@
-"""Named benchmarks: what they set, and what they cost."""
+"""Named benchmarks: what they set, what they cost, and their means with intervals."""
 
 from __future__ import annotations
 

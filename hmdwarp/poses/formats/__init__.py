@@ -14,9 +14,9 @@ from ..options import TraceOptions
 from ..reading import layouts
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.clocks import UNIT_NAMES
 from ..reading.header import is_number
 from ..reading.text_table import Head, RowReader
+from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
 from ..writing import WRITERS
 

@@ -18,9 +18,9 @@ from ..options import AXIS_ANGLE, COLUMNS, FRAMES, INVERSE, ROWS, VECTOR, Euler,
 from ..track import PoseTrack
 from . import header
 from .axes import OPENXR, parse_axes
-from .clocks import BILLION, DATE, UNITS_NS
 from .pose_messages import COLUMNS as MESSAGES
 from .text_table import Head
+from .times import BILLION, DATE, UNITS_NS
 
 _ORDER_ASSUMED = Defect(
     "order-assumed",

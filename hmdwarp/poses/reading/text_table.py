@@ -27,12 +27,12 @@ from ...errors import TraceError, counted
 from ...options.named_files import LIST, TRACE, most_unpacked, opened
 from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, TraceOptions
-from .clocks import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
 from .colmap import MARK, table_of_colmap
 from .header import COMMENT_SIGNS, Made, is_number
 from .made_rows import cells_reader, export_reader, table_of_json
 from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS
+from .times import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
 
 Array = NDArray[np.float64]
 LOOK_BYTES = 256 * 1024

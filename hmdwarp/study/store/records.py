@@ -1,4 +1,4 @@
-"""Rows of the store as frozen objects, and the JSON texts in them."""
+"""Rows of the store as frozen objects, and how they are read."""
 
 from __future__ import annotations
 

@@ -18,9 +18,9 @@ from typing import Self
 
 import attrs
 
-from ...display import Command
-from ...platforms import in_foreground, termios
-from ..scales import number_text, range_text
+from ..display import Command
+from ..platforms import in_foreground, termios
+from .scales import number_text, range_text
 
 ERASE = "\r\x1b[K"  # the line that the cursor is on
 LONGEST_LINE = 1 << 16  # letters without a line end: a sender of that sends no commands
