@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -11,12 +11,11 @@ import numpy as np
 
 from ...metrics import PRIMARY, REGIONS, Figure, error_and_time, metrics, metrics_in_order
 from ..charts import (
-    MARKER_PT,
     Drawn,
+    Spot,
     Style,
     canvas,
-    draw_front,
-    draw_numbers,
+    draw_spots,
     drawing,
     dress,
     empty_figure,
@@ -24,7 +23,6 @@ from ..charts import (
     mark,
     name_rows,
     not_measured,
-    scale_axis,
     svg_text,
 )
 from ..page import (
@@ -99,11 +97,14 @@ def pareto_chart(
     looks, front = looks or looks_of(case.ordered(measure)), set(map(id, case.front(measure)))
     rows = [row for row in case.ordered(measure) if None not in error_and_time(row, measure)]
     firsts = {row["warp"]: id(row) for row in reversed(rows)}
-    named = [row for row in rows if id(row) in front or firsts[row["warp"]] == id(row)]
-    names = [
-        mark(f"{number} {_legend_name(row)}", **attrs.asdict(looks[row["warp"]]), linestyle="none", markersize=5)
-        for number, row in enumerate(named, 1)
-    ]
+    spots: list[Spot] = []
+    names: list[Any] = []
+    for row in rows:
+        entry, is_named = row["quality"][measure], id(row) in front or firsts[row["warp"]] == id(row)
+        error = (entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2))
+        number = len(names) + 1 if is_named else None
+        spots.append(Spot(_total_ms(row), error, looks[row["warp"]], id(row) in front, number))
+        names += [spots[-1].mark(_legend_name(row))] * is_named
     longest = max((len(name.get_label()) for name in names), default=0)
     place: Style = {"loc": "upper left", "ncols": 1}
     if width_in is None:
@@ -118,7 +119,11 @@ def pareto_chart(
         (case.label, measure, width_in, [(_legend_name(row), *error_and_time(row, measure)) for row in case.rows]),
         size, box=box, font_size=9 if width_in is None else 7,
     ) as axes:  # fmt: skip
-        _draw_case(axes, rows, measure, looks, {id(row): number for number, row in enumerate(named, 1)}, front)
+        axes.set(xlabel="time per eye, all stages, in ms", ylabel=measure_label(measure))
+        higher = metrics.get(measure).higher_is_better
+        draw_spots(axes, spots, higher=higher)
+        if spots:
+            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
         key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
         legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
         legend(axes.figure, names, **place, **_KEY)
@@ -141,44 +146,6 @@ def pareto_text(case: Case, measure: str = PRIMARY) -> str:
 
 def _total_ms(row: Row) -> float:
     return float(row["time_ms"]["total"]["median"])
-
-
-def _draw_case(
-    axes: Axes,
-    rows: Sequence[Row],
-    measure: str,
-    looks: Mapping[str, Look],
-    numbers: Mapping[int, int],
-    front: Collection[int],
-) -> None:
-    higher = metrics.get(measure).higher_is_better
-    axes.set_xlabel("time per eye, all stages, in ms")
-    axes.set_ylabel(measure_label(measure))
-    if not rows:
-        axes.set_xticks([])
-        axes.set_yticks([])
-        not_measured(axes)
-        return
-    time = scale_axis(axes.xaxis, np.array([_total_ms(row) for row in rows]), logarithmic=True)
-    entries = [row["quality"][measure] for row in rows]
-    spans = np.array([(entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2)) for entry in entries])
-    error, low, high = scale_axis(axes.yaxis, spans.ravel(), logarithmic=not higher).reshape(-1, 3).T
-    is_best = np.array([id(row) in front for row in rows])
-    draw_front(axes, time[is_best], error[is_best], higher=higher)
-    colours = [looks[row["warp"]].color for row in rows]
-    axes.vlines(time, low, high, colors=colours, linewidth=1, alpha=0.45, zorder=2)
-    style: Style = {"markersize": MARKER_PT, "markeredgewidth": 1.5, "linestyle": "none", "clip_on": False}
-    for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
-        look = looks[row["warp"]]
-        axes.plot(
-            x, y, **style, **attrs.asdict(look), markerfacecolor=look.color if filled else "none", zorder=3 + filled
-        )
-    for name in dict.fromkeys(row["warp"] for row in rows):
-        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
-        axes.plot(*zip(*own, strict=True), color=looks[name].color, linewidth=0.7, alpha=0.6, zorder=1)
-    numbered = {index: numbers[id(row)] for index, row in enumerate(rows) if id(row) in numbers}
-    draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best)
-    axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
 
 
 def region_parts(row: Row) -> list[tuple[float, float | None]] | None:

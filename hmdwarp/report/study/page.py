@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
@@ -53,11 +54,9 @@ def _cell(template: str, row: Row) -> str:
         value = row.get(name) if name else ""
         if value is None:
             return "–"
-        writer = (how or "").rstrip("0123456789")
-        found += text
-        found += (
-            _WRITERS[writer](value, *map(int, how[len(writer) :])) if writer in _WRITERS else format(value, how or "")
-        )
+        writer, digits = re.findall(r"(.*?)(\d*)$", how or "")[0]
+        written = _WRITERS[writer](value, *map(int, digits)) if writer in _WRITERS else format(value, how or "")
+        found += text + written
     return found
 
 
