@@ -251,22 +251,13 @@ def _draw(axes: Axes, number: int, series: Series, points: bool) -> bool:
 _NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
 
 
-def plain_log_ticks(axis: Any, subs: Sequence[float]) -> None:
-    """Put plain numbers at these multiples of powers of ten."""
-    from matplotlib.ticker import LogLocator, NullLocator
-
-    axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(lambda value, _: f"{value:g}")
-
-
 def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarray:
     """Set limits with a margin around the values, and plain numbers at the ticks.
 
     Returns where the values are drawn. A logarithmic axis has no zero: what is below _NOTHING is
     drawn a step before the least of the others, at a tick that says 0.
     """
-    from matplotlib.ticker import FixedLocator, MaxNLocator
+    from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullLocator
 
     limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
     if not logarithmic:
@@ -285,7 +276,8 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
     scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
     scale("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
-    plain_log_ticks(axis, (1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7))
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7)))
+    axis.set_minor_locator(NullLocator())
     has_zero = len(some) < len(values)
     if has_zero:
         axis.set_major_locator(FixedLocator([zero, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))

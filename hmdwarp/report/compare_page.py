@@ -145,6 +145,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
             f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
             "are dashes, and no mean has them."
         )
+    note = Text(texts("compare")["notes"]["assigned"])
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
@@ -154,13 +155,10 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         sections=(
             suite_section(suite),
             notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
-            Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
-            Section("By class of client", clients, id="clients", link="By class of client"),
-            Section(
-                "Who can run what", [Text(texts("compare")["notes"]["assigned"]), assigned_table(data)], id="assigned",
-                link="Who can run what",
-            ),
-            Section("The strategies", [Terms(strategies)], id="strategies", link="The strategies", style="reading"),
+            Section("Tables and pictures", folds, id="table"),
+            Section("By class of client", clients, id="clients"),
+            Section("Who can run what", [note, assigned_table(data)], id="assigned"),
+            Section("The strategies", [Terms(strategies)], id="strategies", style="reading"),
             reading_section("compare"),
         ),
         made_with=[

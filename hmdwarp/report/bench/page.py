@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
-from ...metrics import PRIMARY, REGIONS, Figure, error_and_time, metrics, metrics_in_order
+from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
 from ..charts import (
     Drawn,
     Spot,
@@ -62,9 +62,6 @@ from .rows import (
     table_of,
     verdict_text,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
@@ -187,7 +184,11 @@ def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
                 range(len(values)), values[:, number], left=starts[:, number], height=0.66,
                 color=REGION_COLOURS[number], hatch=HATCHES[number], edgecolor=INK, linewidth=0.5,
             )  # fmt: skip
-        _dots(right, [[flip for _, flip in parts] for _, parts in measured])
+        flips = np.array([[flip for _, flip in parts] for _, parts in measured], np.float64)  # NaN where there is none
+        ends = np.fmin.reduce(flips, axis=1), np.fmax.reduce(flips, axis=1)
+        right.hlines(range(len(flips)), *ends, color=GRID, linewidth=2, zorder=1)
+        for number, marker in enumerate(_REGION_MARKERS):
+            right.plot(flips[:, number], range(len(flips)), marker=marker, markersize=6, **_dot(REGION_COLOURS[number]))
         name_rows(left, names)
         for axes in (left, right):
             axes.set_xlim(left=0)
@@ -206,18 +207,6 @@ def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
         drawn = svg_text(figure)
     drawn.at_width = lambda wide: regions_chart(case, wide)
     return drawn
-
-
-def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
-    for y, values in enumerate(flips):
-        there = [value for value in values if value is not None]
-        if there:
-            axes.plot([min(there), max(there)], [y, y], color=GRID, linewidth=2, zorder=1)
-    for number, marker in enumerate(_REGION_MARKERS):
-        points = [(value, y) for y, values in enumerate(flips) if (value := values[number]) is not None]
-        axes.plot(
-            [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(REGION_COLOURS[number])
-        )
 
 
 def _dot(colour: str) -> Style:
@@ -278,15 +267,16 @@ def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
     behind = attrs.evolve(flip, name="behind", label="FLIP behind the best")
     seen = attrs.evolve(psnr, name="where_seen_db", label="PSNR where seen")
     columns = [(flip, "mean"), (flip, "p95"), (behind, "mean"), (psnr, "mean"), (psnr, "p95"), (seen, "mean")]
-    lines = [
-        (
-            f"{row['latency_ms']:g} ms",
-            row_name(row),
-            *_rank(row["rank"]),
-            *(text for figure, which in columns for text in _with_interval(figure, row[figure.name], which)),
-        )
-        for row in entry["over_all"]
-    ]
+    lines = []
+    for row in entry["over_all"]:
+        line, rank = [f"{row['latency_ms']:g} ms", row_name(row), "–", "–"], row["rank"]
+        if rank is not None:
+            line[2:] = " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
+        for figure, which in columns:
+            found = row[figure.name] or {}
+            ends = found.get("interval" if which == "mean" else f"{which}_interval")
+            line += [figure.text(found.get(which)), " to ".join(map(figure.text, ends)) if ends else "–"]
+        lines.append(line)
     heads = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")]
     for figure, which in columns:
         label = figure.label if which == "mean" else f"{figure.label} {which}"
@@ -311,19 +301,6 @@ def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
     counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
     label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
     return [Text(f"{label}."), table_of("", columns, rows, label=label)] if any(counts) else []
-
-
-def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:
-    if rank is None:
-        return "–", "–"
-    return " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
-
-
-def _with_interval(figure: Figure, entry: Mapping[str, Any] | None, which: str) -> tuple[str, str]:
-    if entry is None:
-        return "–", "–"
-    interval = entry["interval" if which == "mean" else f"{which}_interval"]
-    return figure.text(entry[which]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
@@ -371,18 +348,18 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
         folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
-    heading = "Summary: best method per case"
-    return Section(heading, [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds], id="table", link=heading)
+    blocks = [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds]
+    return Section("Summary: best method per case", blocks, id="table")
 
 
 def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> Section:
-    told, heading = texts("bench")["notes"]["crops"], "Crops and error maps"
+    told = texts("bench")["notes"]["crops"]
     charts = [
         Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
         for group, both in zip(groups, crops, strict=False)
         if both
     ]
-    return Section(heading, [Text(told), *charts] if charts else [], id="crops", link=heading)
+    return Section("Crops and error maps", [Text(told), *charts] if charts else [], id="crops")
 
 
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
@@ -397,7 +374,7 @@ def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
     ]
     measures = [(name, measure_label(name).partition(",")[0]) for name in known]
     choice = [Choice("measure-time", measures)] if len(known) > 1 else []
-    return Section("Error against time", [*choice, *charts], id="time", link="Error against time")
+    return Section("Error against time", [*choice, *charts], id="time")
 
 
 def _regions(groups: Sequence[Case]) -> Section:
@@ -411,5 +388,5 @@ def _regions(groups: Sequence[Case]) -> Section:
             blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [table])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
     notes = texts("bench")["notes"]
-    heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
-    return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
+    note = Text(f"{notes['regions']} {notes['regions_chart']}")
+    return Section("Where the error lies", [note, *folds] if folds else [], id="regions")

@@ -309,7 +309,7 @@ def study_page(data: Row, command: str) -> Page:
             blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
         if part["threshold"]:
             blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
+    note = Text(texts("study")["notes"]["pairs"])
     return Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
@@ -319,10 +319,10 @@ def study_page(data: Row, command: str) -> Page:
         sections=(
             Section("", _tiles(data), style="tiles", label="Main figures"),
             notes_section(data["notes"]),
-            Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading),
+            Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
             _shown(data),
-            Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
-            Section("Did the order matter?", _order(scales), id="order", link="Order"),
+            Section("Every rating", _every_rating(scales), id="conditions"),
+            Section("Did the order matter?", _order(scales), id="order"),
             _checked(scales),
             _correlations(scales),
             _people(data),
@@ -381,22 +381,18 @@ def _shown(data: Row) -> Section:
             _said([row["sentence"] for row in rows] or ["Nothing was compared."]),
         ]
         if rows:
-            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), _in_words(rows)))
+            words = "; ".join(
+                f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
+                f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
+                for row in rows
+                if row["n"]
+            )
+            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
             blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
     )
-    heading = "What the ratings show"
-    return Section(heading, [*blocks, Text(note)] if blocks else [], id="shown", link=heading)
-
-
-def _in_words(rows: Sequence[Row]) -> str:
-    return "; ".join(
-        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
-        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
-        for row in rows
-        if row["n"]
-    )
+    return Section("What the ratings show", [*blocks, Text(note)] if blocks else [], id="shown")
 
 
 def _every_rating(scales: Sequence[Row]) -> list[Any]:
@@ -448,7 +444,7 @@ def _checked(scales: Sequence[Row]) -> Section:
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
             blocks += [Heading("Published figures"), Sentences([row["sentence"] for row in claims], marks, "said")]
             blocks.append(Text(note))
-    return Section("Checked against the data", blocks, id="held", link="Checked against the data")
+    return Section("Checked against the data", blocks, id="held")
 
 
 def _correlations(scales: Sequence[Row]) -> Section:
@@ -460,8 +456,8 @@ def _correlations(scales: Sequence[Row]) -> Section:
                 blocks.append(
                     Table.of("What was measured against the ratings", *study_lines("correlations", data["measures"]))
                 )
-    heading, note = "What goes with the ratings", Text(texts("study")["notes"]["correlation"])
-    return Section(heading, [*blocks, note] if blocks else [], id="correlation", link=heading)
+    note = Text(texts("study")["notes"]["correlation"])
+    return Section("What goes with the ratings", [*blocks, note] if blocks else [], id="correlation")
 
 
 def _people(data: Row) -> Section:
@@ -486,8 +482,7 @@ def _people(data: Row) -> Section:
     if data["asked_once"]:
         blocks.append(Table.of("Questionnaires, answered once", *study_lines("asked once", data["asked_once"])))
         blocks.append(Text(notes["once"]))
-    heading = "Missing and unfinished"
-    return Section(heading, blocks, id="people", link=heading)
+    return Section("Missing and unfinished", blocks, id="people")
 
 
 def _cut(one: Row) -> str:
