@@ -95,7 +95,12 @@ class Governor:
 
         levels: From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
         """
-        _check_levels(levels)
+        times, errors = [r.total_ms for r in levels], [r.error for r in levels]
+        dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
+        if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
+            raise HmdwarpError(
+                f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
+            )
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)
         self._at = best_within(self.levels, budget_ms)
         self._refresh = -1
@@ -120,21 +125,18 @@ class Governor:
         if self._refresh - self._stay.arrived < SETTLING:
             return None
         self._stay.window.append(total_ms)
-        self._weigh(total_ms)
-        if self._stay.evidence >= ENOUGH and self._at > 0:
-            return self._down()
-        if len(self._stay.window) == WINDOW:
-            self._learn(median(self._stay.window))
-            return self._up(median(self._stay.window))
-        return None
-
-    def _weigh(self, total_ms: float) -> None:
         over = min(max(total_ms / self.budget_ms - 1, -CLIP), CLIP)
         self._stay.evidence = min(max(0.0, self._stay.evidence + over), ENOUGH)
         if self._stay.evidence == 0:
             self._stay.against.clear()
         else:
             self._stay.against.append(total_ms)
+        if self._stay.evidence >= ENOUGH and self._at > 0:
+            return self._down()
+        if len(self._stay.window) == WINDOW:
+            self._learn(median(self._stay.window))
+            return self._up(median(self._stay.window))
+        return None
 
     def _down(self) -> Change:
         time_ms = median(self._stay.against)
@@ -206,15 +208,6 @@ class Governor:
         self._stay = _Stay([0] * len(self.levels), (self._at, time_ms), self._refresh + 1, climbed=to > self._at)
         self._at = to
         return change
-
-
-def _check_levels(levels: tuple[QualityLevel, ...]) -> None:
-    times, errors = [r.total_ms for r in levels], [r.error for r in levels]
-    dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
-    if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
-        raise HmdwarpError(
-            f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
-        )
 
 
 class AdaptiveCompensator:

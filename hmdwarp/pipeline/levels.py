@@ -74,7 +74,9 @@ def _compared(
 
     Errors: as levels_from.
     """
-    measured = _of_one_machine(_largest(_measured(rows)))
+    measured = _measured(rows)
+    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
+    measured = _of_one_machine([each for each, count in zip(measured, pixels, strict=True) if count == max(pixels)])
     combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
         combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
@@ -170,11 +172,6 @@ def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
             "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
         )
     return found
-
-
-def _largest(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
-    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
-    return [found for found, count in zip(measured, pixels, strict=True) if count == max(pixels)]
 
 
 def _of_one_machine(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
