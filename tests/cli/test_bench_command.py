@@ -7,8 +7,8 @@ import json
 import pytest
 
 QUICK = (
-    "--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants", "1", "--rounds", "1",
-    "--workers", "0", "--guard", "1.1",
+    "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.3", "--instants", "1",
+    "--rounds", "1", "--workers", "0", "--guard", "1.1",
 )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from hmdwarp.study.design import KINDS
 from hmdwarp.study.design.definitions import check_settings
 
 NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
-TINY = ("--size", "40x50", "--lens", "none", "--effects", "none")
+TINY = ("--headset", "rift-dk1", "--size", "40x50", "--lens", "none", "--effects", "none")
 
 
 @pytest.fixture

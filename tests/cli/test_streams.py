@@ -15,7 +15,21 @@ from .conftest import PROGRAM, ROOT, complaints
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 LISTS = [["list", "warps"], ["--help"], ["trace", "info", "still"]]  # a table, click's own, lines
-REPLAY = ["replay", "still", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--out"]
+REPLAY = [
+    "replay",
+    "still",
+    "--scene",
+    "planes",
+    "--headset",
+    "rift-dk1",
+    "--size",
+    "48x40",
+    "--seconds",
+    "0.1",
+    "--workers",
+    "0",
+    "--out",
+]
 
 
 def ended(*command: str, stdout: object = subprocess.PIPE) -> subprocess.CompletedProcess:

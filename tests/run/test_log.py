@@ -30,7 +30,8 @@ from hmdwarp.run.misses import MissTally
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
 SMALL = {
-    "scene": "planes", "latency_ms": 30.0, "warp": "forward", "fill": "interpolate", "guard": 1.0, "predict": "none",
+    "scene": "planes", "headset": "rift-dk1", "latency_ms": 30.0, "warp": "forward", "fill": "interpolate",
+    "guard": 1.0, "predict": "none",
 }  # fmt: skip
 
 
@@ -144,8 +145,8 @@ def test_a_recording_replays_unchanged_with_the_same_poses(monkeypatch, tmp_path
     assert f"{tmp_path / 'head.csv'}: {result.summary['frames']} poses" in display.said[-1]
     assert result.summary["trace"] == "head" and result.summary["live"]["record"].endswith("head.csv")
     options = RunOptions(
-        trace=str(tmp_path / "head.csv"), scene="planes", latency_ms=20.0, rate_hz=100.0, size=(48, 60), against="",
-        metrics_every=4, workers=0, images=0, out=tmp_path / "replay",
+        trace=str(tmp_path / "head.csv"), scene="planes", headset="rift-dk1", latency_ms=20.0, rate_hz=100.0,
+        size=(48, 60), against="", metrics_every=4, workers=0, images=0, out=tmp_path / "replay",
     )  # fmt: skip
     again = replay(options)
     assert again.summary["notes"] == []
