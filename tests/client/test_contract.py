@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from holed import Holed
-from reference.interpolate import interpolate
 from together import together
 from worlds import World, assert_equals_twin, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
-from hmdwarp.client.fills.plain import minimum_count
 from hmdwarp.client.warp_kinds.mesh import MOST_SIDE
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
@@ -136,23 +134,3 @@ def test_pictures_without_holes_and_without_colour_are_filled(gpu, name):
         assert np.isfinite(got).all()
         if not empty:
             assert np.array_equal(got, holed.colour)
-
-
-LEAST = {3: 3, 5: 9, 7: 18}  # Three eighths of 8, 24 and 48
-
-
-@pytest.mark.parametrize("kernel", LEAST)
-@together("size", SIZES)
-def test_interpolate_equals_its_twin(gpu, kernel, size):
-    holed = Holed(gpu, 8, size, empty=0.6)
-    wanted = interpolate(holed.colour, LEAST[kernel], kernel)
-    # The mean of two half floats is stored as a half float: up to 2^-10 relative (truncated),
-    # colours below 2.
-    assert np.abs(holed.fill(gpu, f"interpolate:size={kernel}")[0] - wanted).max() <= 2 * 2.0**-10
-    if size == SIZES[0]:
-        assert (wanted[..., 3] > holed.colour[..., 3]).any()
-        assert (wanted[..., 3] == 0).any()
-
-
-def test_the_least_count_is_three_eighths_of_the_neighbours():
-    assert {kernel: minimum_count(kernel) for kernel in LEAST} == LEAST

@@ -5,9 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
+from golden_pictures import assert_golden, sheet
 from mirror_wall import FOV, IMAGE_M, OTHERS, SHOWN, SIZE, STRAIGHT, WALL_M, picture, waves
-from reference import mirrored as twin
-from reference.picture import GPU_SAMPLER_PIXELS
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
@@ -37,15 +36,6 @@ def made(gpu, size: tuple[int, int] = SIZE) -> MirroredPass:
     return MirroredPass(gpu, frozenset({NAME}), size, size, tools=None)  # type: ignore[arg-type]
 
 
-def found_by(one: MirroredPass) -> twin.Images:
-    return twin.Images(read_pair(one.image_depth), read(one.trust)[..., 0], read(one.light))
-
-
-def read_pair(texture) -> np.ndarray:
-    data = np.frombuffer(texture.read(alignment=1), np.float32)
-    return data.reshape(texture.height, texture.width, 2).astype(np.float64)
-
-
 def shown_truth(inputs: PassInputs, share: float) -> np.ndarray:
     """The rendered wall with the light that the shown eye sees in it: the pass's ideal result."""
     rays, eye = STRAIGHT.rays(SIZE), inputs.shown.pose.position_m
@@ -55,19 +45,20 @@ def shown_truth(inputs: PassInputs, share: float) -> np.ndarray:
     return 0.3 * waves(surface, 8.0, 1) + share * waves(image, 6.0, 2)
 
 
-def test_a_mirror_shows_what_the_eye_sees_in_it_now(gpu):
+def test_a_mirror_shows_what_the_eye_sees_in_it_now(gpu, tmp_path):
     """The image stands at a known depth behind the wall; it is found, and most of it moves."""
     inputs, one = inputs_of(gpu, 0.5), made(gpu)
     out = read(one.run(inputs).rendered.colour)
-    found = found_by(one)
     truth, glued = shown_truth(inputs, 0.5), picture(STRAIGHT, 0.5)[0]
     inner = np.s_[24:-24, 24:-24]  # what was beside the picture cannot be known
     left, before = (np.abs(each[..., :3] - truth)[inner].mean() for each in (out, glued))
     assert left < 0.5 * before
     # The planes divide the inverse depth of the wall. Windows of 72 pixels reach beyond the border.
-    blocks = found.depth[4:-4, 4:-4]
+    high, wide = one.image_depth.height, one.image_depth.width
+    blocks = np.frombuffer(one.image_depth.read(alignment=1), np.float32).reshape(high, wide, 2)[4:-4, 4:-4]
     assert (blocks[..., 1] == 1).all()
     assert np.median(np.abs(blocks[..., 0] - 1 / IMAGE_M)) < 1 / WALL_M / PLANES
+    assert_golden("effects/reflections_from_pictures", sheet((out, None), (read(one.light), None)), tmp_path)
     one.close()
 
 
@@ -93,39 +84,6 @@ def test_without_parallax_nothing_is_touched(gpu, asked):
     inputs, one = inputs_of(gpu, 0.5, **asked), made(gpu)
     assert one.run(inputs) is inputs
     one.close()
-
-
-def test_each_other_picture_lies_on_the_surfaces_as_its_twin_says(gpu):
-    inputs, one = inputs_of(gpu, 0.5), made(gpu)
-    one.run(inputs)
-    layers = np.frombuffer(one.aligned.read(), np.float16).reshape(-1, *SIZE[::-1], 4).astype(np.float64)
-    pictures = [seen_of(image) for image in (inputs.rendered, *inputs.others)]
-    for layer, other in zip(layers[1:], pictures[1:], strict=True):
-        expected = twin.aligned(pictures[0], other, sampler_pixels(gpu))
-        decided = ~expected.undecided
-        assert decided.mean() > 0.95
-        apart = np.abs(layer - expected.colour).max(axis=-1)
-        assert (apart <= expected.tolerance)[decided].all()
-    one.close()
-
-
-def test_the_light_is_joined_as_the_twin_says(gpu):
-    inputs, one = inputs_of(gpu, 0.5), made(gpu)
-    out = read(one.run(inputs).rendered.colour)
-    expected = twin.joined(seen_of(inputs.rendered), found_by(one), SHOWN, sampler_pixels(gpu))
-    decided = ~expected.undecided
-    assert decided.mean() > 0.8
-    assert (np.abs(out - expected.colour).max(axis=-1) <= expected.tolerance)[decided].all()
-    one.close()
-
-
-def seen_of(image: EyeImage) -> twin.Seen:
-    return twin.Seen(read(image.colour), read(image.inverse_depth)[..., 0], image.view)
-
-
-def sampler_pixels(gpu) -> float:
-    """As in worlds.py: llvmpipe's sampler rounds like a shader, GPUs' weights have 8 bits."""
-    return 4 * 2.0**-24 * max(SIZE) if gpu.is_software else GPU_SAMPLER_PIXELS
 
 
 @pytest.mark.parametrize("size", [(1, 1), (7, 5), (37, 61), (65, 33)])
