@@ -12,6 +12,7 @@ folder that the message names.
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -31,12 +32,15 @@ def sheet(*pairs: tuple[NDArray, NDArray | None]) -> NDArray[np.uint8]:
     """Pairs of colour (h, w, 4), linear, and inverse depth (h, w), one below the other.
 
     Colour on the left; on the right coverage in red, inverse depth in green, which is 0 for none.
+    Rows of less than the widest end in black.
     """
     rows = []
     for colour, depth in pairs:
         known = np.zeros(colour.shape[:2]) if depth is None else np.where(depth < 0, 0, depth / BRIGHTEST * 0.9 + 0.1)
         beside = np.dstack([colour[..., 3], known, np.zeros(colour.shape[:2])])
         rows.append(np.concatenate([colour[..., :3] / BRIGHTEST, beside], axis=1)[::-1])
+    widest = max(row.shape[1] for row in rows)
+    rows = [np.pad(row, ((0, 0), (0, widest - row.shape[1]), (0, 0))) for row in rows]
     return np.rint(255 * np.clip(np.concatenate(rows), 0, 1)).astype(np.uint8)
 
 
@@ -61,6 +65,11 @@ def assert_golden(name: str, found: NDArray[np.uint8], folder: Path, share: floa
         for what, picture in (("found", found), ("golden", golden), ("difference", strong)):
             Image.fromarray(picture).save(folder / f"{path.stem}-{what}.png")
         pytest.fail(f"{moved:.2%} of the pixels differ by more than {GREY_LEVELS} grey level; see {folder}")
+
+
+def name_of(spec: str) -> str:
+    """The file name of `name:key=value,..`."""
+    return re.sub("[:=,]", "-", spec)
 
 
 def names_in(folder: str) -> set[str]:

@@ -19,6 +19,16 @@ from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 
+PICTURED = ("mesh", "mesh_adaptive", "splat")
+"""Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
+
+What a rasteriser does at edges, or a footprint, would be the same route again in float64.
+"""
+
+
+def has_twin(spec: str) -> bool:
+    return parse_warp(spec).entry.name not in PICTURED
+
 
 def twin_of(name: str):
     """The float64 twin of a warp: the public function of its name in a module of reference."""
@@ -35,8 +45,8 @@ def twin_of(name: str):
 def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
-    Without mesh:grid=512,ring=0.002, whose twin would meet each ray with half a million triangles;
-    it is mesh:grid=64 with other numbers. Without what draws a scene and warps no picture: that is
+    Without mesh:grid=512,ring=0.002, half a million triangles: it is mesh:grid=64 with other
+    numbers. Without what draws a scene and warps no picture: that is
     compared with the server's pictures, see tests/client/test_model.py.
     """
     every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512,ring=0.002")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from golden_pictures import assert_golden, names_in, sheet
+from golden_pictures import assert_golden, name_of, names_in, sheet
 from holed import Holed
 from scipy.spatial.transform import Rotation
 
@@ -31,10 +31,6 @@ STORED = 2.0**-10  # a half float is truncated: 2^-10 of it, of colours below 2
 TWO_STORED = 2 * 2 * STORED
 
 
-def golden_name(text: str) -> str:
-    return f"fills/{text.replace(':', '-').replace('=', '-').replace(',', '-')}"
-
-
 def with_a_wide_hole(gpu, size: tuple[int, int], empty: float, unknown: int) -> Holed:
     """Noise with cracks and a wide hole; each `unknown`-th row without depth, 0: none."""
     holed = Holed(gpu, 8, size, empty)
@@ -50,13 +46,8 @@ def with_a_wide_hole(gpu, size: tuple[int, int], empty: float, unknown: int) -> 
 @pytest.mark.parametrize("text", FROM_PICTURES)
 def test_random_holes_are_filled_as_before(gpu, tmp_path, text):
     cases = [((45, 37), 0.3, 0), ((45, 37), 0.7, 3), ((45, 3), 0.5, 0), ((2, 45), 0.5, 1), ((31, 17), 0.99, 0)]
-    pictures = []
-    for case in cases:
-        holed = with_a_wide_hole(gpu, *case)
-        rest = ((0, 0), (0, 45 - case[0][0]))
-        colour, depth = holed.fill(gpu, text)
-        pictures.append((np.pad(colour, (*rest, (0, 0))), np.pad(depth, rest)))
-    assert_golden(golden_name(text), sheet(*pictures), tmp_path)
+    pictures = (with_a_wide_hole(gpu, *case).fill(gpu, text) for case in cases)
+    assert_golden(f"fills/{name_of(text)}", sheet(*pictures), tmp_path)
 
 
 def holes_like(size, seed: int = 3) -> np.ndarray:
@@ -86,12 +77,12 @@ def test_holes_take_the_light_of_a_model_as_before(gpu, tmp_path, text):
         assert np.isfinite(found[0]).all()
         assert np.array_equal(found[0][~shown.holes], shown.colour[~shown.holes])
         pictures.append(found)
-    assert_golden(golden_name(text), sheet(*pictures), tmp_path, share=1 / 100)
+    assert_golden(f"fills/{name_of(text)}", sheet(*pictures), tmp_path, share=1 / 100)
 
 
 def test_every_fill_has_a_golden_picture_or_a_test_of_its_own():
     pictured = [*FROM_PICTURES, *FROM_A_MODEL]
-    assert {f"fills/{name}" for name in names_in("fills")} == {golden_name(text) for text in pictured}
+    assert names_in("fills") == {name_of(text) for text in pictured}
     assert {*(text.partition(":")[0] for text in pictured), *ELSEWHERE} == set(fills.names())
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from reference.lens import radial
-from reference.lens_curve import tangent_from_lens
+from reference.lens import radial, tangent_from_lens
 from reference.picture import GPU_SAMPLER_PIXELS, HALF_SMALLEST, HALF_UNIT
 
 from hmdwarp.client.lens import lenses

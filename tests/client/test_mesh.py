@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from worlds import twin_of
 
-from hmdwarp.client import parse_warp
 from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.client.warp_kinds.mesh import reach
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
-from .rendered_pictures import asked, warped
+from .rendered_pictures import warped
 
 SIZE = (64, 48)
 FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))
-CUTS = ["mesh", "mesh:cut=vertex", "mesh:cut=both", "mesh_adaptive"]
 
 
-@pytest.mark.parametrize("spec", CUTS)
+@pytest.mark.parametrize("spec", ["mesh", "mesh_adaptive"])
 def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
     """Its last rows are much steeper than any limit.
 
@@ -27,12 +24,8 @@ def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
     down, up = FOV.tangents[2:]
     tangent = down + (up - down) * (np.arange(SIZE[1]) + 0.5) / SIZE[1]
     floor = np.broadcast_to(np.maximum(-tangent / 1.6, 0)[:, None], SIZE[::-1])  # 1.6 m below; sky above
-    given = np.ones((*SIZE[::-1], 4)), floor, Pose((0.15, 0.3, 0))
-    out = warped(gpu, spec, *given, fov=FOV)
-    wanted = twin_of(parse_warp(spec).entry.name)(asked(gpu, spec, *given, fov=FOV))
-    if "cut" not in spec:
-        assert (out[:, 8:-8, 3] == 1).all()
-    assert np.array_equal(out[..., 3][~wanted.undecided], wanted.colour[..., 3][~wanted.undecided])
+    out = warped(gpu, spec, np.ones((*SIZE[::-1], 4)), floor, Pose((0.15, 0.3, 0)), fov=FOV)
+    assert (out[:, 8:-8, 3] == 1).all()
 
 
 def test_the_limit_is_a_plane_at_that_angle():

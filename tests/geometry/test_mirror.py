@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reference.mirrors import fresnel, image_behind_ball
-from reference.reflection import image_by_two_rays
+from reference.mirrors import fresnel, image_behind_ball, image_by_two_rays
 
 from hmdwarp.geometry import Fov, Mirror, Pose, View
 from hmdwarp.geometry.view import MOST_MIRRORS, mirrors_in_eye, tangents_of_pixels

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from reference.lens_curve import lens_from_tangent, tangent_from_lens
+from reference.lens import lens_from_tangent, tangent_from_lens
 
 from hmdwarp.errors import HmdwarpError, InputError, TraceError
 from hmdwarp.geometry import Pose

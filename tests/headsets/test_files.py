@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference.lens_curve import tangent_from_lens
+from reference.lens import tangent_from_lens
 from strategies import poses
 
 import hmdwarp.headsets

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from reference.lens_curve import lens_from_tangent
+from reference.lens import lens_from_tangent
 
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import MAX_COEFFICIENTS, RadialLens, headset_names, load_headset

@@ -11,7 +11,7 @@ import numpy as np
 from hmdwarp.geometry import View
 from hmdwarp.headsets import COLOURS, Headset
 from reference._rays import FLOAT32_UNIT, Array, Places
-from reference.lens_curve import tangent_from_lens
+from reference.lens import tangent_from_lens
 from reference.picture import ReferencePicture, TwinInputs, near_edge
 from reference.scanout import Twin, scanned_out
 

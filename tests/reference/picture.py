@@ -70,13 +70,6 @@ class TwinInputs:
     places: Places | None = None
 
     @property
-    def snap_pixels(self) -> float:
-        """How far a rasteriser may move a corner in each axis before it interpolates from it: half
-        of GL's 1/256 pixel on GPUs, nothing on llvmpipe, which interpolates unsnapped.
-        """
-        return 0.5 / 256 if self.sampler_pixels >= GPU_SAMPLER_PIXELS else 0.0
-
-    @property
     def shape(self) -> tuple[int, int]:
         """(h, w) of the result."""
         return self.shown_size[::-1] if self.places is None else self.places.pixels.shape[:2]

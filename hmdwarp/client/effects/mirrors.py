@@ -313,7 +313,7 @@ effects.register(
         needs=Needs(reflection=Mirrored.PLANE),
         without="uneven mirrors show an even reflection",
         source="the 2014 thesis's order of steps (warp the even reflection, then disturb it); "
-        "tests/reference/reflection.py",
+        "tests/reference/mirrors.py",
         refines="planar_reflections",
     )
 )
