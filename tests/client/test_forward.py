@@ -13,13 +13,12 @@ import pytest
 from worlds import World
 
 from hmdwarp.client import parse_warp
-from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64
-from hmdwarp.errors import InputError, MachineError
-from hmdwarp.geometry import Pose, WarpMap
-from hmdwarp.gpu import COLOUR, Canvas, allocate, flatten
+from hmdwarp.errors import MachineError
+from hmdwarp.geometry import Pose
+from hmdwarp.gpu import flatten
 
-from .scatters import Scatter, numbered
+from .scatters import Scatter
 
 # Rendered and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre
 # lands on a border.
@@ -112,15 +111,6 @@ def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
     assert np.array_equal(got, wanted)
 
 
-def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
-    most = gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // 4
-    side = gpu.max_texture_size
-    if side * side <= most:
-        pytest.skip(f"this GPU has room for the keys of its largest picture, {side}x{side}")
-    with pytest.raises(InputError, match="[48] bytes a pixel"):
-        warps.get("forward")(gpu, (16, 16), (side, side))
-
-
 # --- one pass with a 64-bit key -----------------------------------------------------------------
 
 
@@ -165,42 +155,3 @@ def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
     )
     done = subprocess.run(["glslangValidator", file], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
-
-
-def test_64_bit_keys_give_the_portable_picture(gpu):
-    """The keys by NumPy, as the one pass over the drawn pixels would leave them.
-
-    The copy of the colours by the shader itself.
-    """
-    size, shown_size = (64, 48), (16, 12)
-    depth = np.random.default_rng(5).choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1]).astype(np.float32)
-    scatter = Scatter(gpu, size, shown_size)
-    keys = sorted_keys(scatter, depth)
-    colour, canvas = allocate(gpu.gl, size, COLOUR), Canvas(gpu.gl, shown_size)
-    colour.write(numbered(size).tobytes(), alignment=1)
-    resolve, buffer = gpu.shaders.compute("warps/forward_atomic64.comp", PASS=1), gpu.gl.buffer(keys.tobytes())
-    buffer.bind_to_storage_buffer(0)
-    colour.bind_to_image(1, read=True, write=False)
-    canvas.bind_for_writing(0)
-    resolve.uniforms.set(rendered_size=size, shown_size=shown_size, rendered_colour=1, shown_colour=0)
-    resolve.run(*shown_size)
-    gpu.gl.memory_barrier()
-    assert np.array_equal(scatter.winners(canvas), scatter.run(depth))
-    assert not any(buffer.read()), "the keys are empty again"
-
-
-def sorted_keys(scatter: Scatter, depth: np.ndarray) -> np.ndarray:
-    """The largest 64-bit key of each shown pixel."""
-    (wide, high), source = scatter.size, np.arange(depth.size, dtype=np.uint64)
-    y, x = np.divmod(np.arange(depth.size), wide)
-    forward = WarpMap.between(scatter.rendered_view, scatter.size, scatter.shown_view, scatter.shown_size)
-    pixels, shown, _ = forward.apply(np.stack([x, y], axis=-1) + 0.5, depth.ravel())
-    bits = shown.astype(np.float32).view(np.uint32).astype(np.int64)
-    near = 0x08000000 + (bits - 0x35800000) * 16 + 15 - (y % 4 * 4 + x % 4)
-    key = np.where(bits < 0x35800000, 0x08000000 - 1 - source.astype(np.int64), near).astype(np.uint64)
-    keys = np.zeros(scatter.shown_size[0] * scatter.shown_size[1], np.uint64)
-    drawn = depth.ravel() >= 0
-    slot = np.floor(pixels).astype(int) @ [1, scatter.shown_size[0]]
-    np.maximum.at(keys, slot[drawn], (key << np.uint64(32) | (np.uint64(0xFFFFFFFF) - source))[drawn])
-    assert depth.size == wide * high
-    return keys

@@ -52,21 +52,3 @@ def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, recent
     assert sorted(map(id, discarded)) == sorted(map(id, offered))
     history.close()
     assert len(discarded) == len(offered), "closing twice gives nothing back twice"
-
-
-@given(SPACINGS, INSTANTS)
-def test_a_history_of_none_returns_each_frame_at_once(spacing_ns, instants):
-    discarded: list[Frame] = []
-    history = History(Others(0, spacing_ns), discarded.append)
-    for number, now in enumerate(instants, start=1):
-        history.offer(frame(now))
-        assert len(discarded) == number
-
-
-def test_the_oldest_goes_when_a_newer_one_comes():
-    discarded: list[Frame] = []
-    history = History(Others(2, 10 * MS), discarded.append)
-    for now in (0, 5, 10, 14, 20, 30):
-        history.offer(frame(now * MS))
-    assert [frame.drawn_ns // MS for frame in history.frames] == [30, 20]
-    assert [frame.drawn_ns // MS for frame in discarded] == [5, 14, 0, 10]

@@ -5,7 +5,6 @@ Its first and last instant; the middle for those that cannot follow.
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from hypothesis import given
 from replays import each_refresh, small
@@ -62,16 +61,6 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
 
     each_refresh(options, look)
     assert max(turned) > 0, "then this shows nothing"
-
-
-def test_without_scan_out_there_is_one_instant():
-    def look(setup, number, refresh):
-        assert not setup.plans[0].scanout
-        assert all(inputs.shown_last is None for inputs in refresh.inputs)
-        for result, one in zip(refresh.eyes, refresh.inputs, strict=True):
-            assert np.array_equal(result.view.pose.position_m, one.shown.pose.position_m)
-
-    each_refresh(small(warp="rotation", seconds=0.05), look)
 
 
 def test_a_scan_out_backwards_in_time_is_refused():

@@ -114,8 +114,3 @@ def test_a_frame_with_fewer_layers_is_refused(gpu):
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     with pytest.raises(PlanError, match="needs 3 layers behind the visible one, this frame has 2"):
         warp.run(PassInputs(world.rendered, world.shown_view), canvas)
-
-
-def test_it_needs_these_layers_of_a_frame():
-    choices = [parse_warp(f"layered:layers={n}") for n in (2, 3, 4)]
-    assert [choice.entry.needs(choice.settings)["peeled"] for choice in choices] == [1, 2, 3]

@@ -133,13 +133,6 @@ def test_cells_in_pieces_are_drawn_where_they_hold_a_centre_alone(gpu):
     assert (fine.picture != coarse.picture).any(axis=-1).mean() < 0.005
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_same_lists_each_time(gpu, seed):
-    """Run by thousands of threads, written in one order."""
-    world = World(gpu, seed, (131, 97))
-    assert np.array_equal(world.warp(gpu, "mesh_adaptive"), world.warp(gpu, "mesh_adaptive"))
-
-
 @pytest.mark.parametrize("tolerance", ["2", "1000"])
 def test_a_generous_tolerance_never_merges_across_what_must_not_be_merged(gpu, tolerance):
     """Without motion every finite error is allowed; holes and silhouettes have an infinite one."""

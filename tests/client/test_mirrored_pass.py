@@ -140,15 +140,6 @@ def test_any_warp_may_follow(gpu, warp):
         closed.close()
 
 
-def test_running_compiles_nothing(gpu):
-    one, inputs = made(gpu), inputs_of(gpu, 0.5)
-    before = len(gpu.shaders)
-    for _ in range(2):
-        one.run(inputs)
-    assert len(gpu.shaders) == before
-    one.close()
-
-
 def test_it_stands_in_for_known_mirrors():
     effect = effects.get(NAME)
     assert effect.by_name_only and effect.needs.others == Others(past=2, spacing_ns=300_000_000, other_eye=True)

@@ -9,10 +9,8 @@ from client_scene import ClientScene
 from replays import run, small
 from worlds import read
 
-from hmdwarp import warp_image
 from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, parse_warp
 from hmdwarp.client.warps import Output
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
@@ -92,21 +90,6 @@ def test_smaller_textures_and_no_light(gpu):
     assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
 
 
-def test_a_single_picture_has_no_scene():
-    colour, depth = np.zeros((8, 8, 3), np.uint8), np.ones((8, 8))
-    with pytest.raises(PlanError, match="warp model needs the scene's geometry on the client"):
-        warp_image(colour, depth, HERE, THERE, warp="model")
-
-
-def test_clients_that_lack_the_scene_cannot_run_it():
-    for warp, client in (("model", "class-2"), ("model:share=0.2", "class-1")):
-        with (
-            pytest.raises(PlanError, match=f"client '{client}' cannot run warp '{warp}'"),
-            set_up_replay(small(warp=warp, fill="none", client=client)),
-        ):
-            pass
-
-
 PROGRESSIVE = "model:arrives=progressive,budget=300000"
 
 
@@ -160,15 +143,6 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
     geometry.close()
 
 
-def test_under_lamps_pieces_that_overtake_the_stand_ins_are_lit_too(tmp_path):
-    network = LinkOptions.of({"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40", "link_seed": 4})
-    same, warp = {"scene": "doorway", "seconds": 0.6, "network": network}, PROGRESSIVE.replace("300000", "25000")
-    summary, psnr_db = last_pictures(tmp_path / "comes", warp=warp, **same)
-    _, whole_db = last_pictures(tmp_path / "whole", warp="model", **same)
-    assert summary["link"]["frames"]["late"] > 3
-    assert psnr_db[0] != whole_db[0] and psnr_db[-1] == whole_db[-1]
-
-
 @pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40"}])
 def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""
@@ -177,12 +151,6 @@ def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     )
     assert summary["link"]["frames"]["lost"] + summary["link"]["frames"]["late"] > 3
     assert psnr_db[-1] == 100.0
-
-
-def test_before_anything_has_arrived_all_is_a_hole(gpu):
-    geometry = ClientScene(gpu, "planes")
-    colour, depth = drawn(gpu, geometry, "model:arrives=progressive", HERE)
-    assert not colour.any() and (depth == -1).all()
 
 
 def test_a_small_budget_is_kept_and_the_picture_is_never_torn(tmp_path):

@@ -6,9 +6,9 @@ Against rays and moved squares in float64, and against what the server draws lat
 from __future__ import annotations
 
 import attrs
-import moderngl
 import numpy as np
 import pytest
+from gl_clock import counting_made
 from reference.motion import MotionAsked, moved_picture
 from worlds import read
 
@@ -154,31 +154,17 @@ def test_a_frame_shown_when_drawn_has_no_motion(gpu, parts):
     made.close()
 
 
-def test_a_body_at_rest_keeps_its_bits(gpu):
-    world = MovingWorld(10)
-    resting = with_bodies(world.image(gpu, {RIGID}), (RigidState(Pose((1, 2, 3))), *world.states[1:]))
-    colour, _ = run(gpu, resting, 300 * MS, RIGID)
-    untouched = (world.ids == 1) & (world.inverse_depth > 0)
-    moved_there = np.abs(colour - world.colour).max(axis=-1) > 0
-    assert untouched.any()
-    assert np.array_equal(colour[untouched & ~moved_there], world.colour[untouched & ~moved_there])
-    assert (colour[untouched][:, 3] == 1).all()
-    every = with_bodies(resting, (resting["ids"].bodies[0],) * 3)
-    made = pass_for(gpu, (26, 19), RIGID)
-    assert made.run(given_at(every, 300 * MS)).rendered is every
-    made.close()
-
-
-def test_a_number_beyond_the_table_stands_still(gpu):
-    world = MovingWorld(11)
-    image = with_bodies(world.image(gpu, {RIGID}), world.states[:1])
-    colour, inverse_depth = run(gpu, image, 250 * MS, RIGID)
-    beyond = (world.ids > 1) & (inverse_depth == world.inverse_depth)
-    assert beyond.sum() > 20
-    assert np.array_equal(colour[beyond], world.colour[beyond])
-    none = with_bodies(image, ())
-    made = pass_for(gpu, (26, 19), RIGID)
-    assert made.run(given_at(none, 250 * MS)).rendered is none
+def test_what_rests_or_is_beyond_the_table_stands_still(gpu):
+    world, made = MovingWorld(11), pass_for(gpu, (26, 19), RIGID)
+    image = world.image(gpu, {RIGID})
+    resting = with_bodies(image, (world.states[0], RigidState(Pose((1, 2, 3)))))  # and the third has no state
+    colour, inverse_depth = run(gpu, resting, 250 * MS, RIGID)
+    still = (world.ids > 1) & (inverse_depth == world.inverse_depth)
+    assert still.sum() > 20
+    assert np.array_equal(colour[still], world.colour[still])
+    for bodies in ((), (RigidState(Pose((1, 2, 3))),) * 3):
+        nothing = with_bodies(image, bodies)
+        assert made.run(given_at(nothing, 250 * MS)).rendered is nothing
     with pytest.raises(InputError, match=f"{MOST_BODIES + 1} bodies: 'motion' takes {MOST_BODIES} at most"):
         made.run(given_at(with_bodies(image, world.states[:1] * (MOST_BODIES + 1)), 250 * MS))
     made.close()
@@ -290,41 +276,26 @@ def test_a_moved_picture_is_what_the_server_draws_then(gpu, motion, least_db):
     assert unmoved < 15
 
 
-class Made:
-    """Counts what a context is asked to make."""
-
-    def __init__(self, monkeypatch) -> None:
-        self.texture = self.buffer = self.framebuffer = self.program = 0
-        for kind in vars(self):
-            monkeypatch.setattr(moderngl.Context, kind, self._counting(kind, getattr(moderngl.Context, kind)))
-
-    def _counting(self, kind: str, make):
-        def counted(*args, **kwargs):
-            setattr(self, kind, getattr(self, kind) + 1)
-            return make(*args, **kwargs)
-
-        return counted
-
-
 @pytest.mark.parametrize(
     ("declared", "layer", "other"),
     [(("rigid_motion",), "rendered.ids", "rendered.velocity"), (("soft_motion",), "rendered.velocity", "rendered.ids")],
     ids=["rigid", "soft"],
 )
-def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, monkeypatch, declared, layer, other):
+def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, declared, layer, other):
     plan = build_plan(declared, "forward", "none", "none", client_geometry=True)
     assert layer in plan.layers
     assert other not in plan.layers
     assert ("ids" in plan.needs, "velocity" in plan.needs) == (layer == "rendered.ids", layer == "rendered.velocity")
     world = MovingWorld(13)
-    image, made = world.image(gpu, {RIGID} if "ids" in plan.needs else {SOFT}), Made(monkeypatch)
-    compensator = Compensator(gpu, plan, None, world.size, world.size)
-    assert made.texture == 2 + 2  # a canvas for each eye, colour and depth of what has moved
-    before = dict(vars(made))
-    gpu.timer.collect()  # of the tests before
-    for eye in (0, 1, 0):
-        result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
-    assert vars(made) == before, "run() compiles and allocates nothing"
+    image = world.image(gpu, {RIGID} if "ids" in plan.needs else {SOFT})
+    with counting_made() as made:
+        compensator = Compensator(gpu, plan, None, world.size, world.size)
+        assert made["texture"] == 2 + 2  # a canvas for each eye, colour and depth of what has moved
+        before = made.copy()
+        gpu.timer.collect()  # of the tests before
+        for eye in (0, 1, 0):
+            result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
+        assert made == before, "run() compiles and allocates nothing"
     # The eye has not moved, so forward copies what the pass has made.
     assert np.array_equal(
         read(result.shown.texture),

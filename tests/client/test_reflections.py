@@ -111,15 +111,6 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     assert dark.sum() <= 0.02 * wall.sum()
 
 
-def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
-    first, last = moved((0, 0, 0)), moved((0.02, 0, 0), 0.02)
-    found, _ = shown(gpu, server, first, shown_last=last)
-    middle, covered = shown(gpu, server, PassInputs(None, first, shown_last=last).middle)
-    assert found.shape == middle.shape
-    where = mirrors_of(server, first, Needs(reflection=Mirrored.PLANE)) & covered
-    assert error(found, middle, where) < 0.01
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_each_effect_is_an_entry_of_the_one_pass(name):
     effect = effects.get(name)
@@ -129,12 +120,6 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
     assert ("rendered.reflection" in plan.layers) == bool(passes)
-
-
-def test_a_warp_that_carries_nothing_leaves_reflections_glued_on():
-    plan = build_plan(EVERY, "environment", "none", "none", client_geometry=False)
-    assert not plan.effect_passes
-    assert all("carries nothing" in reason for name, reason in plan.left_out if name in NAMES[::2])
 
 
 def test_a_frame_without_the_layer_is_told(gpu, server):
@@ -166,12 +151,3 @@ def test_closing_keeps_what_is_covered_and_closes_the_rest(gpu, size):
     low, high = (extreme(picture[~holes][:, :3]) for extreme in (np.min, np.max))
     assert (found[holes][:, :3] > low * 0.97).all()
     assert (found[holes][:, :3] < high * 1.03).all()
-
-
-def test_closing_leaves_nothing_where_nothing_is_known(gpu):
-    texture = allocate(gpu.gl, (9, 6), COLOUR)
-    texture.write(np.zeros((6, 9, 4), np.float16).tobytes(), alignment=1)
-    closing = Closing(gpu, (9, 6))
-    closing.run(texture)
-    closing.close()
-    assert (read(texture) == 0).all()

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from panels import panel_of, world_before
 from reference.fused import fused
-from reference.scanout import direction_error, row_view, scanned_out
+from reference.scanout import direction_error, scanned_out
 from scipy.spatial.transform import Rotation
 from strategies import QUATERNIONS, vectors
 from worlds import World, assert_equals_twin, read, twin_of
@@ -147,24 +147,3 @@ def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
     difference = (pixels @ (parabola(*(m.H for m in maps[:3])) - maps[3].H).T) @ to_direction.T
     assert (np.linalg.norm(difference, axis=-1) <= direction_error(first, last) * rays + 1e-13).all()
     assert np.abs(parabola(*(m.e for m in maps[:3])) - maps[3].e).max() <= 1e-12, "positions are linear, so e is"
-
-
-def test_the_bound_is_not_idle():
-    """At a third of the way it is nearly reached, for a direction at right angles to the axis of
-    the turn.
-    """
-    first = View(Pose(), FOV)
-    last = View(Pose((0, 0, 0), Rotation.from_rotvec((0, 0.2, 0)).as_quat()), FOV)
-    t = 0.5 - 1 / math.sqrt(12)
-    matrices = [first.pose.towards(last.pose, share).rotation.as_matrix() for share in (0, 0.5, 1, t)]
-    square = 2 * (matrices[0] + matrices[2] - 2 * matrices[1])
-    parabola = matrices[0] + t * (matrices[2] - matrices[0] - square) + t * t * square
-    error = np.linalg.norm((parabola - matrices[3]) @ (0, 0, -1))
-    assert 0.95 * direction_error(first, last) < error <= direction_error(first, last)
-
-
-def test_rows_count_from_the_bottom_and_light_up_from_the_top():
-    first, last = View(Pose(), FOV), View(Pose((1, 0, 0)), FOV)
-    assert [row_view(first, last, row, 4).pose.position_m[0] for row in range(4)] == pytest.approx(
-        [0.875, 0.625, 0.375, 0.125]
-    )

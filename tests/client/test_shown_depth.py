@@ -122,8 +122,3 @@ def test_standing_still_it_is_the_rendered_depth(gpu):
         world.inverse_depth >= 0
     ].all()
     assert np.array_equal(got < 0, world.inverse_depth < 0)
-
-
-def test_a_warp_that_carries_nothing_knows_no_depth(gpu):
-    (name,) = [warp.name for warp in warps if not warp.carries and warp.kind != "draw"]
-    assert (depth_of(gpu, World(gpu, 6, SIZE), name) == -1).all()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-import attrs
 import numpy as np
 import pytest
 from holed import Holed
@@ -119,20 +118,3 @@ def test_the_fill_equals_its_twin(gpu, seed):
     # A depth is found by a few dozen float32 operations.
     assert (np.abs(depth - wanted.inverse_depth) <= 1e-4 * (1 + np.abs(wanted.inverse_depth)))[sure].all()
     assert (sure & (holed.colour[..., 3] == 0) & (got[..., 3] > 0)).sum() > 100
-
-
-def test_fill_without_depth_asked_for(gpu):
-    """Colour is the same where no pass of the plan wants to know how far things are."""
-    holed = Holed(gpu, 3, (40, 33), empty=0.5)
-    outs = []
-    for depth in (True, False):
-        (choice,) = parse_fills("wide")
-        fill = choice.entry(gpu, holed.size, holed.size, choice.settings)
-        picture, into = holed.picture(gpu), holed.picture(gpu)
-        if not depth:
-            picture, into = (attrs.evolve(layer, inverse_depth=None) for layer in (picture, into))
-        fill.run(holed.inputs, picture, into)
-        gpu.gl.memory_barrier()
-        outs.append(read(into.colour.texture))
-        fill.close()
-    assert np.array_equal(*outs)
