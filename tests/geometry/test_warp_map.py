@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from strategies import FOVS, METRES, neighbouring_views, poses, vectors
+from strategies import FOVS, neighbouring_views, poses, vectors
 
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
@@ -123,39 +123,6 @@ def test_there_and_back(views, frm_size, to_size, share, inverse_depth):
     assert w * w_back == pytest.approx(1, abs=1e-9)
 
 
-@given(neighbouring_views(), vectors(st.floats(-0.1, 0.1)), FOVS, SHARES, INVERSE_DEPTHS)
-def test_two_maps_in_a_row_are_the_map_between_the_ends(views, step, fov, share, inverse_depth):
-    a, b = views
-    c = View(Pose(b.pose.position_m + step, a.pose.orientation_xyzw), fov)
-    sizes = (640, 400), (321, 777), (128, 128)
-    pixel = np.array(share) * sizes[0]
-    in_b, depth_b, w_b = WarpMap.between(a, sizes[0], b, sizes[1]).apply(pixel, inverse_depth)
-    assume(w_b > 0.2)
-    in_c, depth_c, w_c = WarpMap.between(b, sizes[1], c, sizes[2]).apply(in_b, depth_b)
-    direct, depth_direct, w = WarpMap.between(a, sizes[0], c, sizes[2]).apply(pixel, inverse_depth)
-    assume(w > 0.2)
-    # 64 units of sums of terms up to 1e5 pixels on either leg, magnified by at most 1/0.2^2; and
-    # 1e6 m out the three steps b - a, c - b and c - a round to 2^-34 m each (seen from c at up to 3
-    # / 0.2 per metre and 700 pixels per tangent).
-    out_there = np.abs(a.pose.position_m).max() * UNIT * 4
-    assert np.abs(in_c - direct).max() <= 1e-7 + out_there * 1e5
-    assert w_b * w_c == pytest.approx(float(w), abs=1e-9 + 20 * out_there)
-    assert float(depth_c) == pytest.approx(float(depth_direct), abs=1e-9 + 1e3 * out_there)
-
-
-@given(neighbouring_views(METRES), poses())
-def test_moving_the_world_changes_nothing(views, moved):
-    frm, to = views
-    there = [View(moved @ v.pose, v.fov) for v in views]
-    near, far = (
-        WarpMap.between(frm, (64, 48), to, (50, 70)),
-        WarpMap.between(*[x for v in zip(there, [(64, 48), (50, 70)], strict=True) for x in v]),
-    )
-    # Positions up to 30 m and pixels per tangent up to 350: 30 x 350 x 64 units.
-    assert np.abs(near.H - far.H).max() <= 1e-10
-    assert np.abs(near.e - far.e).max() <= 1e-10
-
-
 @given(neighbouring_views(), vectors())
 def test_infinity_does_not_see_the_eye_move(views, elsewhere):
     frm, to = views
@@ -165,13 +132,6 @@ def test_infinity_does_not_see_the_eye_move(views, elsewhere):
     pixel, depth, w = here.apply(np.array([[3.5, 7.5]]), np.array([0.0]))
     assert depth == 0 or not w > 0
     assert np.array_equal(pixel, there.apply(np.array([[3.5, 7.5]]), np.array([0.0]))[0], equal_nan=True)
-
-
-@given(neighbouring_views())
-def test_without_a_baseline_depth_does_not_matter(views):
-    frm, to = views
-    warp = WarpMap.between(frm, (64, 48), View(Pose(frm.pose.position_m, to.pose.orientation_xyzw), to.fov), (50, 70))
-    assert np.array_equal(warp.e, (0, 0, 0))
 
 
 @given(neighbouring_views(), vectors(st.floats(-1, 1)), st.floats(0.5, 20), SHARES)
@@ -258,18 +218,6 @@ def test_beside_and_behind_there_is_no_picture():
     assert np.isnan(depth[1:]).all()
 
 
-@given(neighbouring_views())
-def test_apply_keeps_shapes(views):
-    warp = WarpMap.between(views[0], (8, 8), views[1], (8, 8))
-    pixels = np.random.default_rng(0).uniform(0, 8, (3, 4, 2))
-    depths = np.random.default_rng(1).uniform(0, 1, (3, 4))
-    there, depth, w = warp.apply(pixels, depths)
-    assert (there.shape, depth.shape, w.shape) == ((3, 4, 2), (3, 4), (3, 4))
-    one = warp.apply(pixels[1, 2], depths[1, 2])
-    # Alone and in an array the products may be summed in another order.
-    assert np.allclose(there[1, 2], one[0], rtol=1e-9, atol=1e-9, equal_nan=True)
-
-
 # --- whole pixels -------------------------------------------------------------------------------
 
 
@@ -304,16 +252,6 @@ def test_any_motion_is_noticed(pose, kind, step):
         Pose(pose.position_m + axis, pose.orientation_xyzw) if kind < 3 else pose @ Pose((0, 0, 0), (*(axis / 2), 1))
     )
     assert not WarpMap.between(View(pose, fov), size, View(moved, fov), size).moves_whole_pixels()
-
-
-@pytest.mark.parametrize("factor", [2, 0.5, 1 + 1e-6])
-def test_another_scale_is_noticed(factor):
-    fov, size = Fov.from_tangents([-1, 1, -1, 1]), (64, 64)
-    scaled = Fov.from_tangents([-factor, factor, -factor, factor])
-    assert not WarpMap.between(View(Pose(), fov), size, View(Pose(), scaled), size).moves_whole_pixels()
-    assert not WarpMap.between(View(Pose(), fov), size, View(Pose(), fov), (64, 32)).moves_whole_pixels()
-
-
-def test_half_a_pixel_is_noticed():
-    fov, half = Fov.from_tangents([-1, 1, -1, 1]), Fov.from_tangents([-1 + 1 / 64, 1 + 1 / 64, -1, 1])
-    assert not WarpMap.between(View(Pose(), fov), (64, 64), View(Pose(), half), (64, 64)).moves_whole_pixels()
+    for scale, shift in ((2, 0), (0.5, 0), (1 + 1e-6, 0), (1, 1 / 64)):  # another scale, half a pixel
+        other = Fov.from_tangents(scale * fov.tangents + (shift, shift, 0, 0))
+        assert not WarpMap.between(View(pose, fov), size, View(pose, other), size).moves_whole_pixels()

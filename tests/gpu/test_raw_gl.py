@@ -22,10 +22,6 @@ def begin_anew(gl) -> None:
         pass
 
 
-def quiet(gl, what: str) -> None:
-    assert gl.error == "GL_NO_ERROR", what
-
-
 def test_drawing_lands_in_the_foreign_texture(gpu):
     """The texture stands for a runtime's: made by moderngl, known by its GL name alone."""
     gl, size = gpu.gl, (7, 5)
@@ -34,28 +30,20 @@ def test_drawing_lands_in_the_foreign_texture(gpu):
     released.release()
     begin_anew(gl)
     theirs = gl.depth_texture(size)
-    quiet(gl, "a depth texture")
     other = gl.framebuffer([gl.texture((3, 3), 4)])
     other.use()
-    quiet(gl, "another framebuffer")
     bound = ctypes.c_int32()
     made = depth_framebuffer(gl, theirs.glo, size)
-    quiet(gl, "the framebuffer of a foreign texture")
     gl_function("glGetIntegerv", None, ctypes.c_uint32, ctypes.POINTER(ctypes.c_int32))(0x8CA6, ctypes.byref(bound))
     assert bound.value == other.glo  # what was drawn into before still is
     assert made.size == size
     made.clear(depth=0.25)
-    quiet(gl, "clearing it")
     values = np.frombuffer(made.read(components=1, attachment=-1, dtype="f4"), np.float32)
-    quiet(gl, "reading it")
     assert values.size == 35 and np.allclose(values, 0.25, atol=2**-16)
     made.release()
-    quiet(gl, "releasing it")
     again = gl.framebuffer([gl.texture(size, 4)], theirs)  # theirs is still there, and holds what was drawn
-    quiet(gl, "a framebuffer of moderngl's own")
     values = np.frombuffer(again.read(components=1, attachment=-1, dtype="f4"), np.float32)
-    quiet(gl, "reading that")
-    assert np.allclose(values, 0.25, atol=2**-16)
+    assert np.allclose(values, 0.25, atol=2**-16) and gl.error == "GL_NO_ERROR"
 
 
 def test_a_texture_that_takes_no_depth_is_refused(gpu):

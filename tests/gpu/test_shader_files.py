@@ -40,7 +40,7 @@ from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
 
-from .preprocessor import Sides, value_of, walk
+from .preprocessor import Sides, walk
 
 ROOT = folder("shaders")
 FILES = sorted(p.relative_to(ROOT).as_posix() for p in ROOT.rglob("*.*"))
@@ -319,14 +319,6 @@ def read_though_writeonly(text: str) -> list[str]:
     ]
 
 
-def test_reading_what_is_writeonly_is_noticed():
-    block = "layout(std430) writeonly buffer B { uint a[3]; uint b; };\nvoid main() {\n    "
-    assert read_though_writeonly(block + "a[0] = b = 0u;\n}") == ["b"]
-    assert read_though_writeonly(block + "uint c = a[1];\n}") == ["a"]
-    assert read_though_writeonly(block + "atomicAdd(b, 1u);\n}") == ["b"]
-    assert not read_though_writeonly(block + "a[b0[1]] = 0u; // b\n    if (x) b = 1u;\n    else b = 2u;\n}")
-
-
 ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
 
 
@@ -334,11 +326,6 @@ ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
 def test_there_is_no_array_of_bool(name):
     """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
     assert not ARRAY_OF_BOOL.search(re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8")))
-
-
-def test_an_array_of_bool_is_noticed():
-    assert ARRAY_OF_BOOL.search("    bool before[25];") and ARRAY_OF_BOOL.search("bool[2] both = bool[](a, b);")
-    assert not ARRAY_OF_BOOL.search("bool is_full = any[0] > 0.0;")
 
 
 # --- the reader of this test --------------------------------------------------------------------
@@ -366,11 +353,3 @@ def test_the_reader_notices_sides_that_nobody_takes():
     }
     nested = "#ifdef A\n#ifdef B\n#else\n#endif\n#endif"
     assert sides_of(nested, {}, {"B": 1}) == {"1: #ifdef A", "2: #ifdef B", "3: #else"}
-
-
-def test_the_reader_evaluates_as_c_does():
-    assert value_of("defined(A) && !defined B", {"A": "1"})
-    assert not value_of("UNKNOWN", {})
-    assert value_of("A + 1 == B || 0", {"A": "2", "B": "(A + 1)"})
-    with pytest.raises(ValueError, match="does not know"):
-        value_of("A ? 1 : 0", {})
