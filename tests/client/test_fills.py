@@ -8,15 +8,17 @@ import pytest
 from golden_pictures import assert_golden, name_of, names_in, sheet
 from holed import Holed
 from scipy.spatial.transform import Rotation
+from worlds import read
 
-from hmdwarp.client import build_plan
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.fills import fills
 from hmdwarp.client.fills.composite import OFFSETS, frame_seed, random_offsets
+from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
-from .filled import filled
 from .modelled import SIZE, VIEW, Shown
-from .rendered_pictures import square_before_a_wall
+from .rendered_pictures import FOV, square_before_a_wall
 
 FROM_PICTURES = ["constant", "interpolate", "interpolate:size=5", "interpolate:size=7", "pyramid", "pyramid:floor=0",
                  "pyramid:holes=0.2", "stretch", "stretch:spread=0"]  # fmt: skip
@@ -135,6 +137,27 @@ def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):
 
 
 # --- stretch ------------------------------------------------------------------------------------
+
+
+def filled(
+    gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose
+) -> tuple[np.ndarray, np.ndarray]:
+    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV.
+
+    The rendered eye stands at the origin.
+    """
+    size = depth.shape[::-1]
+    textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
+    for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):
+        texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
+    compensator = Compensator(gpu, build_plan((), warp, fill, "none", client_geometry=False), None, size, size)
+    result = compensator.run(PassInputs(EyeImage(View(Pose(), FOV), *textures), View(pose, FOV)))
+    gpu.timer.collect()
+    found = read(result.warped.texture), read(result.shown.texture)
+    compensator.close()
+    for texture in textures:
+        texture.release()
+    return found
 
 
 @pytest.mark.parametrize("step", [(0.4, 0, 0), (-0.4, 0, 0), (0, 0.4, 0), (0.3, -0.3, 0), (0.25, 0.1, 0.3)], ids=str)

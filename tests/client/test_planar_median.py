@@ -32,25 +32,11 @@ def gpu_median(gpu, depth: np.ndarray) -> np.float32:
     return out[0]
 
 
-def lower_median(values: np.ndarray) -> np.float32:
-    """Of what has depth: the middle one in order, the lower of two; 0 of nothing."""
-    known = np.sort(values[values >= 0].ravel())
-    return known[(len(known) - 1) // 2] if len(known) else np.float32(0)
-
-
-def samples(depth: np.ndarray) -> np.ndarray:
-    """The texels in the middle of each of 64 x 64 equal cells, by another formula than the
-    shader's.
-    """
-    y, x = (np.floor((np.arange(GRID) + 0.5) * n / GRID + 1e-9).astype(int) for n in depth.shape)
-    return depth[y][:, x]
-
-
-def random_depth(seed: int, size: tuple[int, int], holes: float = 0.1, sky: float = 0.1) -> np.ndarray:
+def random_depth(seed: int, size: tuple[int, int]) -> np.ndarray:
     rng = np.random.default_rng(seed)
     depth = rng.exponential(0.5, (size[1], size[0])).astype(np.float32)
-    depth[rng.uniform(size=depth.shape) < sky] = 0
-    depth[rng.uniform(size=depth.shape) < holes] = -1
+    depth[rng.uniform(size=depth.shape) < 0.1] = 0
+    depth[rng.uniform(size=depth.shape) < 0.1] = -1
     return depth
 
 
@@ -59,9 +45,7 @@ def random_depth(seed: int, size: tuple[int, int], holes: float = 0.1, sky: floa
 )
 def test_any_size_gives_the_median_of_the_cells(gpu, size):
     depth = random_depth(sum(size), size)
-    got = gpu_median(gpu, depth)
-    assert got == lower_median(samples(depth))
-    assert got == median_inverse_depth(depth.astype(np.float64))
+    assert gpu_median(gpu, depth) == median_inverse_depth(depth.astype(np.float64))
 
 
 @settings(max_examples=60)
@@ -72,9 +56,7 @@ def test_any_size_gives_the_median_of_the_cells(gpu, size):
 )
 def test_with_few_values_and_many_ties(gpu, size, values, seed):
     depth = np.random.default_rng(seed).choice(np.array(values, np.float32), (size[1], size[0]))
-    got = gpu_median(gpu, depth)
-    assert got == lower_median(samples(depth))
-    assert got in values or (got == 0 and not (samples(depth) >= 0).any())
+    assert gpu_median(gpu, depth) == np.float32(median_inverse_depth(depth))
 
 
 def test_neighbouring_floats_are_told_apart(gpu):

@@ -64,14 +64,6 @@ def test_each_update_is_whole_so_that_a_lost_one_is_no_matter(gpu):
     assert all(np.array_equal(a, b) for a, b in zip(in_order, reversed(turned_round), strict=True))
 
 
-def test_updates_are_as_many_as_asked_for(gpu):
-    geometry = ClientScene(gpu, "sunroom")
-    step = 1_000_000_000 // 20
-    for updates in (5.0, 10.0):
-        atlases = {read(frame_of(geometry, k * step, updates).eyes[0]["irradiance"]).tobytes() for k in range(20)}
-        assert len(atlases) == updates
-
-
 def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
     with pytest.raises(PlanError, match="not for scene 'planes': its light stands still"):
         set_up_replay(small(scene="planes", warp="irradiance", fill="none"))

@@ -43,11 +43,6 @@ def test_a_power_is_right_to_half_a_step_of_its_largest_part(powers):
     assert (np.abs(read - powers) <= powers.max(axis=1, keepdims=True) / 512 + 2.0**-25).all()
 
 
-def test_powers_beyond_what_fits_are_the_largest_that_does():
-    assert np.array_equal(light_of(shared_exponent(np.array([[1e9, 0.0, 3e38]]))), [[65408.0, 0.0, 65408.0]])
-    assert not light_of(shared_exponent(np.zeros((3, 3)))).any()
-
-
 def test_sent_bundles_are_read_back():
     """Places to half a step of the cube, 1 / 131070 of its edge."""
     chance = np.random.default_rng(5)

@@ -76,12 +76,6 @@ def test_packing_is_reversible():
             assert np.array_equal(getattr(one, name), getattr(other, name))
 
 
-def test_an_empty_update_brings_nothing():
-    client = Client(1024)
-    client.take(update_of([], 0))
-    assert client.room.points == 0 and not client.pages
-
-
 def test_repeated_blocks_are_kept_once_and_older_ones_ignored():
     client = Client(1024)
     for sent in ([(1, 1, 0)], [(1, 1, 0)], [(1, 0, 1)]):

@@ -8,12 +8,10 @@ from client_scene import ClientScene
 from replays import run
 from worlds import read
 
-from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.cloudlight.photons import octahedral
 from hmdwarp.cloudlight.points import Block, Cloud, KeptPoints, packed_sky
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
@@ -125,18 +123,6 @@ def test_hard_points(gpu, points, area):
         assert (depth == 0).all(), "sky alone"
 
 
-def test_no_points_draw_an_empty_picture(gpu):
-    for updates in ([], [np.zeros(0, np.uint8)], [np.frombuffer(packed_sky(SKY, complete=False), np.uint8).copy()]):
-        colour, depth = shown(gpu, updates)
-        assert not colour.any() and (depth == -1).all()
-
-
-def test_size_0_draws_a_pixel_for_each_point(gpu):
-    update = content(*sphere((0.1, 0.0, -3.0), 1.0), 4 * np.pi)
-    few, many = ((shown(gpu, [update], spec)[1] > 0).sum() for spec in ("points:size=0", "points"))
-    assert 100 < few < many
-
-
 def test_a_denser_cloud_is_no_worse_at_rest(tmp_path):
     """It was: what covers no middle of a pixel hid what does; finer texture was not averaged."""
     said = {"trace": "still", "scene": "planes", "fill": "none", "latency_ms": 30.0, "seconds": 0.3, "size": (48, 40)}
@@ -155,9 +141,3 @@ def test_only_points_cross_and_they_stop_once_all_have_arrived(tmp_path, network
     (cloud,) = summary["client_models"]
     assert cloud["first_picture_bytes"] and cloud["points"] > 1000
     assert cloud["arrived_bytes"] < 9 * 1.3 * cloud["points"] + 20 * 60
-
-
-def test_a_single_picture_has_no_points():
-    view = View(Pose((0.0, 0.0, 0.0)), FOV)
-    with pytest.raises(PlanError, match="layer 'points' from the server"):
-        warp_image(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8)), view, view, warp="points")

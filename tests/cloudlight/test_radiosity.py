@@ -58,27 +58,6 @@ def test_parallel_squares_light_each_other_by_the_known_form_factor(tmp_path):
     assert got[order] == pytest.approx([known * 0.5 * lit, lit], abs=0.008)
 
 
-def test_smaller_patches_converge(tmp_path):
-    """Halving the patches brings the light of each square metre nearer to that of small patches."""
-    quads = [*cube((0.8, 0.6, 0.4)), *box((-0.7, -1, -0.7), (-0.1, 0.1, 0.0), GREY)]
-    lamp = [(np.array((0.5, 0.5, 0.3, 1.0)), (1.0, 0.9, 0.8))]
-    found = []
-    for texel_m in (1.0, 0.5, 0.25):
-        transport = transport_of(scene_of(quads, texel_m), tmp_path)
-        found.append((transport.patches, transport.indirect(transport.direct(lamp))))
-    fine, light = found[-1]
-    errors = []
-    for patches, coarse in found[:-1]:
-        apart = fine.centres - patches.centres[:, None]
-        across = np.einsum("cfi,cij->cfj", apart, patches.steps) / (patches.steps**2).sum(axis=1)[:, None]
-        off = np.abs(np.einsum("cfi,ci->cf", apart, patches.normals))
-        same = (np.abs(across) < 0.5).all(axis=2) & (off < 1e-6) & (patches.normals @ fine.normals.T > 0.99)
-        assert same.any(axis=1).all()
-        mean = same @ light / same.sum(axis=1, keepdims=True)
-        errors.append(np.sqrt(((coarse - mean) ** 2).mean()) / light.mean())
-    assert errors[1] < 0.75 * errors[0] and errors[1] < 0.1, errors
-
-
 @pytest.mark.parametrize("place", [(5.0, 0, 0), (0, 1.05, 0), (1.0, 0.3, 0.2)], ids=["outside", "in a wall", "on it"])
 def test_no_light_comes_through_a_wall(tmp_path, place):
     """And a lamp on a surface gives finite light."""
@@ -194,11 +173,3 @@ def test_no_light_passes_a_shut_door():
         beyond = (transport.patches.centres[:, 2] > -1.99) & (transport.patches.bodies == 0)
         found.append(light[beyond])
     assert (found[0] == 0).all() and found[1].min() > 0
-
-
-def test_an_instant_is_solved_once():
-    scene = scenes.get("doorway").build()
-    assert transport_of(scene, time_ns=5) is transport_of(scene, time_ns=5)
-    assert transport_of(scene, time_ns=5) is not transport_of(scene, time_ns=1_000_000_000)
-    stopped = with_lamps_stopped(scene, 5)
-    assert transport_of(stopped, time_ns=6) is transport_of(stopped, time_ns=7)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from lit_rooms import box, in_atlas, wall
+from lit_rooms import in_atlas, wall
 
 from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
 from hmdwarp.scenes import Scene, load_scene
@@ -49,16 +49,6 @@ def test_a_square_fills_cells_whole_halves_at_its_sides_and_quarters_at_its_corn
     assert np.allclose(pieces.albedo, GREY, atol=1e-7)
 
 
-def test_a_box_has_its_sides_in_its_own_cells_and_nothing_within():
-    grid, pieces, areas = covered(scene_of(*box((-0.5, 0, -0.5), (0.5, 1, 0.5), GREY)), 16)
-    assert not areas[3:13, 3:13, 3:13].any()
-    for axis in range(3):
-        for sign in (-1, 1) if axis != 1 else (1,):  # a box stands on the floor
-            facing = pieces.normals[:, axis] * sign > 0.5
-            assert pieces.areas[facing].sum() == pytest.approx(13**2)
-            assert np.allclose(pieces.places[facing][:, axis], [0, 0.5, 0][axis] + sign * 0.5)
-
-
 def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     """A cell gets its share of 2000 x 2000 points; one of about 200 cells has about 20000, whose
     even spacing leaves at most a row along each side in doubt: 4 x 141 of them, 3 %."""
@@ -72,14 +62,6 @@ def test_a_slanted_square_covers_each_cell_as_a_fine_raster_of_it_does():
     whole = 4 * np.linalg.norm(np.cross(right, up)) / grid.cell_m**2
     assert np.abs(areas - counted / 2000**2 * whole).max() < 0.03 * whole / 200 * 2
     assert pieces.areas.sum() == pytest.approx(whole)
-
-
-def test_far_from_the_origin_nothing_changes():
-    """Meshes are relative to the scene's origin, and so is the grid."""
-    near = load_scene("lantern")
-    far = attrs.evolve(near, origin_m=np.array([1e6, -1e6, 1e6]), lamps=(), bodies=(), meshes=near.meshes[:-1])
-    one, other = (voxel_surfaces(scene, VoxelGrid.around(scene, 16)) for scene in (near, far))
-    assert np.array_equal(one.places, other.places) and np.array_equal(one.cells, other.cells)
 
 
 def test_a_scene_where_nothing_is_lit_has_no_pieces():

@@ -110,42 +110,6 @@ def mesh() -> Headset:
     return sampled(load_headset("rift-dk1"), 33)
 
 
-def inverse(lens, tangent: np.ndarray, name: str, guess: np.ndarray, step: float) -> np.ndarray:
-    """(n, 2) places that show the tangents, by Newton's method with differences for slopes."""
-    at = guess
-    for _ in range(40):
-        found = lens.tangents(name, at)
-        slopes = [(lens.tangents(name, at + step * side) - found) / step for side in np.eye(2)]
-        at = at - np.linalg.solve(np.stack(slopes, axis=-1), (found - tangent)[..., None])[..., 0]
-    return at
-
-
-@pytest.mark.parametrize("kind", ["vive", "mesh"])
-@pytest.mark.parametrize("name", COLOURS)
-def test_lenses_without_one_axis_go_there_and_back(request, kind, name):
-    headset = request.getfixturevalue(kind)
-    lens, (wide, high) = headset.eyes[0].lens, headset.eyes[0].panel_m
-    x, y = np.meshgrid(np.linspace(-0.25, 0.25, 9) * wide, np.linspace(-0.25, 0.25, 9) * high)
-    places = np.stack([x.ravel(), y.ravel()], axis=-1)
-    shown = lens.tangents(name, places)
-    again = inverse(lens, shown, name, places + 0.02 * np.array([wide, -high]), 1e-7 * wide)
-    assert np.abs(again - places).max() <= 1e-7 * wide
-
-
-@pytest.mark.parametrize("kind", ["vive", "dk1"])
-def test_a_mesh_is_off_its_polynomial_by_the_square_of_its_cells(request, kind):
-    headset = load_headset("rift-dk1") if kind == "dk1" else request.getfixturevalue(kind)
-    places = np.random.default_rng(1).uniform(0.25, 0.75, (2000, 2))
-    error = []
-    for points in (17, 33, 65):
-        made = sampled(headset, points)
-        error.append(np.abs(made.through_lens(0, places, "green") - headset.through_lens(0, places, "green")).max())
-    # Bilinear interpolation: a quarter for half the cell.
-    assert error[1] < error[0] / 3 and error[2] < error[1] / 3
-    # Of 65 points of the DK1: 5.4e-4 in tangents, a sixth of a pixel of its 300 per tangent.
-    assert error[2] < 6e-4
-
-
 MESH = """name = "mine"
 summary = "s"
 source = "s"
@@ -270,22 +234,14 @@ def test_known_numbers_of_the_configuration(vive):
     assert -1.458 < vive.eyes[0].fov.tangents[0] < -1.415
 
 
-@given(st.lists(st.floats(0.01, 1), min_size=2, max_size=9), st.floats(0, 1))
-def test_a_table_grows_and_goes_there_and_back(steps, share):
+@given(st.lists(st.floats(0.01, 1), min_size=2, max_size=9))
+def test_a_table_grows_to_its_last_angle_and_shows_nothing_beyond(steps):
     distances = tuple(np.concatenate([[0], np.cumsum(steps)]).tolist())
     angles = tuple(np.linspace(0, 50, len(distances)).tolist())
     lens = TableLens((0, 0), 0.03, angles, dict.fromkeys(COLOURS, distances))
     r = np.linspace(1e-6, distances[-1], 400)
     shown = r * lens.scales("green", r)
     assert (np.diff(shown) > 0).all() and math.degrees(math.atan(shown[-1])) == pytest.approx(50)
-    at = 1e-6 + share * (distances[-1] - 1e-6)
-    wanted = float(at * lens.scales("green", np.array([at]))[0])
-    low, high = 0.0, distances[-1]
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = middle * lens.scales("green", np.array([middle]))[0] < wanted
-        low, high = (middle, high) if below else (low, middle)
-    assert low == pytest.approx(at, abs=1e-6)
     assert np.isnan(lens.scales("green", np.array([distances[-1] * 1.01]))).all()
 
 
@@ -303,12 +259,7 @@ VIVE = json.dumps(vive_json())
         (MESH, "0.5, 0, 1", "0.05, 0, 1", "the lens mesh of red folds back in the cell of row 0, column 0"),
         (MESH, "rows = 2", "rows = 3", "uv .* expected a list of 18 finite numbers"),
         (MESH, "uv =", "blue =", "the key lens.red is missing"),
-        (
-            VIVE,
-            r', \{"distortion_red": \{"center_x": -0.08,.*\]',
-            "]",
-            "has 1 eyes: expected the left one and the right",
-        ),
+        (VIVE, r', \{"distortion_red": \{"center_x": -0.08,.*\]', "]", "has 1 eyes: expected the left one and the"),
         (VIVE, "-0.23, ", "-2.3, ", "the lens of blue folds back at r = "),
         (VIVE, "DISTORT_DPOLY3", "DISTORT_POLY3", "type is 'DISTORT_POLY3': expected DISTORT_DPOLY3"),
         (VIVE, '"distortion"', '"distorted"', "the key tracking_to_eye_transform.distortion is missing"),
