@@ -21,10 +21,8 @@ def picture_of(gpu, size) -> ShownPicture:
 
 
 class Shown:
-    """A scene seen from VIEW in another light than the one baked into it, with holes.
-
-    scene: a name. tint: of the light. rendered: where the picture is said to come from.
-    """
+    """A scene seen from VIEW in another light than the one baked into it, with holes. scene: a
+    name. tint: of the light. rendered: where the picture is said to come from."""
 
     def __init__(
         self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0, rendered: View = VIEW

@@ -1,7 +1,5 @@
-"""Rendered pictures made by hand, warped to a pose.
-
-What the tests of the gathers that search the rendered depth share.
-"""
+"""Rendered pictures made by hand, warped to a pose. What the tests of the gathers that search the
+rendered depth share."""
 
 from __future__ import annotations
 
@@ -30,9 +28,7 @@ def warped(
     depth_error: float = 0.0,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees, as large as the rendered picture if nothing is said.
-
-    All bottom row first. client_depth: what the client has drawn itself.
-    """
+    All bottom row first. client_depth: what the client has drawn itself."""
     size, choice = depth.shape[::-1], parse_warp(spec)
     shown_size = shown_size or size
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
@@ -61,10 +57,8 @@ def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, fov
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:
-    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth.
-
-    `thing` at 1 m before a wall at 4 m.
-    """
+    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth. `thing` at 1
+    m before a wall at 4 m."""
     y, x = np.mgrid[:size, :size]
     depth = np.full((size, size), 0.25)
     depth[thing] = 1.0

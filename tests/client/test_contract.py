@@ -70,11 +70,8 @@ WITHOUT_TWIN = [name for name in [*CHOICES, *SETTINGS] if not has_twin(name)]
 
 @pytest.mark.parametrize("name", WITHOUT_TWIN)
 def test_random_worlds_are_warped_as_before(gpu, tmp_path, name):
-    """The last with an uneven guard band.
-
-    A GPU snaps corners to 1/256 of a pixel: beside edges, a twentieth of noise, it may show another
-    surface.
-    """
+    """The last with an uneven guard band. A GPU snaps corners to 1/256 of a pixel: beside edges, a
+    twentieth of noise, it may show another surface."""
     worlds = [World(gpu, seed, size, shown) for seed, size, shown in ((0, (45, 37), (51, 32)), (3, (31, 17), None))]
     worlds.append(World(gpu, 6, (30, 24)))
     worlds[-1].render_wider(gpu, (1.5, 1.1))

@@ -1,7 +1,5 @@
-"""The environment warp.
-
-Every direction is covered, edges and corners show no seam, and a step changes nothing.
-"""
+"""The environment warp. Every direction is covered, edges and corners show no seam, and a step
+changes nothing."""
 
 from __future__ import annotations
 
@@ -46,8 +44,7 @@ def world(gpu):
 
 def paint(gpu, world, colour_of) -> None:
     """A cube whose every pixel is a function (n, 3) -> (n, 3) of the unit direction in the eye it
-    looks along, borders included.
-    """
+    looks along, borders included."""
     side = max(SIZE) + 2
     for face, view in zip(FACES, face_views(View(Pose(), FOV), side), strict=True):
         rays = world_directions(view, (side, side))
@@ -64,10 +61,8 @@ def test_a_view_along_a_face_is_copied_bit_for_bit(gpu, world, index, margin):
 
 
 def test_no_seam_at_edges_and_corners(gpu, world):
-    """A smooth pattern, looked at closely across a corner.
-
-    No step between neighbours is larger than the pattern's steepest.
-    """
+    """A smooth pattern, looked at closely across a corner. No step between neighbours is larger
+    than the pattern's steepest."""
     paint(gpu, world, lambda d: 1 + np.sin(3 * d))
     pose = world.rendered_view.pose
     for yaw, pitch in ((45, math.degrees(math.atan(math.sqrt(0.5)))), (45, 0), (0, 45), (135, -35), (-45, 35)):
@@ -82,10 +77,8 @@ def test_no_seam_at_edges_and_corners(gpu, world):
 
 
 def test_the_server_s_cube_is_the_scene_it_would_draw(gpu):
-    """Half a turn away from where the rendered picture looked.
-
-    Sharp edges are where a resampled picture may differ.
-    """
+    """Half a turn away from where the rendered picture looked. Sharp edges are where a resampled
+    picture may differ."""
     server, size = Server(gpu, load_scene("room")), (240, 240)
     rendered = View(Pose((0, 1.6, 0), Rotation.from_euler("YXZ", [10, -5, 3], degrees=True).as_quat()), FOV)
     frame = server.draw_frame([rendered], 0, size, needs=Needs(cube=True))

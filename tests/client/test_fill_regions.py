@@ -1,7 +1,5 @@
 """What fills put beyond the border of the rendered view and into disocclusions, with known truth.
-
-Scenes are planes, each with a colour of its own, drawn here by intersecting rays.
-"""
+Scenes are planes, each with a colour of its own, drawn here by intersecting rays."""
 
 from __future__ import annotations
 

@@ -142,10 +142,8 @@ def test_a_glimpse_of_the_sky_is_no_background_for_a_wide_hole_elsewhere(gpu):
 def filled(
     gpu, warp: str, fill: str, colour: np.ndarray, depth: np.ndarray, pose: Pose
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV.
-
-    The rendered eye stands at the origin.
-    """
+    """(h, w, 4) after the warp and after the fills, for an eye at `pose` through FOV. The rendered
+    eye stands at the origin."""
     size = depth.shape[::-1]
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)]
     for texture, picture, dtype in zip(textures, (colour, depth), (np.float16, np.float32), strict=True):

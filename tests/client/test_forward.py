@@ -1,7 +1,5 @@
-"""Who wins where several drawn pixels land in one: the nearest.
-
-Of equals the lower (row mod 4, column mod 4), then the lowest index.
-"""
+"""Who wins where several drawn pixels land in one: the nearest. Of equals the lower (row mod 4,
+column mod 4), then the lowest index."""
 
 from __future__ import annotations
 
@@ -84,10 +82,8 @@ def test_runs_do_not_remember_each_other(gpu):
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
-    """A step of exactly half a pixel puts centres on borders.
-
-    4 pixels per tangent, 0.25 m, inverse depth 0.5.
-    """
+    """A step of exactly half a pixel puts centres on borders. 4 pixels per tangent, 0.25 m, inverse
+    depth 0.5."""
     depth, step = np.full((8, 8), 0.5), np.eye(3)[axis] * 0.25
     index = np.arange(64).reshape(8, 8)
     backwards = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose(step)).run(depth)
@@ -145,10 +141,8 @@ def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
 @needs.programs("glslangValidator")
 @pytest.mark.parametrize("number", [0, 1])
 def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
-    """By the reference compiler, so that it is checked where no driver takes it.
-
-    It has the function from GLSL 4.40 on only.
-    """
+    """By the reference compiler, so that it is checked where no driver takes it. It has the
+    function from GLSL 4.40 on only."""
     file = tmp_path / "one_pass.comp"
     file.write_text(
         flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450")

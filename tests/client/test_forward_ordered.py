@@ -86,10 +86,8 @@ def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, wher
 @pytest.mark.parametrize("size", [(1, 1), (1, 9), (130, 1), (64, 64), (67, 53)], ids=str)
 @pytest.mark.parametrize("step", [0 * AHEAD, 1e-12 * AHEAD, 1e-12 * RIGHT, -1e-12 * AHEAD + 1e-13 * UP], ids=str)
 def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
-    """Motion that moves nothing.
-
-    All pixels arrive, each as itself, so that its place was told back as it was given.
-    """
+    """Motion that moves nothing. All pixels arrive, each as itself, so that its place was told back
+    as it was given."""
     depth = np.random.default_rng(0).uniform(0, 2, size[::-1])
     got = Scatter(gpu, size, size, shown_pose=Pose(step), spec=spec).run(depth)
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))

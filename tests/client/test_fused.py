@@ -1,7 +1,5 @@
-"""Warps that look through the lens themselves.
-
-Against their float64 twins behind the lens's own twin, and against the two passes.
-"""
+"""Warps that look through the lens themselves. Against their float64 twins behind the lens's own
+twin, and against the two passes."""
 
 from __future__ import annotations
 
@@ -69,10 +67,8 @@ def smooth_cube(world: World, side: int) -> np.ndarray:
 @pytest.mark.parametrize("name", FUSING)
 @pytest.mark.parametrize("headset", WITH_LENS)
 def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
-    """A smooth picture without holes after a small motion.
-
-    What two resamples blur, one does not, and that is little here.
-    """
+    """A smooth picture without holes after a small motion. What two resamples blur, one does not,
+    and that is little here."""
     chosen, size, panel_size = load_headset(headset), (96, 80), (90, 100)
     world = world_before(gpu, chosen, 0, 3, size)
     y, x = np.mgrid[: size[1], : size[0]] / 40

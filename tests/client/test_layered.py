@@ -1,7 +1,5 @@
-"""The layered warp on walls whose every view is known.
-
-Real content behind edges, no cracks, no guesses beyond the rendered picture.
-"""
+"""The layered warp on walls whose every view is known. Real content behind edges, no cracks, no
+guesses beyond the rendered picture."""
 
 from __future__ import annotations
 
@@ -51,10 +49,8 @@ def inner(out: np.ndarray, margin: int = 12) -> np.ndarray:
 
 
 def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
-    """Pixels next to another colour.
-
-    An edge may be half a rendered pixel and half a shown one off.
-    """
+    """Pixels next to another colour. An edge may be half a rendered pixel and half a shown one
+    off."""
     marked = np.zeros(truth.shape[:2], bool)
     for axis in (0, 1):
         for k in range(1, pixels + 1):

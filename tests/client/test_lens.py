@@ -47,19 +47,15 @@ def through_the_lens(gpu, shown: np.ndarray, headset: Headset, eye: int, panel_s
 
 def places(headset: Headset, eye: int, panel_size, shown_size, colour: str) -> tuple[np.ndarray, ...]:
     """Where in the shown picture, in pixels, each panel pixel looks, and a float32 shader's error.
-
-    And where its error leaves no doubt on which side of the border that is.
-    """
+    And where its error leaves no doubt on which side of the border that is."""
     pixels, error = looked_at(headset, eye, panel_size, headset.eyes[eye].fov, shown_size, colour)
     decided = np.minimum(np.abs(pixels), np.abs(pixels - np.array(shown_size))).min(axis=-1) > error
     return pixels, error, decided
 
 
 def sampler_error_pixels(gpu, size) -> float:
-    """llvmpipe turns a place into 0..1 and back in float32, each half a unit of the place.
-
-    A GPU rounds it to 1/256 pixel.
-    """
+    """llvmpipe turns a place into 0..1 and back in float32, each half a unit of the place. A GPU
+    rounds it to 1/256 pixel."""
     return 4 * UNIT * max(size) if gpu.is_software else GPU_SAMPLER_PIXELS
 
 
@@ -106,10 +102,8 @@ def test_the_right_panel_mirrors_the_left(gpu, name):
 
 
 def test_colours_part_where_the_lens_parts_them(gpu):
-    """The DK1's blue is magnified more than its red.
-
-    The three channels of a grey picture differ away from the axis, not on it.
-    """
+    """The DK1's blue is magnified more than its red. The three channels of a grey picture differ
+    away from the axis, not on it."""
     headset = load_headset("rift-dk1")
     ramp = np.broadcast_to(np.linspace(0.1, 0.9, 65)[None, :, None], (65, 65, 4))
     got = through_the_lens(gpu, ramp, headset, 0, (65, 81))

@@ -1,7 +1,5 @@
-"""Light-only frames: light and albedo apart and together again.
-
-Known lights, the product's float64 twin, exactness, and what is sent.
-"""
+"""Light-only frames: light and albedo apart and together again. Known lights, the product's float64
+twin, exactness, and what is sent."""
 
 from __future__ import annotations
 
@@ -110,11 +108,8 @@ def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
 
 @pytest.mark.parametrize("scene", ["planes", "room", "lantern", "doorway"])
 def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
-    """At no latency nothing is lost.
-
-    Light, albedo and product are half floats; light that varies over a triangle beside an albedo
-    that does too is not, but no scene here has such a triangle.
-    """
+    """At no latency nothing is lost. Light, albedo and product are half floats; light that varies
+    over a triangle beside an albedo that does too is not, but no scene here has such a triangle."""
     server = Server(gpu, load_scene(scene))
     view = View(server.scene.viewpoint, VIEW.fov)
     truth, bare = server.draw(view, SIZE), Server(gpu, unlit(load_scene(scene)))

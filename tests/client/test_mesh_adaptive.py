@@ -1,8 +1,5 @@
-"""The adaptive mesh.
-
-The picture of the full one within its tolerance, with a fraction of its cells, without cracks, the
-same each time.
-"""
+"""The adaptive mesh. The picture of the full one within its tolerance, with a fraction of its
+cells, without cracks, the same each time."""
 
 from __future__ import annotations
 
@@ -20,10 +17,8 @@ FOV = Fov(*np.deg2rad([-45, 45, -40, 40]))
 
 
 class Drawn:
-    """What one warp made of a depth picture.
-
-    Its picture, and how many cells and pieces of cut cells it drew.
-    """
+    """What one warp made of a depth picture. Its picture, and how many cells and pieces of cut
+    cells it drew."""
 
     def __init__(self, gpu, spec: str, inverse_depth: np.ndarray, pose: Pose) -> None:
         high, wide = inverse_depth.shape
@@ -83,11 +78,8 @@ def test_a_larger_tolerance_or_a_smaller_motion_takes_fewer_cells(gpu):
 
 @pytest.mark.parametrize("block", [1, 2, 4, 8, 16])
 def test_a_plane_is_as_few_cells_as_the_block_allows(gpu, block):
-    """129 x 113 cells.
-
-    Those along the border stay single, the 128 x 112 - 1 between them are blocks, but for ragged
-    ends.
-    """
+    """129 x 113 cells. Those along the border stay single, the 128 x 112 - 1 between them are
+    blocks, but for ragged ends."""
     depth = np.broadcast_to(np.linspace(0.2, 0.4, 130)[None, :], (114, 130))
     drawn = Drawn(gpu, f"mesh_adaptive:block={block}", depth, Pose((1e-3, 0, 0)))
     most = {1: 131 * 115, 2: 129 * 113, 4: 33 * 29, 8: 33 * 29, 16: 33 * 29}[block]

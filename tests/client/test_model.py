@@ -115,8 +115,7 @@ def test_progressive_arrival_ends_at_the_truth_bit_for_bit(tmp_path, scene, code
 @pytest.mark.parametrize("scene", ["lantern", "doorway"])
 def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
     """To the last bit once all is there; and before, when every texture is coarse and triangles are
-    stand-ins, nearer to it than the bare albedo is by far.
-    """
+    stand-ins, nearer to it than the bare albedo is by far."""
     geometry, server = ClientScene(gpu, scene), Server(gpu, load_scene(scene))
     warp = "model:arrives=progressive,budget=25000"
     choice = parse_warp(warp)

@@ -1,7 +1,5 @@
-"""Rendered pixels that move by themselves.
-
-Against rays and moved squares in float64, and against what the server draws later.
-"""
+"""Rendered pixels that move by themselves. Against rays and moved squares in float64, and against
+what the server draws later."""
 
 from __future__ import annotations
 
@@ -36,8 +34,7 @@ def textured(gpu, array: np.ndarray, kind: tuple[int, str]):
 
 class MovingWorld:
     """A rendered picture of still planes with holes, and before and behind them patches of bodies
-    and of what deforms.
-    """
+    and of what deforms."""
 
     def __init__(self, seed: int, size: tuple[int, int] = (26, 19), bodies: int = 3) -> None:
         self.rng = rng = np.random.default_rng(seed)
@@ -59,10 +56,8 @@ class MovingWorld:
         self.states = tuple(self._state() for _ in range(bodies))
 
     def _patch(self, number: int, x: np.ndarray, y: np.ndarray) -> None:
-        """Of body `number`, or of what deforms for 0.
-
-        A slanted plane, half of the time with a step in it.
-        """
+        """Of body `number`, or of what deforms for 0. A slanted plane, half of the time with a step
+        in it."""
         rng = self.rng
         inside = (abs(x - rng.uniform(0.2, 0.8)) < rng.uniform(0.08, 0.2)) & (
             abs(y - rng.uniform(0.15, 0.6)) < rng.uniform(0.08, 0.2)
@@ -212,10 +207,8 @@ def test_a_body_that_passes_behind_the_eye_is_gone(gpu):
 
 
 def test_soft_motion_is_limited_in_reach(gpu):
-    """20 m/s for an eighth of a swing is 5 m.
-
-    The way is REACH_M. After half a swing nobody knows.
-    """
+    """20 m/s for an eighth of a swing is 5 m. The way is REACH_M. After half a swing nobody
+    knows."""
     image = one_body(gpu, RigidState(Pose()))
     velocity = np.zeros((*SIZE[::-1], 4))
     velocity[read_ids(image) == 1] = (20.0, 0, 0, 1)
@@ -253,10 +246,8 @@ def checkered(body: int) -> Mesh:
     ids=["fan", "door", "thrown"],
 )
 def test_a_moved_picture_is_what_the_server_draws_then(gpu, motion, least_db):
-    """Where both show the body: a checked square, resampled once.
-
-    Without the pass less than 15 dB is left of it.
-    """
+    """Where both show the body: a checked square, resampled once. Without the pass less than 15 dB
+    is left of it."""
     y, x = np.mgrid[:96, :96] // 8 % 2
     image = np.where(((x + y) % 2)[..., None] == 1, (230, 200, 60), (40, 60, 160)).astype(np.uint8)
     scene = Scene("square", "", [checkered(1)], [Texture("checks", image)], bodies=[Body("square", motion)])

@@ -1,7 +1,5 @@
-"""Several rendered pictures.
-
-What one saw fills what another did not, the newest is never overruled by what it looked through.
-"""
+"""Several rendered pictures. What one saw fills what another did not, the newest is never overruled
+by what it looked through."""
 
 from __future__ import annotations
 
@@ -71,10 +69,8 @@ def inner(picture: np.ndarray, margin: int = 14) -> np.ndarray:
 
 
 def test_the_other_eye_fills_the_shadow_of_an_edge(gpu):
-    """The newest stands left of the square and hides the wall to its right.
-
-    The other eye, right of it, saw that.
-    """
+    """The newest stands left of the square and hides the wall to its right. The other eye, right of
+    it, saw that."""
     newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
     truth = inner(read(drawn(gpu, BEFORE_A_WALL, at(0)).colour))
     alone, both = (inner(put_together(gpu, newest, others, at(0))) for others in ((), (other,)))

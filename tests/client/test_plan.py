@@ -1,7 +1,5 @@
-"""The plan over every combination of registered passes.
-
-What runs, why, and that nothing else costs anything.
-"""
+"""The plan over every combination of registered passes. What runs, why, and that nothing else costs
+anything."""
 
 from __future__ import annotations
 
@@ -233,8 +231,7 @@ def given_for(gpu, warp: str) -> PassInputs:
 @pytest.fixture(scope="module")
 def geometry(gpu):
     """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
-    there already.
-    """
+    there already."""
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene

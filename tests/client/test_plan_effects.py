@@ -1,7 +1,5 @@
-"""The plan of every set of effects.
-
-Which passes run, in which order, what frames carry for them, and why the others do not.
-"""
+"""The plan of every set of effects. Which passes run, in which order, what frames carry for them,
+and why the others do not."""
 
 from __future__ import annotations
 

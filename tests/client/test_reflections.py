@@ -1,7 +1,5 @@
-"""Reflections after the warp.
-
-Nothing lost where nothing moved, better than glued on where something did, and no black in mirrors.
-"""
+"""Reflections after the warp. Nothing lost where nothing moved, better than glued on where
+something did, and no black in mirrors."""
 
 from __future__ import annotations
 

@@ -1,7 +1,5 @@
-"""Fills that draw: the model fills holes with what the scene is.
-
-Relight gives it the light of the picture.
-"""
+"""Fills that draw: the model fills holes with what the scene is. Relight gives it the light of the
+picture."""
 
 from __future__ import annotations
 
@@ -84,10 +82,8 @@ def test_a_client_holds_what_its_models_weigh(gpu):
 
 
 def test_near_surfaces_do_not_hide_covered_pixels(gpu):
-    """A wall that the near plane cuts.
-
-    Where it touches the plane its depth is 0, which is where what is covered is put.
-    """
+    """A wall that the near plane cuts. Where it touches the plane its depth is 0, which is where
+    what is covered is put."""
     corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
     wall = Mesh(
         "wall",

@@ -1,7 +1,5 @@
-"""Warps that follow the scan-out.
-
-Every row has the view of its own instant, by the float64 twin's SLERP; before and behind the lens.
-"""
+"""Warps that follow the scan-out. Every row has the view of its own instant, by the float64 twin's
+SLERP; before and behind the lens."""
 
 from __future__ import annotations
 
@@ -31,10 +29,8 @@ SIZES = [(67, 53), (1, 1), (129, 2)]
 
 
 def later(view: View, degrees: float = 5.0, step_m: float = 0.02, seed: int = 1) -> View:
-    """The view at the end of scan-out: a turn and a step away.
-
-    5 degrees in 16.7 ms are 300 a second.
-    """
+    """The view at the end of scan-out: a turn and a step away. 5 degrees in 16.7 ms are 300 a
+    second."""
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * math.radians(degrees))
@@ -80,10 +76,8 @@ def test_fused_every_row_of_the_panel_has(gpu, name, eye):
 
 @pytest.mark.parametrize("name", FOLLOWING)
 def test_a_head_that_rests_during_scan_out_sees_the_same_at_once(gpu, name):
-    """No parabola is left.
-
-    The very bits of the warp without scan-out, or those of a float32 more.
-    """
+    """No parabola is left. The very bits of the warp without scan-out, or those of a float32
+    more."""
     world = World(gpu, 3, (67, 53))
     at_once = world.warp(gpu, name)
     for last in (None, world.shown_view):
@@ -102,10 +96,8 @@ def test_holes_are_black_and_nothing_is_nan(gpu, name):
 
 
 def test_the_first_row_is_the_top_one(gpu):
-    """The display lights up from the top.
-
-    There the picture is that of the first view, at the bottom that of the last.
-    """
+    """The display lights up from the top. There the picture is that of the first view, at the
+    bottom that of the last."""
     world = World(gpu, 5, (64, 301), moved=False)
     last = View(world.shown_view.pose @ Pose((0, 0, 0), (0, math.sin(0.025), 0, math.cos(0.025))), world.shown_view.fov)
     got = scanned(gpu, world, "rotation", last)
@@ -124,8 +116,7 @@ FOV = Fov(-0.8, 0.7, -0.6, 0.9)
 @given(QUATERNIONS, vectors(st.floats(-1, 1)), st.floats(0, 0.5), vectors(st.floats(-0.05, 0.05)), st.floats(0, 1))
 def test_the_parabola_stays_within_its_bound(start, axis, angle, step, t):
     """The map by the parabola through three instants against the map of the instant itself, as
-    directions: float64 on both sides.
-    """
+    directions: float64 on both sides."""
     axis = np.array(axis) + (0, 0, 2)
     first = View(Pose((1, 2, 3), start), FOV)
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * angle)

@@ -1,7 +1,5 @@
-"""The inverse depth of the shown picture.
-
-Written beside the colour by warps that can, else carried along by a second run.
-"""
+"""The inverse depth of the shown picture. Written beside the colour by warps that can, else carried
+along by a second run."""
 
 from __future__ import annotations
 
@@ -105,10 +103,8 @@ def test_the_depth_of_warps_without_a_twin_is_as_before(gpu, tmp_path):
 
 @pytest.mark.parametrize("name", CARRYING)
 def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
-    """Whatever the warp decides is decided once, by the same depths.
-
-    A pixel with a colour has that colour's depth, a hole none.
-    """
+    """Whatever the warp decides is decided once, by the same depths. A pixel with a colour has that
+    colour's depth, a hole none."""
     world = World(gpu, 5, SIZE)
     got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
     assert np.array_equal(got >= 0, colour[..., 3] > 0)

@@ -1,7 +1,5 @@
-"""What deforms, drawn by the client.
-
-Against what the server draws at that instant, and in other light.
-"""
+"""What deforms, drawn by the client. Against what the server draws at that instant, and in other
+light."""
 
 from __future__ import annotations
 

@@ -1,8 +1,5 @@
-"""`name:key=value`.
-
-What is printed is read back as it was, and what cannot be meant is refused in one line that says
-what can.
-"""
+"""`name:key=value`. What is printed is read back as it was, and what cannot be meant is refused in
+one line that says what can."""
 
 from __future__ import annotations
 
@@ -39,10 +36,8 @@ def values_of(kind: typing.Any, default: typing.Any) -> st.SearchStrategy:
 
 @st.composite
 def choices(draw: st.DrawFn) -> Choice:
-    """Any warp with settings of which any may differ from its default.
-
-    Those that do not go together are passed over.
-    """
+    """Any warp with settings of which any may differ from its default. Those that do not go
+    together are passed over."""
     warp = draw(st.sampled_from(sorted(warps, key=lambda one: one.name)))
     chosen = {name: draw(values_of(kind, default)) for name, kind, default in fields_of(warp) if draw(st.booleans())}
     try:

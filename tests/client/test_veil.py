@@ -1,7 +1,5 @@
-"""The veil and the overlay on the client.
-
-Against their float64 twins, behind what hides them, and not at all where there is none.
-"""
+"""The veil and the overlay on the client. Against their float64 twins, behind what hides them, and
+not at all where there is none."""
 
 from __future__ import annotations
 
@@ -52,8 +50,7 @@ def lay_over(inputs: TwinInputs, passing: np.ndarray, behind: np.ndarray) -> Ref
 
 class Veiled:
     """A random world as the veil, random shares that pass it, and a random shown picture with holes
-    to lay it over.
-    """
+    to lay it over."""
 
     def __init__(self, gpu, seed: int, sizes: tuple, *, moved: bool = True) -> None:
         self.world = world = World(gpu, seed, *sizes, moved=moved)

@@ -54,8 +54,7 @@ def test_a_step_without_a_turn_keeps_the_picture_bit_for_bit(gpu, name):
 
 def test_a_clamped_edge_goes_on_beyond_the_border(gpu):
     """A quarter turn of the view's width: what was not rendered has the border's colour, and what
-    is behind the rendered eye stays empty.
-    """
+    is behind the rendered eye stays empty."""
     half = math.atan(0.5) / 2
     pose = Pose(orientation_xyzw=(0, -math.sin(half), 0, math.cos(half)))
     picture, empty = of_one_depth(gpu, "rotation", pose, 0.5, seed=4)
@@ -114,8 +113,7 @@ def error_db(got: np.ndarray, wanted: np.ndarray) -> float:
 @pytest.mark.parametrize("name", ["rotation", "iterative"])
 def test_a_picture_warped_thirty_times_stays_sharper(gpu, name):
     """A bilinear sample half way between pixels keeps cos(pi / 6) = 0.87 of waves of six pixels, a
-    cubic 9/8 of that less cos(pi / 2) / 8, so 0.97: over thirty the one leaves next to nothing.
-    """
+    cubic 9/8 of that less cos(pi / 2) / 8, so 0.97: over thirty the one leaves next to nothing."""
     picture = waves(1 / 6)
     plain, sharp = (
         error_db(there_and_back(gpu, f"{name}:resample={kind}", picture, 30), picture)
@@ -160,8 +158,7 @@ def backward(gpu, depth: np.ndarray, own: np.ndarray, pose: Pose, depth_error: f
 @pytest.mark.parametrize("rendered", [1.0, -1.0])
 def test_sky_that_was_behind_a_wall_stays_empty_up_to_the_border(gpu, turn, rendered):
     """Beyond the border of the rendered picture there is no depth, and above all not that of the
-    sky.
-    """
+    sky."""
     size = (13, 11)
     got = backward(gpu, np.full(size[::-1], rendered), np.zeros(size[::-1]), Pose(orientation_xyzw=(*turn, 1)))
     assert (got == 0).all()
@@ -218,9 +215,7 @@ def antialiased_thing(left: float, right: float) -> np.ndarray:
 
 def test_mixed_pixels_move_with_the_thing_in_front(gpu):
     """Its sides lie at 20.4 and 40.3, so pixels 20 and 40 are mixed; the latter's centre is wall.
-
-    Moved by 12 pixels, and the wall by 3: at 43 - 3 = 37 such a pixel of the wall would be seen.
-    """
+    Moved by 12 pixels, and the wall by 3: at 43 - 3 = 37 such a pixel of the wall would be seen."""
     colour, depth = antialiased_thing(20.4, 40.3), square_before_a_wall(np.s_[:, 20:40])[1]
     truth = antialiased_thing(20.4 - 12, 40.3 - 12)
     now, before = (
@@ -235,8 +230,7 @@ def test_mixed_pixels_move_with_the_thing_in_front(gpu):
 
 def test_a_silhouette_moves_smoothly_where_surfaces_part_by_less_than_a_pixel(gpu):
     """Each step moves the thing by 0.03 pixels, so 0.024 of the contrast of 0.8, and a sheet of 0.7
-    pixels stretches that by less than 1.5. Without a sheet a mixed pixel of 0.3 leaps at once.
-    """
+    pixels stretches that by less than 1.5. Without a sheet a mixed pixel of 0.3 leaps at once."""
     colour, depth = antialiased_thing(20.4, 40.3), square_before_a_wall(np.s_[:, 20:40])[1]
 
     def largest_step(spec: str) -> float:
@@ -251,10 +245,8 @@ def test_a_silhouette_moves_smoothly_where_surfaces_part_by_less_than_a_pixel(gp
 
 
 def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
-    """Segments of up to a hundred pixels past a comb of posts.
-
-    Blocks are skipped on all levels of the pyramid.
-    """
+    """Segments of up to a hundred pixels past a comb of posts. Blocks are skipped on all levels of
+    the pyramid."""
     rng = np.random.default_rng(9)
     depth = np.full((11, 301), 0.2)
     depth[:, 40:280:37] = 1.0
@@ -294,8 +286,7 @@ def splatted(gpu, depth, colour, shown: Pose, shown_size=None, spec="splat") -> 
 
 def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
     """(h, w, 2) where in the rendered picture, 0 to 1, each shown pixel's point is, its inverse
-    depth in the shown view given.
-    """
+    depth in the shown view given."""
     high, wide = depth_of_shown.shape
     y, x = np.mgrid[:high, :wide] + 0.5
     backward = WarpMap.between(View(shown, FOV), (wide, high), View(Pose(), FOV), size)
@@ -304,10 +295,8 @@ def places(size, depth_of_shown: np.ndarray, shown: Pose) -> np.ndarray:
 
 @pytest.mark.parametrize("closer", [1.3, 2.0, 3.7, 20.0])
 def test_a_plane_that_comes_closer_has_no_cracks_and_is_smooth(gpu, closer):
-    """From 2 m to 2 m / closer: the middle of the picture, magnified.
-
-    Each pixel where it belongs to a hundredth of a rendered one.
-    """
+    """From 2 m to 2 m / closer: the middle of the picture, magnified. Each pixel where it belongs
+    to a hundredth of a rendered one."""
     size, moved = (64, 48), 2 - 2 / closer
     shown = Pose((0.013, -0.007, -moved))
     out = splatted(gpu, np.full(size[::-1], 0.5), ramps(size), shown)
@@ -319,10 +308,8 @@ def test_a_plane_that_comes_closer_has_no_cracks_and_is_smooth(gpu, closer):
 
 @pytest.mark.parametrize("reach", [1, 4, 16])
 def test_one_pixel_covers_no_more_than_its_reach(gpu, reach):
-    """A single drawn pixel before an eye that sees it 60 pixels wide.
-
-    2 reach of them, and no more work than that.
-    """
+    """A single drawn pixel before an eye that sees it 60 pixels wide. 2 reach of them, and no more
+    work than that."""
     out = splatted(gpu, np.full((1, 1), 0.5), np.ones((1, 1, 4)), Pose((0, 0, -1e-3)), (60, 60), f"splat:reach={reach}")
     assert (out[..., 3] == 1).sum() == (2 * reach) ** 2
     assert (out[30 - reach : 30 + reach, 30 - reach : 30 + reach, 3] == 1).all()
@@ -337,10 +324,8 @@ TALL = Fov(*np.deg2rad([-45, 45, -40, 40]))
 
 @pytest.mark.parametrize("spec", ["mesh", "mesh_adaptive"])
 def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
-    """Its last rows are much steeper than any limit.
-
-    That they go on straight is what keeps them together.
-    """
+    """Its last rows are much steeper than any limit. That they go on straight is what keeps them
+    together."""
     down, up = TALL.tangents[2:]
     tangent = down + (up - down) * (np.arange(FLOOR[1]) + 0.5) / FLOOR[1]
     floor = np.broadcast_to(np.maximum(-tangent / 1.6, 0)[:, None], FLOOR[::-1])  # 1.6 m below; sky above
@@ -349,10 +334,8 @@ def test_a_floor_to_the_horizon_stays_whole(gpu, spec):
 
 
 def test_the_limit_is_a_plane_at_that_angle():
-    """A plane turned by 80 degrees about the vertical axis.
-
-    Inverse depth along the middle row, by its geometry.
-    """
+    """A plane turned by 80 degrees about the vertical axis. Inverse depth along the middle row, by
+    its geometry."""
     view, angle = View(Pose(), TALL), np.deg2rad(80)
     rays = view.rays((1001, 1))[0]
     normal = np.array([np.sin(angle), 0, np.cos(angle)])
@@ -393,10 +376,8 @@ def painted(scatter: Scatter, depth: np.ndarray, step: int) -> np.ndarray:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
-    """0.5 m to the right at 32 pixels per tangent: 16 px of parallax at 1 m.
-
-    Depths in eighths land on whole pixels.
-    """
+    """0.5 m to the right at 32 pixels per tangent: 16 px of parallax at 1 m. Depths in eighths land
+    on whole pixels."""
     scatter = Scatter(gpu, (64, 48), (64, 48), shown_pose=Pose((0.5, 0, 0)), spec="forward_raster")
     depth = np.random.default_rng(seed).choice([-1.0, 0, 0.125, 0.5, 1], (48, 64))
     assert np.array_equal(scatter.run(depth), painted(scatter, depth, 16))

@@ -1,7 +1,5 @@
-"""The second, wide and coarse view.
-
-How large it is, what the server draws, and what the fill makes of it.
-"""
+"""The second, wide and coarse view. How large it is, what the server draws, and what the fill makes
+of it."""
 
 from __future__ import annotations
 
@@ -79,10 +77,8 @@ def test_its_bytes_count():
 
 
 def test_a_turn_past_the_rendered_picture_is_filled_with_real_scenery(gpu):
-    """45 degrees to the side the rendered picture has ended.
-
-    A wall with a square on it stands there.
-    """
+    """45 degrees to the side the rendered picture has ended. A wall with a square on it stands
+    there."""
     scene = scene_of(square(2.9, (-3.5, 0), 0.6, 0.5), WALL)
     server = Server(gpu, scene)
     frame = server.draw_frame([turned(0)], 0, SIZE, 1.0, Needs(wide=True))

@@ -23,19 +23,15 @@ LAYERS = [
 
 
 def tolerance(layer: DepthLayer) -> float:
-    """In 1/m.
-
-    A buffer value of at most 1 is good to 8 units, which the range and the span of inverse depths
-    magnify.
-    """
+    """In 1/m. A buffer value of at most 1 is good to 8 units, which the range and the span of
+    inverse depths magnify."""
     span = abs(1 / layer.near_z - 1 / layer.far_z)
     return 8 * UNIT * (span / (layer.max_depth - layer.min_depth) + 1 / layer.near_z + 1 / layer.far_z)
 
 
 def depths_between(layer: DepthLayer) -> np.ndarray:
     """Metres from one plane to the other, both included, evenly in inverse depth and evenly in its
-    logarithm.
-    """
+    logarithm."""
     near, far = sorted((layer.near_z, layer.far_z))
     inverse = np.concatenate([np.linspace(1 / far, 1 / near, 33), np.geomspace(max(1 / far, 1e-12), 1 / near, 33)])
     return metres_from_inverse_depth(np.clip(inverse, 1 / far, 1 / near))
@@ -108,8 +104,7 @@ def test_clip_depth_of_a_projection_matrix(api, near, far):
 @pytest.mark.parametrize("reverse", [False, True])
 def test_an_openxr_layer_with_a_depth_range(low, high, far, reverse):
     """What glDepthRange(low, high) or a D3D viewport stores of a matrix, and what
-    XR_KHR_composition_layer_depth calls it.
-    """
+    XR_KHR_composition_layer_depth calls it."""
     near = 0.1
     metres = np.geomspace(near, min(far, 1e6), 41)[1:-1]
     ndc = clip_depth((reversed_matrix if reverse else d3d_matrix)(near, far), metres)

@@ -81,10 +81,8 @@ def test_faces_look_where_their_names_say():
 @given(poses(), st.integers(3, 2000), st.integers(0, 2**32 - 1))
 @settings(max_examples=50)
 def test_every_direction_lies_in_one_inner_square(pose, side, seed):
-    """Of the six faces one holds it within 90 degrees.
-
-    Two only where its largest coordinates are equal.
-    """
+    """Of the six faces one holds it within 90 degrees. Two only where its largest coordinates are
+    equal."""
     directions = np.random.default_rng(seed).normal(size=(50, 3))
     holds = 0
     for view in face_views(View(pose, Fov.symmetric(1, 1)), side):

@@ -82,8 +82,7 @@ def test_a_stored_pose_is_read_back_bit_for_bit(q, position):
 )
 def test_relative_to_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
     """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the
-    turn rounds.
-    """
+    turn rounds."""
     eye, other = Pose(np.array(origin) + step, q), Pose(origin, q)
     wanted = other.rotation.as_matrix().T @ np.array(step)
     assert np.abs(eye.relative_to(other).position_m - wanted).max() <= 8 * UNIT * 8 / 1024
@@ -155,8 +154,7 @@ def test_towards_goes_straight_and_at_an_even_rate(pose, other, share):
 @given(poses(), poses(), SHARES)
 def test_towards_is_the_trace_interpolation(pose, other, share):
     """SLERP of quaternions (poses/quaternions.py) and of rotation vectors are the same arc, found
-    by two formulas.
-    """
+    by two formulas."""
     assume(turn_between(pose, other) < math.pi - 1e-3)  # at half a turn either way round is the shorter one
     wanted = Pose(pose.position_m, slerp(pose.orientation_xyzw.tolist(), other.orientation_xyzw.tolist(), share))
     assert turn_between(pose.towards(other, share), wanted) <= 1e-7

@@ -1,7 +1,5 @@
-"""The warp map against another route: pixel, ray, point in the world, other eye, pixel.
-
-And what it promises to keep.
-"""
+"""The warp map against another route: pixel, ray, point in the world, other eye, pixel. And what it
+promises to keep."""
 
 from __future__ import annotations
 
@@ -23,8 +21,7 @@ SHARES = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 def long_matrix(q: np.ndarray) -> np.ndarray:
     """Rotation matrix of a unit quaternion in long double (64 bits of mantissa on x86), by the
-    textbook formula.
-    """
+    textbook formula."""
     x, y, z, w = np.asarray(q, np.longdouble) / np.sqrt((np.asarray(q, np.longdouble) ** 2).sum())
     return np.array(
         [
@@ -36,10 +33,8 @@ def long_matrix(q: np.ndarray) -> np.ndarray:
 
 
 def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_depth):
-    """(pixel, inverse depth, w) in `to`, without any product of matrices.
-
-    The point is scaled by inverse_depth, so 0 is a direction.
-    """
+    """(pixel, inverse depth, w) in `to`, without any product of matrices. The point is scaled by
+    inverse_depth, so 0 is a direction."""
     left, right, down, up = np.asarray(frm.fov.tangents, np.longdouble)
     ray = np.array(
         [
@@ -61,10 +56,8 @@ def through_the_world(frm: View, frm_size, to: View, to_size, pixel, inverse_dep
 
 
 def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) -> np.ndarray:
-    """(3,) sum of the absolute terms of the map at a pixel, as it is built.
-
-    What one rounding unit is relative to.
-    """
+    """(3,) sum of the absolute terms of the map at a pixel, as it is built. What one rounding unit
+    is relative to."""
     k_to, k_frm = np.abs(to.fov.pixel_from_tangent(to_size)), frm.fov.pixel_from_tangent(frm_size)
     inverse_k = np.abs(np.linalg.inv(k_frm))
     relative = frm.pose.relative_to(to.pose)
@@ -78,11 +71,8 @@ def size_of_terms(frm: View, frm_size, to: View, to_size, pixel, inverse_depth) 
 
 
 def tolerances(terms: np.ndarray, position, w: float) -> tuple[float, float]:
-    """Pixels, and relative in w.
-
-    Three products of 3x3 matrices, an inverse, a rotation from a quaternion and a division: 64
-    units.
-    """
+    """Pixels, and relative in w. Three products of 3x3 matrices, an inverse, a rotation from a
+    quaternion and a division: 64 units."""
     error = 64 * UNIT * terms
     return float(((error[:2] + np.abs(position) * error[2]) / w).max()), float(error[2] / w)
 
@@ -136,11 +126,8 @@ def test_infinity_does_not_see_the_eye_move(views, elsewhere):
 
 @given(neighbouring_views(), vectors(st.floats(-1, 1)), st.floats(0.5, 20), SHARES)
 def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
-    """X with n .
-
-    X = d in the from eye has inverse depth n . (x, y, -1) / d: linear in pixels, so the map is one
-    3x3 matrix.
-    """
+    """X with n . X = d in the from eye has inverse depth n . (x, y, -1) / d: linear in pixels, so
+    the map is one 3x3 matrix."""
     frm, to = views
     size, to_size = (640, 400), (512, 512)
     normal = np.array(tilt) * 0.3 + (0, 0, -1)
@@ -171,10 +158,8 @@ def test_a_plane_moves_by_its_homography(views, tilt, distance, share):
 
 @given(neighbouring_views(), INVERSE_DEPTHS)
 def test_the_way_back_meets_the_plane_of_the_rendered_view(views, r):
-    """A gather through the plane at inverse depth r of the view it looks into.
-
-    S = r b_z / (1 - r e_z), as planar.comp has it.
-    """
+    """A gather through the plane at inverse depth r of the view it looks into. S = r b_z / (1 - r
+    e_z), as planar.comp has it."""
     frm, to = views
     forward, back = WarpMap.between(frm, (640, 400), to, (320, 500)), WarpMap.between(to, (320, 500), frm, (640, 400))
     past = 1 - r * back.e[2]

@@ -11,10 +11,8 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 @dataclass
 class Sides:
-    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes.
-
-    A missing #else is a side too.
-    """
+    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes. A
+    missing #else is a side too."""
 
     known: set[tuple[object, str]] = field(default_factory=set)
     taken: set[tuple[object, str]] = field(default_factory=set)

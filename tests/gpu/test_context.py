@@ -1,7 +1,5 @@
-"""Several contexts in one thread.
-
-Each is current while it is used, and the one before it again afterwards.
-"""
+"""Several contexts in one thread. Each is current while it is used, and the one before it again
+afterwards."""
 
 from __future__ import annotations
 
@@ -71,10 +69,8 @@ def test_contexts_close_in_any_order(gpu):
 
 
 def test_a_closed_one_is_current_nowhere():
-    """In a process of its own.
-
-    A context that EGL destroyed while it was current keeps every window's (GLX) out of the thread.
-    """
+    """In a process of its own. A context that EGL destroyed while it was current keeps every
+    window's (GLX) out of the thread."""
     code = (
         "import ctypes; from hmdwarp.gpu.context import Gpu; egl = ctypes.CDLL('libEGL.so.1'); now = "
         "egl.eglGetCurrentContext;"
@@ -141,10 +137,8 @@ def test_a_name_that_fits_two_devices_is_refused(monkeypatch):
 
 
 def lose(monkeypatch, reason: int = 0x8253) -> None:
-    """From now on the driver's own function says that it has reset the GPU.
-
-    At the lowest layer, because nothing resets llvmpipe.
-    """
+    """From now on the driver's own function says that it has reset the GPU. At the lowest layer,
+    because nothing resets llvmpipe."""
     monkeypatch.setattr(context, "reset_status_of", lambda gl: lambda: reason)
 
 

@@ -83,10 +83,8 @@ NAMES = ["main.comp", "lib/a.glsl", "lib/b.glsl", "lib/c.glsl"]
 
 @given(st.lists(st.lists(st.integers(0, 4), max_size=6), min_size=4, max_size=4))
 def test_any_web_of_includes(tmp_path_factory, web):
-    """Numbers 0..3 include that file, 4 is an ordinary line.
-
-    Each file's own lines appear once, in order, if it is reached.
-    """
+    """Numbers 0..3 include that file, 4 is an ordinary line. Each file's own lines appear once, in
+    order, if it is reached."""
     root = tmp_path_factory.mktemp("web")
     (root / "lib").mkdir()
     for index, lines in enumerate(web):

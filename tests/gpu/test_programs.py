@@ -1,7 +1,5 @@
-"""Compiled programs.
-
-Errors with file and line, strict uniforms, the layout of arrays, group counts, and the cache.
-"""
+"""Compiled programs. Errors with file and line, strict uniforms, the layout of arrays, group
+counts, and the cache."""
 
 from __future__ import annotations
 

@@ -37,8 +37,7 @@ def test_drawing_goes_there_and_then_back_to_where_it_went(gpu, framebuffers):
 
 def test_switches_are_those_asked_for_each_time(gpu, framebuffers):
     """A triangle that faces away is drawn or not, as culling is switched, also after something else
-    has switched it meanwhile.
-    """
+    has switched it meanwhile."""
     program = gpu.shaders.draw("server/background.vert", "server/background.frag")
     triangle = gpu.gl.vertex_array(program.program, [])
     into = framebuffers[0]

@@ -1,7 +1,5 @@
-"""The shaders that are shipped.
-
-Each compiles as the program uses it, each side of each #if is used, each says what it is.
-"""
+"""The shaders that are shipped. Each compiles as the program uses it, each side of each #if is
+used, each says what it is."""
 
 from __future__ import annotations
 
@@ -63,10 +61,8 @@ class Recorder(ShaderLibrary):
 
 @pytest.fixture(scope="module")
 def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
-    """(file, defines) of everything the program compiles.
-
-    Every registered pass, the server with and without colour, the copy.
-    """
+    """(file, defines) of everything the program compiles. Every registered pass, the server with
+    and without colour, the copy."""
     before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
@@ -160,10 +156,8 @@ def _give_arrays_out(gpu: Gpu) -> None:
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
-    """As the plan may ask for it.
-
-    For the shown view with and without its depth, through each lens, with and without scan-out.
-    """
+    """As the plan may ask for it. For the shown view with and without its depth, through each lens,
+    with and without scan-out."""
     choice = parse_warp(spec)
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
@@ -193,9 +187,7 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers; mirrors in both ways.
-
-    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent.
-    """
+    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent."""
     drawn = {layer.name: layer.something for layer in layers if layer.drawn_by and layer.name != "scene_update"}
     everything = Needs(**{**drawn, "difference": frozenset({Simplified(share=1.0)})})
     for source in scenes:
@@ -270,10 +262,8 @@ def test_every_define_the_program_sets_is_read(variants):
 
 @together("name", FILES)
 def test_every_file_says_what_it_is(name):
-    """Three lines or more at the top: what it computes.
-
-    For a stage, spaces in and out and where the method is from.
-    """
+    """Three lines or more at the top: what it computes. For a stage, spaces in and out and where
+    the method is from."""
     text = (ROOT / name).read_text(encoding="utf-8")
     header = re.match(r"(//.*\n)+", text)
     assert header, "no comment at the top"

@@ -1,7 +1,5 @@
-"""Pictures go into textures and come back as they were, rows turned once.
-
-Sizes no GPU has are refused.
-"""
+"""Pictures go into textures and come back as they were, rows turned once. Sizes no GPU has are
+refused."""
 
 from __future__ import annotations
 

@@ -44,9 +44,7 @@ class FakeCompute(FakeThing):
 
 class FakeGl:
     """A context whose queries answer `elapsed` ns, for dispatches `of_dispatches` if that is set.
-
-    finish() takes a millisecond, and as long as the work that waits, of its own clock.
-    """
+    finish() takes a millisecond, and as long as the work that waits, of its own clock."""
 
     def __init__(self, elapsed: int, renderer: str = "Some GPU") -> None:
         self.elapsed, self.info = elapsed, {"GL_RENDERER": renderer, "GL_MAX_COMPUTE_WORK_GROUP_COUNT": (65535,) * 3}

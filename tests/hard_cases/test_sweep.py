@@ -1,7 +1,5 @@
-"""Random extreme inputs.
-
-A million warp maps on the GPU against float64, and every warp on random extreme worlds.
-"""
+"""Random extreme inputs. A million warp maps on the GPU against float64, and every warp on random
+extreme worlds."""
 
 from __future__ import annotations
 
@@ -27,10 +25,8 @@ UNIT = 2.0**-24
 
 
 def random_maps(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """H (n, 3, 3), e (n, 3) and the side of the square pictures (n,).
-
-    All scales of motion, turns, fields of view and sizes.
-    """
+    """H (n, 3, 3), e (n, 3) and the side of the square pictures (n,). All scales of motion, turns,
+    fields of view and sizes."""
     H, e, sides = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(count)
     for k in range(count):
         side = int(2 ** rng.uniform(0, 13))
@@ -59,10 +55,8 @@ def random_depths(rng: np.random.Generator, count: int) -> np.ndarray:
 def bound_and_truth(
     H: np.ndarray, e: np.ndarray, p: np.ndarray, r: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(place (n, 2), w (n,), bound (n,)).
-
-    Float64 places and how far float32 may be off, docs/hard-cases.md has the derivation.
-    """
+    """(place (n, 2), w (n,), bound (n,)). Float64 places and how far float32 may be off,
+    docs/hard-cases.md has the derivation."""
     homogeneous = np.column_stack([p, np.ones(len(p))])
     with np.errstate(all="ignore"):
         terms = np.einsum("nij,nj->ni", np.abs(H), homogeneous) + np.abs(e * r[:, None])
@@ -95,10 +89,8 @@ def on_the_gpu(gpu, tmp_path, monkeypatch, cases: np.ndarray) -> np.ndarray:
 
 
 def test_a_million_warp_maps(gpu, tmp_path, monkeypatch):
-    """No NaN or Inf anywhere; within the bound wherever the map is defined.
-
-    Coverage 0 wherever it is not.
-    """
+    """No NaN or Inf anywhere; within the bound wherever the map is defined. Coverage 0 wherever it
+    is not."""
     rng = np.random.default_rng(20261121)
     H, e, sides = (np.repeat(part, COUNT // MAPS, axis=0) for part in random_maps(rng, MAPS))
     p = (np.floor(rng.uniform(size=(COUNT, 2)) * sides[:, None])) + 0.5
@@ -136,9 +128,7 @@ def random_world(
     gpu, seed: int, step: tuple, turn: float, nearest: float, sides: tuple, size: tuple[int, int]
 ) -> Setting:
     """step: metres on each axis, turn: the most of the quaternion's three, both with random signs.
-
-    nearest: 1/m, what depths are cut off at, mostly; sides: degrees of the field of view.
-    """
+    nearest: 1/m, what depths are cut off at, mostly; sides: degrees of the field of view."""
     rng = np.random.default_rng(seed)
     depth = np.abs(random_depths(rng, size[0] * size[1]).reshape(size[::-1]))
     depth = np.where(depth > 1e-4, np.minimum(depth, 1.0) * nearest, depth) if rng.uniform() < 0.7 else depth
@@ -164,11 +154,8 @@ def random_world(
     size=st.sampled_from([(23, 17), (8, 31), (1, 5)]),
 )
 def test_every_warp_on_random_extreme_worlds(gpu, name, seed, step, turn, nearest, sides, size):
-    """What Setting.pictures checks.
-
-    Finite, coverage 0 or 1 and right where decided, colours within the bound and within what went
-    in.
-    """
+    """What Setting.pictures checks. Finite, coverage 0 or 1 and right where decided, colours within
+    the bound and within what went in."""
     for picture in random_world(gpu, seed, step, turn, nearest, sides, size).pictures(name):
         assert picture.colour.shape[:2] == size[::-1]
 

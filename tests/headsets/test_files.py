@@ -1,7 +1,5 @@
-"""Headset files.
-
-The shipped ones are sane, and a bad one gets one clear line that names the file and the key.
-"""
+"""Headset files. The shipped ones are sane, and a bad one gets one clear line that names the file
+and the key."""
 
 from __future__ import annotations
 

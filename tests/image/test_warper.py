@@ -380,10 +380,8 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
 
 @pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
 def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
-    """A half ends at 65504, sRGB at 0 and 1.
-
-    Depth that is off by half a step of 16 bits is at its plane.
-    """
+    """A half ends at 65504, sRGB at 0 and 1. Depth that is off by half a step of 16 bits is at its
+    plane."""
     colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
     upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
     values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)

@@ -1,7 +1,5 @@
-"""warp_image on one's own RGB-D frame.
-
-Bits where bits can be had, derived pixels where something moves, clear refusals.
-"""
+"""warp_image on one's own RGB-D frame. Bits where bits can be had, derived pixels where something
+moves, clear refusals."""
 
 from __future__ import annotations
 
@@ -105,10 +103,8 @@ def test_a_plane_lands_where_it_must(warp, right, up):
 @pytest.mark.parametrize("warp", ["rotation", "planar", "forward"])
 @pytest.mark.parametrize(("yaw", "pitch"), [(10, 0), (0, -12), (-9, 7)])
 def test_a_turn_moves_a_spot_by_its_tangent(warp, yaw, pitch):
-    """A spot straight ahead, infinitely far.
-
-    Turned left by yaw it is seen to the right, turned up by pitch it is seen lower.
-    """
+    """A spot straight ahead, infinitely far. Turned left by yaw it is seen to the right, turned up
+    by pitch it is seen lower."""
     size = (101, 81)
     colour = np.zeros((81, 101, 3), np.float32)
     colour[39:42, 49:52] = 1

@@ -1,7 +1,5 @@
-"""Twin of a warp that looks through the lens itself.
-
-The lens's ray for each colour of each panel pixel, handed to the warp's own twin.
-"""
+"""Twin of a warp that looks through the lens itself. The lens's ray for each colour of each panel
+pixel, handed to the warp's own twin."""
 
 from __future__ import annotations
 

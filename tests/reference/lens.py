@@ -20,10 +20,8 @@ def tangent_from_lens(lens: RadialLens, on_lens: ArrayLike, colour: str) -> NDAr
 
 
 def lens_from_tangent(lens: RadialLens, tangent: ArrayLike, colour: str) -> NDArray[np.float64]:
-    """Return the positions on the lens plane that show tangents (..., 2); NaN beyond reach.
-
-    Bisects the radius: 60 halvings of 0..reach leave less than one unit in the last place of reach.
-    """
+    """Return the positions on the lens plane that show tangents (..., 2); NaN beyond reach. Bisects
+    the radius: 60 halvings of 0..reach leave less than one unit in the last place of reach."""
     tangent = np.asarray(tangent, dtype=np.float64)
     wanted = np.sqrt((tangent**2).sum(axis=-1)) / lens.tangent_per_unit
     k = np.array(lens.coefficients[colour])
@@ -43,10 +41,8 @@ def lens_from_tangent(lens: RadialLens, tangent: ArrayLike, colour: str) -> NDAr
 
 
 def radial(shown: Array, fov: Fov, headset: Headset, eye: int, panel_size: tuple[int, int]) -> Array:
-    """(h, w, 4) shown picture, bottom row first, to the (h, w, 4) panel picture.
-
-    Black where the lens shows more than was rendered.
-    """
+    """(h, w, 4) shown picture, bottom row first, to the (h, w, 4) panel picture. Black where the
+    lens shows more than was rendered."""
     high, wide = shown.shape[:2]
     scale, offset = headset.lens_from_panel(eye, panel_size)
     x, y = (np.arange(n) + 0.5 for n in panel_size)

@@ -53,10 +53,8 @@ def test_rays_and_the_warp_map_agree(views, size, to_size, inverse_depth):
 @settings(max_examples=60)
 @given(neighbouring_views(METRES), SIZES, SIZES, st.integers(0, 99))
 def test_a_float32_map_stays_within_its_bound(views, size, to_size, seed):
-    """What a shader does, in NumPy's float32.
-
-    The error is below the bound, and the bound is no excuse for anything.
-    """
+    """What a shader does, in NumPy's float32. The error is below the bound, and the bound is no
+    excuse for anything."""
     frm, to = views
     own = np.random.default_rng(seed).uniform(0, 2, size[::-1]).astype(np.float32).astype(np.float64)
     warp = WarpMap.between(frm, size, to, to_size)
@@ -91,8 +89,7 @@ def test_looks_are_means_of_what_is_covered():
 @given(st.integers(0, 50), st.floats(0, 0.05))
 def test_the_tolerance_covers_a_moved_look(seed, error):
     """Looking `error` beside the place in any direction changes the colour by no more than the
-    tolerance says.
-    """
+    tolerance says."""
     rng = np.random.default_rng(seed)
     picture = random_picture(seed, (9, 9), holes=0.2)
     places = rng.uniform(1, 8, (5, 5, 2))
