@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
-from worlds import read
+from worlds import shown_by
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 
@@ -29,21 +29,16 @@ def warped(
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees, as large as the rendered picture if nothing is said.
     All bottom row first. client_depth: what the client has drawn itself."""
-    size, choice = depth.shape[::-1], parse_warp(spec)
+    size = depth.shape[::-1]
     shown_size = shown_size or size
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
     own = client_depth if client_depth is not None else np.zeros(shown_size[::-1])
     for texture, picture, dtype in zip(textures, (colour, depth, own), (np.float16, *[np.float32] * 2), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    canvas = Canvas(gpu.gl, shown_size)
-    warp = choice.entry(gpu, size, shown_size, choice.settings)
     rendered = EyeImage(View(rendered_pose or Pose(), fov), *textures[:2], depth_error=depth_error)
-    warp.run(PassInputs(rendered, View(pose, fov), client_inverse_depth=textures[2]), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    for thing in (*textures, canvas):
-        thing.release()
-    warp.close()
+    out, _ = shown_by(gpu, spec, PassInputs(rendered, View(pose, fov), client_inverse_depth=textures[2]), shown_size)
+    for texture in textures:
+        texture.release()
     return out
 
 

@@ -11,6 +11,7 @@ from commands import hmdwarp
 from golden_pictures import assert_golden, sheet
 from replays import run
 from run.gl_objects import living
+from worlds import shown_by
 
 from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, ShownPicture, WholeScene, build_plan, parse_warp
@@ -40,14 +41,9 @@ def frame(gpu, server: Server, spec: str, view: View = HERE, guard: float = 1.0)
 
 def shown_of(gpu, geometry: ClientScene, spec: str, late: EyeImage, shown: View, shown_ns: int = 0):
     """Colour and inverse depth, top row first."""
-    choice = parse_warp(spec)
-    warp = choice.entry(gpu, late.size, SIZE, choice.settings, Output(depth=True), geometry)
-    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    warp.run_with_depth(PassInputs(late, shown, shown_ns=shown_ns), canvas, depth)
-    gpu.barrier()
-    found = download(canvas.texture), download(depth)
-    warp.close()
-    return found
+    inputs = PassInputs(late, shown, shown_ns=shown_ns)
+    colour, depth = shown_by(gpu, spec, inputs, SIZE, Output(depth=True), geometry)
+    return colour[::-1].astype(np.float16), depth[::-1]
 
 
 @pytest.mark.parametrize(

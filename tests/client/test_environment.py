@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 from reference._rays import world_directions
 from scipy.spatial.transform import Rotation
-from worlds import World, read
+from worlds import World, read, shown_by
 
 from hmdwarp.client import PassInputs
-from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
-from hmdwarp.gpu import Canvas
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -26,13 +24,7 @@ FOV = Fov.symmetric(1.4, 1.3)
 
 
 def looked(gpu, rendered, shown: View, size=SIZE) -> np.ndarray:
-    warp, canvas = warps.get("environment")(gpu, rendered.size, size), Canvas(gpu.gl, size)
-    warp.run(PassInputs(rendered, shown), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    warp.close()
-    canvas.release()
-    return out
+    return shown_by(gpu, "environment", PassInputs(rendered, shown), size)[0]
 
 
 @pytest.fixture

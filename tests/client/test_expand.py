@@ -8,12 +8,11 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from costs import costs_of
 from eyes import with_eyes
 from hypothesis import given
 from hypothesis import strategies as st
 from reference import foveated as twin
-from replays import each_refresh, run, small
+from replays import each_refresh, small
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
@@ -28,7 +27,6 @@ from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap, grid_of
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
-from hmdwarp.link.codec import Coding
 from hmdwarp.poses import foreseen_gaze, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
@@ -240,18 +238,6 @@ def test_the_sharp_part_follows_the_gaze_as_late_as_the_head(tmp_path, how):
     assert len(set(places)) > 5 and any(apart) == (how == "predicted")
 
 
-@pytest.mark.parametrize("codec", ["none", "h264"])
-def test_frames_weigh_and_are_coded_as_the_smaller_picture(tmp_path, codec):
-    options = {"warp": "iterative", "coding": Coding(codec), "size": (192, 160), "seconds": 0.2}
-    whole, coarser = (run(tmp_path / str(deg), fovea_deg=deg, **options).summary["link"] for deg in (None, 30.0))
-    assert set(coarser["layers_mbit_s"]) == set(BOTH)
-    if codec == "none":
-        small_size = Fovea(30.0).grid(load_headset("flat-90").views(Pose())[0], (192, 160)).small
-        assert coarser["frame_bytes"] == 2 * 12 * math.prod(small_size)
-    else:
-        assert coarser["mbit_s"] < 0.6 * whole["mbit_s"]
-
-
 def test_a_warp_that_reads_no_depth_gets_none_and_one_without_pictures_nothing(gpu):
     known = {"client_geometry": True, "fovea": FOVEA}
     for warp, expands in (("rotation", False), ("rotation:resample=catmull-rom", True)):
@@ -262,14 +248,6 @@ def test_a_warp_that_reads_no_depth_gets_none_and_one_without_pictures_nothing(g
     assert not model.foveated and ("expand", "nothing reads the picture that would come foveated") in model.left_out
     with pytest.raises(PlanError, match="expand needs layer 'foveated' from the server"):
         build_plan((), "planar", "none", "none", brings=("rendered.colour",), **known)
-
-
-def test_nothing_is_paid_where_all_is_sharp():
-    without, asked = (costs_of(scene="planes", warp="iterative:frames=1", fovea_deg=deg) for deg in (None, 30.0))
-    extra = {"server/foveate.comp", "effects/expand.comp"}
-    assert not extra & without.shaders and asked.shaders == without.shaders | extra
-    assert asked.sent < without.sent
-    assert asked.work["ComputeShader.run"] == without.work["ComputeShader.run"] + 2 * 4
 
 
 def test_frames_that_cannot_be_foveated_are_refused():

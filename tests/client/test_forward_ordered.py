@@ -7,10 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from worlds import World
 
-from hmdwarp.client.warps.forward import FARTHEST, epipole_pixel
-from hmdwarp.geometry import Pose, View, WarpMap
+from hmdwarp.geometry import Pose, View
 
-from .scatters import FOV, Scatter
+from .scatters import Scatter
 
 SHEETS = ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"]
 RIGHT, UP, AHEAD = np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, -1.0])
@@ -91,21 +90,3 @@ def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
     depth = np.random.default_rng(0).uniform(0, 2, size[::-1])
     got = Scatter(gpu, size, size, shown_pose=Pose(step), spec=spec).run(depth)
     assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))
-
-
-@pytest.mark.parametrize(
-    "step", [(0, 0, 0), (0.3, 0, 0), (0, 0, -0.5), (0, 0, 0.5), (0.1, 0.2, -1e-9), (-3, 1, 1e-9)], ids=str
-)
-def test_the_epipole_is_where_the_eye_appears(step):
-    size, eye = (40, 30), np.array(step, dtype=float)
-    shown = View(Pose(eye), FOV)
-    pixel, sense = epipole_pixel(WarpMap.between(shown, size, View(Pose(), FOV), size).e, size)
-    assert sense == (1 if eye[2] <= 0 else -1)
-    middle = np.array(size) / 2
-    if eye[2] == 0 or np.hypot(*eye[:2]) > 1e5 * abs(eye[2]):
-        away = (pixel - middle) / FARTHEST
-        wanted = sense * eye[:2] * [20, 15]
-        wanted = wanted / max(np.linalg.norm(wanted), 1e-300)
-        assert np.allclose(away, wanted, atol=1e-4)
-    else:
-        assert np.array_equal(pixel, middle)

@@ -95,17 +95,6 @@ def test_fused_and_in_two_passes_show_the_same(gpu, name, headset):
     assert (got[..., 3] != (two[..., 3] > 0)).mean() < 0.06
 
 
-@pytest.mark.parametrize("name", FUSING)
-def test_holes_are_black_and_nothing_is_nan(gpu, name):
-    chosen = load_headset("rift-dk1")
-    for eye, seed in ((0, 1), (1, 2)):
-        world = world_before(gpu, chosen, eye, seed, (67, 53))
-        got = panel_of(gpu, world, name, chosen, eye, (61, 83))
-        assert np.isfinite(got).all()
-        assert set(np.unique(got[..., 3])) <= {0.0, 1.0}
-        assert (got[..., 1][got[..., 3] == 0] == 0).all(), "coverage goes with green"
-
-
 @pytest.mark.parametrize("name", [name for name in FUSING if name != "none"])
 def test_a_head_that_looks_the_other_way_sees_black(gpu, name):
     if warps.get(name).resamples:

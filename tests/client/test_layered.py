@@ -6,7 +6,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from worlds import World, assert_equals_twin, read
+from worlds import World, assert_equals_twin, read, shown_by
 
 from client.test_multi import square
 from hmdwarp.client import PassInputs, parse_warp
@@ -27,18 +27,11 @@ SCENE = Scene(
 )
 
 
-def shown_and_truth(
-    gpu, scene: Scene, step, spec: str = "layered", size=SIZE, guard: float = 1.0
-) -> tuple[np.ndarray, np.ndarray]:
-    server, choice = Server(gpu, scene), parse_warp(spec)
-    rendered = server.draw_frame([View(Pose(), FOV)], 0, size, guard, choice.entry.needs(choice.settings)).eyes[0]
-    shown = View(Pose(step), FOV)
-    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
-    warp.run(PassInputs(rendered, shown), canvas)
-    gpu.gl.memory_barrier()
-    out, truth = read(canvas.texture), read(server.draw(shown, size).colour)
-    warp.close()
-    canvas.release()
+def shown_and_truth(gpu, step, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    server, choice, shown = Server(gpu, SCENE), parse_warp("layered"), View(Pose(step), FOV)
+    rendered = server.draw_frame([View(Pose(), FOV)], 0, size, needs=choice.entry.needs(choice.settings)).eyes[0]
+    out = shown_by(gpu, "layered", PassInputs(rendered, shown), size)[0]
+    truth = read(server.draw(shown, size).colour)
     server.close()
     return out, truth
 
@@ -61,7 +54,7 @@ def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
 
 @pytest.mark.parametrize("step", [(0.1, 0, 0), (-0.07, 0.05, 0), (0.02, -0.08, -0.1), (0, 0, 0.2)], ids=str)
 def test_behind_an_edge_is_what_really_is_there(gpu, step):
-    out, truth = (inner(picture) for picture in shown_and_truth(gpu, SCENE, step))
+    out, truth = (inner(picture) for picture in shown_and_truth(gpu, step))
     away = ~near_an_edge(truth)
     assert (out[..., 3] == 1).all()
     assert np.abs(out - truth)[away].max() <= 2.0**-9, (
@@ -84,23 +77,9 @@ def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
 
 
 def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
-    choice = parse_warp(spec)
     peeled = tuple(Surface(*world._textures(gpu, layer.colour, layer.inverse_depth)) for layer in world.layers)
-    rendered = world.rendered.having(peeled=peeled)
-    warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
-    warp.run(PassInputs(rendered, world.shown_view), canvas)
-    gpu.gl.memory_barrier()
-    return read(canvas.texture)
-
-
-def test_a_hole_without_depth_is_filled_by_no_neighbour(gpu):
-    world = World(gpu, 3, (64, 48))
-    world.inverse_depth[20:30, 20:30], world.colour[20:30, 20:30] = -1, 0
-    world.shown_view = View(world.rendered_view.pose, world.rendered_view.fov)
-    world.upload(gpu)
-    out = world.warp(gpu, "layered")
-    assert (out[20:30, 20:30] == 0).all()
-    assert np.array_equal(out, world.colour)
+    inputs = PassInputs(world.rendered.having(peeled=peeled), world.shown_view)
+    return shown_by(gpu, spec, inputs, world.shown_size)[0]
 
 
 def test_a_frame_with_fewer_layers_is_refused(gpu):

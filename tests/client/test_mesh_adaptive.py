@@ -114,17 +114,6 @@ def test_cells_off_the_screen_are_not_drawn(gpu):
     assert (away.picture == 0).all()
 
 
-def test_cells_in_pieces_are_drawn_where_they_hold_a_centre_alone(gpu):
-    rng = np.random.default_rng(4)
-    depth = rng.choice([0.2, 0.5, 1.0], SIZE[::-1])
-    pose = Pose((0.07, 0.03, 0.01))
-    fine, coarse = Drawn(gpu, "mesh", depth, pose), Drawn(gpu, "mesh_adaptive", depth, pose)
-    assert coarse.pieces < fine.pieces / 2
-    # Nothing is merged here: only sky-wide cells of one depth could be, and none is. So the
-    # pictures are the same but for ties.
-    assert (fine.picture != coarse.picture).any(axis=-1).mean() < 0.005
-
-
 @pytest.mark.parametrize("tolerance", ["2", "1000"])
 def test_a_generous_tolerance_never_merges_across_what_must_not_be_merged(gpu, tolerance):
     """Without motion every finite error is allowed; holes and silhouettes have an infinite one."""

@@ -6,8 +6,8 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from replays import run, small
-from worlds import read
+from replays import run
+from worlds import read, shown_by
 
 from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, parse_warp
 from hmdwarp.client.warps import Output
@@ -17,7 +17,6 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.sources.server import Server
 
@@ -28,17 +27,10 @@ HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.
 
 def drawn(gpu, geometry: ClientScene, spec: str, shown: View, time_ns: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Colour and inverse depth that the warp shows, from a black frame drawn elsewhere."""
-    choice = parse_warp(spec)
-    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
     black = EyeImage(HERE, allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
-    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    warp.run_with_depth(PassInputs(black, shown, shown_ns=time_ns), canvas, depth)
-    gpu.gl.memory_barrier()
-    beside = read(canvas.texture), read(depth)[..., 0]
-    warp.run(PassInputs(black, shown, shown_ns=time_ns), canvas)
-    gpu.gl.memory_barrier()
-    assert np.array_equal(beside[0], read(canvas.texture)), "with and without depth"
-    warp.close()
+    asked = gpu, spec, PassInputs(black, shown, shown_ns=time_ns), SIZE
+    beside, alone = (shown_by(*asked, Output(depth=depth), geometry) for depth in (True, False))
+    assert np.array_equal(beside[0], alone[0]), "with and without depth"
     return beside
 
 
@@ -77,17 +69,6 @@ def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
     plain = read(without.draw(HERE, SIZE).colour)[..., :3]
     without.close()
     assert np.abs(got[..., :3] - wanted).mean() < np.abs(plain - wanted).mean()
-
-
-def test_smaller_textures_and_no_light(gpu):
-    geometry = ClientScene(gpu, "room")
-    wanted = truth(geometry, HERE)
-    for spec in ("model:texture=0.25", "model:light=off"):
-        colour, depth = drawn(gpu, geometry, spec, HERE)
-        assert np.array_equal(depth, wanted[1]), "the same triangles"
-        assert not np.array_equal(colour, wanted[0])
-    full, smaller = (geometry.store(WholeScene, Simplified(1.0, scale)).scene for scale in (1.0, 0.25))
-    assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
 
 
 PROGRESSIVE = "model:arrives=progressive,budget=300000"
@@ -198,20 +179,6 @@ def test_visible_parts_come_first(gpu):
     assert weight["arrived"] < weight["things"]
     server.close()
     arriving.close()
-
-
-@pytest.mark.parametrize("warp", ["forward", "backward", "model"])
-def test_other_plans_pay_nothing_for_what_arrives(warp):
-    """Nothing is cut, packed, carried or kept for them."""
-    with set_up_replay(small(scene="planes", warp=warp, fill="none", latency_ms=30.0)) as setup:
-        for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            refresh = setup.loop.show(instant_ns) if number >= 0 else None
-            if refresh is not None:
-                break
-        assert "scene_update" not in setup.plans[0].needs and "scene_update" not in refresh.frame.eyes[0]
-        assert not setup.server.has_more(instant_ns)
-        assert all("arrived" not in weight for weight in setup.geometry.weights())
 
 
 def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):

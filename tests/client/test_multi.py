@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from reference.picture import RenderedPicture
-from worlds import World, assert_equals_twin, read
+from worlds import World, assert_equals_twin, read, shown_by
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage, Needs, Others
@@ -47,17 +47,8 @@ def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
     return image
 
 
-def put_together(
-    gpu, rendered: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE
-) -> np.ndarray:
-    choice = parse_warp(spec)
-    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
-    warp.run(PassInputs(rendered, shown, others=others), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    warp.close()
-    canvas.release()
-    return out
+def put_together(gpu, rendered: EyeImage, others: tuple[EyeImage, ...], shown: View) -> np.ndarray:
+    return shown_by(gpu, "multi", PassInputs(rendered, shown, others=others), SIZE)[0]
 
 
 def at(x: float, y: float = 0, z: float = 0) -> View:
@@ -101,13 +92,6 @@ def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_be
     assert np.array_equal(pictures[0], pictures[2])
     assert np.array_equal(pictures[0], pictures[4])
     assert (pictures[1][..., 3] >= pictures[0][..., 3]).all()
-
-
-def test_an_unmoved_eye_is_shown_the_newest_frame_bit_for_bit_whatever_others_hold(gpu):
-    world = World(gpu, 7, (64, 48), moved=False)
-    world.bring(gpu, parse_warp("multi").entry)
-    assert len(world.others) == 2
-    assert np.array_equal(world.warp(gpu, "multi"), world.colour)
 
 
 @pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=3", "multi:views=2,frames=1,eye=own"])

@@ -188,12 +188,6 @@ def test_the_nearer_of_two_panels_is_in_front(gpu):
             assert found[21, 12, 0] < 1e-6
 
 
-def test_a_scan_out_that_stands_still_is_no_scan_out(gpu):
-    behind, view = behind_of((64, 48)), View(Pose(), FOV)
-    found = laid(gpu, [CASES["turned"]], view, behind, last=view)
-    assert np.array_equal(found, laid(gpu, [CASES["turned"]], view, behind))
-
-
 def test_each_row_of_a_scan_out_has_the_pose_of_its_instant(gpu):
     """Each row is that of a whole picture with the view of its instant."""
     size, behind = (64, 48), np.ones((48, 64, 4))

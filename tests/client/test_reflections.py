@@ -11,10 +11,8 @@ from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import effects
-from hmdwarp.client.effects.mirrors import Closing
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Mirrored, Needs
-from hmdwarp.gpu import COLOUR, allocate
 from hmdwarp.sources.server import Server
 
 SIZE = (160, 144)
@@ -127,25 +125,3 @@ def test_a_frame_without_the_layer_is_told(gpu, server):
     with pytest.raises(PlanError, match="no layer of them"):
         compensator.run(PassInputs(eye.having(reflection=None), VIEW))
     compensator.close()
-
-
-@pytest.mark.parametrize("size", [(1, 1), (7, 5), (64, 33)])
-def test_closing_keeps_what_is_covered_and_closes_the_rest(gpu, size):
-    rng = np.random.default_rng(5)
-    picture = rng.uniform(0.2, 1, (size[1], size[0], 4)).astype(np.float16)
-    picture[..., 3] = 1
-    holes = rng.uniform(size=size[::-1]) < 0.7
-    holes[0, 0] = False
-    picture[holes] = 0
-    texture = allocate(gpu.gl, size, COLOUR)
-    texture.write(picture.tobytes(), alignment=1)
-    closing = Closing(gpu, size)
-    closing.run(texture)
-    found = read(texture)
-    closing.close()
-    assert np.array_equal(found[~holes], picture[~holes].astype(np.float64))
-    # Halves of each level lose 2^-10, twice for each of at most 7 levels.
-    assert np.abs(found[..., 3] - 1).max() < 14 * HALF_UNIT
-    low, high = (extreme(picture[~holes][:, :3]) for extreme in (np.min, np.max))
-    assert (found[holes][:, :3] > low * 0.97).all()
-    assert (found[holes][:, :3] < high * 1.03).all()

@@ -62,25 +62,6 @@ def test_smaller_textures_are_means_of_the_larger_ones(gpu):
     assert errors == sorted(errors)
 
 
-def test_a_client_holds_what_its_models_weigh(gpu):
-    shown = Shown(gpu, "planes")
-    for text in ("model:share=1", "model:share=1,texture=0.25,light=off", "relight:share=1", "composite"):
-        shown.fill(text)
-    scene = load_scene("planes")
-    texels = sum(texture.image.size for texture in scene.textures)
-    whole, quarter = shown.geometry.weights()
-    # Five quads of four vertices (8 floats) and two triangles (3 indices). One model serves light
-    # and no light.
-    assert whole == {
-        "share": 1.0,
-        "texture": 1.0,
-        "triangles": 10,
-        "geometry_bytes": 4 * (20 * 8 + 10 * 3),
-        "texture_bytes": texels,
-    }
-    assert quarter == {**whole, "texture": 0.25, "texture_bytes": texels // 16}
-
-
 def test_near_surfaces_do_not_hide_covered_pixels(gpu):
     """A wall that the near plane cuts. Where it touches the plane its depth is 0, which is where
     what is covered is put."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from golden_pictures import assert_golden, sheet
 from reference.shown_depth import shown_depth
-from worlds import World, has_twin, read, twin_of
+from worlds import World, has_twin, read, shown_by, twin_of
 
 from hmdwarp.client import Carry, ShownDepth, parse_warp, pictures_read
 from hmdwarp.client.warps import Output, warps
@@ -39,17 +39,9 @@ def depth_of(gpu, world: World, name: str) -> np.ndarray:
 
 def _beside(gpu, world: World, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Colour and depth of one run."""
-    choice = parse_warp(name)
-    world.bring(gpu, choice.entry)
-    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(depth=True))
-    canvas, into = Canvas(gpu.gl, world.shown_size), allocate(gpu.gl, world.shown_size, SCALAR)
-    warp.run_with_depth(world.inputs(choice.entry), canvas, into)
-    gpu.gl.memory_barrier()
-    found = read(canvas.texture), read(into)[..., 0]
-    for thing in (canvas, into):
-        thing.release()
-    warp.close()
-    return found
+    entry = parse_warp(name).entry
+    world.bring(gpu, entry)
+    return shown_by(gpu, name, world.inputs(entry), world.shown_size, Output(depth=True))
 
 
 @pytest.mark.parametrize("name", BESIDE)
@@ -108,13 +100,3 @@ def test_where_the_colour_is_covered_its_depth_is_known(gpu, name):
     world = World(gpu, 5, SIZE)
     got, colour = depth_of(gpu, world, name), world.warp(gpu, name)
     assert np.array_equal(got >= 0, colour[..., 3] > 0)
-
-
-def test_standing_still_it_is_the_rendered_depth(gpu):
-    world = World(gpu, 6, SIZE, moved=False)
-    got = depth_of(gpu, world, "forward")
-    # It passes through a half float, truncated.
-    assert (np.abs(got - world.inverse_depth) <= 2.0**-10 * np.abs(world.inverse_depth) + 2.0**-24)[
-        world.inverse_depth >= 0
-    ].all()
-    assert np.array_equal(got < 0, world.inverse_depth < 0)

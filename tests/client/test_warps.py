@@ -11,7 +11,6 @@ from worlds import assert_equals_twin
 
 from hmdwarp.client import build_plan, parse_warp
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, steepest
-from hmdwarp.client.warp_kinds.mesh import reach
 from hmdwarp.client.warps import warps
 from hmdwarp.frames import EyeSizes, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
@@ -69,11 +68,6 @@ def test_a_clamped_edge_goes_on_beyond_the_border(gpu):
     assert (beyond >= right.min(axis=0) - 2.0**-10).all() and (beyond <= right.max(axis=0) + 2.0**-10).all()
     back = Pose(orientation_xyzw=(0, 1, 0, 0))
     assert (of_one_depth(gpu, "rotation:edge=clamp", back, 0.5)[1] == 0).all()
-
-
-def test_none_ignores_the_turn_too(gpu):
-    picture, out = of_one_depth(gpu, "none", Pose((1, 2, 3), (0.3, 0.4, 0.1, 0.8)), 0.5, seed=2)
-    assert np.array_equal(out, picture)
 
 
 # --- colour sampled by a cubic --------------------------------------------------------------------
@@ -344,21 +338,6 @@ def test_the_limit_is_a_plane_at_that_angle():
     assert abs(inverse[501] - inverse[500]) / middle == pytest.approx(steepest(view, (1001, 1), 80.0)[0], rel=1e-6)
 
 
-def test_reach_bounds_how_far_depth_moves_a_point():
-    rng = np.random.default_rng(2)
-    for _ in range(20):
-        rendered = View(Pose(rng.normal(size=3), rng.normal(size=4)), TALL)
-        turn = Pose(rng.normal(scale=0.1, size=3), (*rng.normal(scale=0.05, size=3), 1))
-        shown = View(rendered.pose @ turn, TALL)
-        forward = WarpMap.between(rendered, FLOOR, shown, FLOOR)
-        place = rng.uniform([0, 0], FLOOR, (500, 2))
-        before, _, w = forward.apply(place, np.full(500, 0.3))
-        after, _, _ = forward.apply(place, np.full(500, 0.3 + 1e-6))
-        inside = ((before >= 0) & (before <= FLOOR)).all(axis=1)
-        moved = np.linalg.norm(after - before, axis=1) * w / 1e-6
-        assert (moved[inside] <= reach(forward, FLOOR) * (1 + 1e-3)).all()
-
-
 # --- forward_raster: the later one in raster order stays ------------------------------------------
 
 
@@ -381,12 +360,3 @@ def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
     scatter = Scatter(gpu, (64, 48), (64, 48), shown_pose=Pose((0.5, 0, 0)), spec="forward_raster")
     depth = np.random.default_rng(seed).choice([-1.0, 0, 0.125, 0.5, 1], (48, 64))
     assert np.array_equal(scatter.run(depth), painted(scatter, depth, 16))
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_more_pictures_after_one_another_do_not_remember_each_other(gpu, seed):
-    scatter = Scatter(gpu, (31, 17), (31, 17), spec="forward_raster")
-    index = np.arange(31 * 17).reshape(17, 31)
-    for share in (0.0, 0.9, 0.3, 1.0):
-        holes = np.random.default_rng(seed).uniform(size=(17, 31)) < share
-        assert np.array_equal(scatter.run(np.where(holes, -1, 0.5)), np.where(holes, -1, index))

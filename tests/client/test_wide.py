@@ -14,13 +14,11 @@ from worlds import read
 
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
-from hmdwarp.frames import Needs, frame_bytes
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, wide_fov, wide_size, wide_view
 from hmdwarp.geometry.cube import COARSER
 from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline import eye_sizes
-from hmdwarp.run import RunOptions
 from hmdwarp.sources.server import Server
 
 SIZE = (120, 96)
@@ -66,14 +64,6 @@ def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
     assert server.pool(wide_size(FOV, SIZE)).made == 2
     assert server.pool(wide_size(FOV, SIZE)).live == 0
     server.close()
-
-
-def test_its_bytes_count():
-    headset, options = load_headset("rift-dk1"), RunOptions(trace="look-around", size=(480, 600))
-    sizes = eye_sizes(options.guard_band, headset, options.size)
-    wide, high = max(wide_size(view.fov, options.size) for view in headset.views(Pose()))
-    assert frame_bytes(Needs(wide=True), sizes)["rendered.wide"] == 2 * 12 * wide * high
-    assert "rendered.wide" not in frame_bytes(Needs(), sizes)
 
 
 def test_a_turn_past_the_rendered_picture_is_filled_with_real_scenery(gpu):

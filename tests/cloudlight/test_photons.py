@@ -12,7 +12,7 @@ from gl_clock import counting_made
 from lit_rooms import Fixed, cube, placed, plain, scene_of
 from reference.photons import photons, received, seen
 from replays import run
-from worlds import read
+from worlds import read, shown_by
 
 from hmdwarp.client import ClientScene as PlainClientScene
 from hmdwarp.client import PassInputs, parse_warp
@@ -61,16 +61,9 @@ def frames_of(geometry, time_ns: int, wanted=FEW, arrive=lambda number: True) ->
 
 def shown(gpu, geometry, time_ns: int, spec: str = SPEC, view: View = THERE):
     """Colour and inverse depth of what the client shows with what it has received."""
-    choice = parse_warp(spec)
-    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
-    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
     frame = geometry.server.draw_frame([HERE], time_ns, (8, 8))
-    for _ in range(2):
-        warp.run_with_depth(PassInputs(frame.eyes[0], view, shown_ns=time_ns), canvas, depth)
-    gpu.gl.memory_barrier()
-    found = read(canvas.texture), read(depth)[..., 0]
-    warp.close()
-    return found
+    inputs = PassInputs(frame.eyes[0], view, shown_ns=time_ns)
+    return shown_by(gpu, spec, inputs, SIZE, Output(depth=True), geometry)
 
 
 def receive(geometry, contents, wanted=FEW) -> None:

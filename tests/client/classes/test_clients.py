@@ -11,7 +11,7 @@ from together import together
 
 import hmdwarp.client.classes
 from hmdwarp.client import every_fill, every_warp
-from hmdwarp.client.classes import SCENES, client_names, load_client
+from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, PlanError, UnknownNameError
@@ -23,15 +23,6 @@ from hmdwarp.run import RunOptions, replay
 
 FOLDER = Path(hmdwarp.client.classes.__file__).parent
 BY_ITSELF = re.compile(r"\batomic\w+\(|\bimageAtomic\w+\(|\bshared\b|\bbarrier\(|\bbuffer\b")
-
-
-@pytest.mark.parametrize("name", client_names())
-def test_shipped_clients_describe_themselves(name):
-    client = load_client(name)
-    assert client.name == name
-    assert len(client.summary) > 10
-    assert client.scene in SCENES
-    assert min(client.budget_ms, client.decoder_mpx_s, client.download_mbit_s) > 0
 
 
 def test_a_better_class_can_all_that_a_worse_one_can():
