@@ -7,7 +7,7 @@ import numpy as np
 from client_scene import ClientScene
 from worlds import read
 
-from hmdwarp.client import PassInputs, ReducedModel, ShownPicture, parse_fills
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate
@@ -53,12 +53,6 @@ class Shown:
         found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
         fill.close()
         return found
-
-    def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
-        """What the client's model looks like."""
-        into = picture_of(self.gpu, self.size)
-        self.geometry.store(ReducedModel, (self.share, 1.0)).drawn(lit=lit).draw(VIEW, into, 0)
-        return read(into.colour.texture), read(into.inverse_depth)[..., 0]
 
     def error(self, found: np.ndarray) -> float:
         """Root mean square inside the holes."""

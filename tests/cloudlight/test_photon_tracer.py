@@ -129,28 +129,6 @@ def test_no_light_no_photons():
     assert light_keys([], WHITE_SKY) == []
 
 
-def test_a_bundle_is_the_same_whatever_is_traced_with_it():
-    tracer = tracer_of(scene_of(cube(), 0.5), 32, 8)
-    together = tracer.trace(POINT, range(8))
-    for number in (0, 5):
-        (alone,) = tracer.trace(POINT, [number])
-        assert all(np.array_equal(getattr(alone, name), getattr(together[number], name)) for name in FIELDS)
-
-
-def test_a_bundle_is_a_part_of_all_directions():
-    """32 bundles: 8 slices of height, each cut into 4 by the angle about the vertical."""
-    tracer = tracer_of(scene_of(cube(), 0.5), 64, 32)
-    parts = set()
-    for bundle in tracer.trace(POINT, range(32), direct=True):
-        ways = bundle.places[:64] - POINT[0][:3]  # first hits come first
-        ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-        slices, angles = np.floor(4 * (1 - ways[:, 1])), np.arctan2(ways[:, 2], ways[:, 0]) % (2 * np.pi)
-        quarters = np.floor(2 * angles / np.pi)
-        assert len(set(slices)) == len(set(quarters)) == 1
-        parts.add((slices[0], quarters[0]))
-    assert len(parts) == 32
-
-
 def test_far_from_the_origin_photons_are_the_same():
     near = load_scene("lantern")
     far = attrs.evolve(

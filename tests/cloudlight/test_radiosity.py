@@ -9,7 +9,7 @@ from lit_rooms import GREY, box, cube, in_atlas, placed, scene_of, wall
 
 from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, with_lamps_stopped
+from hmdwarp.scenes import Background, Lamp, Pendulum, Scene, lamps_at, scenes, with_lamps_stopped
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):
@@ -113,16 +113,6 @@ def test_stopped_lamps_stay_where_they_were():
     assert transport_of(stopped) is transport_of(scene)
     still = scenes.get("planes").build()
     assert with_lamps_stopped(still) is still
-
-
-@pytest.mark.parametrize("name", [name for name in scenes.names() if name in ("lantern", "sunroom", "doorway")])
-def test_charts_in_the_atlas_keep_a_border(name):
-    transport = transport_of(scenes.get(name).build())
-    taken = np.zeros(ATLAS[::-1], int)
-    columns, rows = transport.patches.texels.T
-    taken[rows, columns] = 1
-    assert taken[0].sum() == taken[-1].sum() == taken[:, 0].sum() == taken[:, -1].sum() == 0
-    assert 500 < len(columns) < 2500
 
 
 @pytest.mark.parametrize("time_ms", [300, 1000, 1500, 2500])

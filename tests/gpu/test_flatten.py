@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from hmdwarp.errors import ShaderError
 from hmdwarp.gpu import VERSION, flatten
@@ -76,31 +74,3 @@ def test_messages_of_several_compilers_are_translated(tmp_path):
         ("(0) : error C5145: must write to gl_Position", "(0) : error C5145: must write to gl_Position"),
     ]:
         assert flat.translate(message) == wanted
-
-
-NAMES = ["main.comp", "lib/a.glsl", "lib/b.glsl", "lib/c.glsl"]
-
-
-@given(st.lists(st.lists(st.integers(0, 4), max_size=6), min_size=4, max_size=4))
-def test_any_web_of_includes(tmp_path_factory, web):
-    """Numbers 0..3 include that file, 4 is an ordinary line. Each file's own lines appear once, in
-    order, if it is reached."""
-    root = tmp_path_factory.mktemp("web")
-    (root / "lib").mkdir()
-    for index, lines in enumerate(web):
-        text = "".join(
-            f"int f{index}_{n};\n" if line == 4 else f'#include "{NAMES[line]}"\n' for n, line in enumerate(lines)
-        )
-        (root / NAMES[index]).write_text(text, encoding="utf-8")
-    flat = flatten("main.comp", root=root)
-    reached, todo = set(), [0]
-    while todo:
-        index = todo.pop()
-        if index not in reached:
-            reached.add(index)
-            todo += [line for line in web[index] if line != 4]
-    wanted = {f"int f{index}_{n};" for index in reached for n, line in enumerate(web[index]) if line == 4}
-    assert sorted(flat.lines[1:]) == sorted(wanted)
-    assert len(flat.lines) == len(flat.origins)
-    for line, (name, number) in list(zip(flat.lines, flat.origins, strict=True))[1:]:
-        assert (root / name).read_text(encoding="utf-8").splitlines()[number - 1] == line

@@ -141,22 +141,3 @@ def test_clear_empties_every_pixel_and_nothing_else(gpu, size):
     assert canvas.size == size
     canvas.release()
     other.release()
-
-
-def test_a_canvas_can_be_written_by_a_shader(gpu):
-    canvas = Canvas(gpu.gl, (5, 3))
-    program = gpu.gl.compute_shader("""#version 430
-        layout(local_size_x = 1) in;
-        layout(rgba16f) writeonly uniform image2D into;
-        void main() { imageStore(into, ivec2(gl_GlobalInvocationID.xy), vec4(gl_GlobalInvocationID.xy, 0.5, 1.0)); }
-    """)
-    canvas.bind_for_writing(0)
-    program["into"] = 0
-    program.run(5, 3)
-    gpu.gl.memory_barrier()
-    got = download(canvas.texture)
-    y, x = np.mgrid[:3, :5]
-    assert np.array_equal(got[..., 0], x)
-    assert np.array_equal(got[..., 1], 2 - y), "row 0 of a picture is its top, y of a shader counts from the bottom"
-    canvas.release()
-    program.release()

@@ -14,7 +14,6 @@ import mirror_wall
 import moderngl
 import numpy as np
 import pytest
-import warper_cost
 from gl_clock import counting_made
 from scipy.spatial.transform import Rotation
 
@@ -398,17 +397,6 @@ def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest
     depth.release()
 
 
-def test_a_shared_context_may_be_used_from_any_thread():
-    colour, depth = picture(8)
-    found = []
-    with Warper(SIZE) as warper:
-        here = warper.warp(colour, depth, view(), view((0.1, 0, 0)))
-        thread = threading.Thread(target=lambda: found.append(warper.warp(colour, depth, view(), view((0.1, 0, 0)))))
-        thread.start()
-        thread.join()
-    assert np.array_equal(found[0].colour, here.colour)
-
-
 def test_a_context_of_its_own_belongs_to_its_thread(gpu):
     errors = []
 
@@ -610,10 +598,3 @@ def test_reflections_are_found_in_further_pictures(gpu):
     plain = warp_image(colour, depth, **ends, gpu=gpu).colour
     inner = np.s_[24:-24, 24:-24]
     assert np.abs(found - truth)[inner].mean() < 0.6 * np.abs(plain - truth)[inner].mean()
-
-
-def test_its_cost_is_measured_apart_from_its_passes(gpu):
-    """What docs/rgbd.md prints: the passes alone, textures as they are and taken over, arrays."""
-    assert all(took > 0 for took in warper_cost.measured((16, 16), 2, gpu).values())
-    line, ratio = warper_cost.call_over_passes(gpu, (16, 12), 2)
-    assert line.startswith("Warper.warp, 16x12: ") and ratio > 1
