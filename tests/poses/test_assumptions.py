@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +19,9 @@ from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
 from hmdwarp.poses.formats import formats
 
-from . import test_other_files as files
+from .test_other_files import FILES, GOLDEN
 from .test_trace_command import run
-from .traces import WRITERS, head, matrices, rows, save, write
+from .traces import WRITERS, head, rows, save, write
 
 TRACK = head(100)
 
@@ -73,71 +75,24 @@ def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, None, None) == (None, By.DEFAULT)
 
 
-def _bids(folder: Path) -> Path:
-    channels = [(f"q{part}", f"quat_{part}", "ORNT", "head", "n/a", "n/a") for part in "xyzw"]
-    return files.bids(folder, channels, TRACK.orientation_xyzw)
-
-
-def _table(header: str, order: str = "xyzw", *before: str) -> Callable[[Path], Path]:
-    return lambda folder: write(folder / "a.csv", [[*before, *row] for row in rows(TRACK, order)], header)
-
-
-def _text(text: str) -> Callable[[Path], Path]:
-    def written(folder: Path) -> Path:
-        path = folder / "a.txt"
-        path.write_text(text)
-        return path
-
-    return written
-
-
-_TIMED = "x,y,z,qx,qy,qz,qw"
-_HEAD = ",".join([*(f"HeadPos{a}" for a in "XYZ"), *(f"HeadOrientation{a}" for a in "WXYZ")])
-_ROS = ",".join([*(f"pose.position.{a}" for a in "xyz"), *(f"pose.orientation.{a}" for a in "xyzw")])
-_EYES = "Position{0},Position{1},Position{2},Quaternion{0},Quaternion{1},Quaternion{2},QuaternionW".format(*"XYZ")
-TURNED = [[row[0], "0", *row[4:]] for row in rows(TRACK, "wxyz")]
-_HEADS = [frame[:8] for frame in files.iwer_frames(TRACK)]
+# One file of each format: written here, or the first of `files/` that was read as that.
 SAMPLES: dict[str, Callable[[Path], Path]] = {
-    "bids": _bids,
     "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
-    "euroc": lambda folder: save(TRACK, folder / "a.csv", "euroc"),
-    "eyenavgs": _table(f"ViewIndex,FOV1,GazePosX,Timestamp,{_EYES}", "xyzw", "0", "1", "0"),
-    "frame_wxyz": lambda folder: write(folder / "a.txt", TURNED, "", " "),
-    "browser": _text(json.dumps({"session": "a", "delays_ms": [100], "heads": _HEADS})),
-    "iwer": _text(json.dumps({"schema": [], "frames": files.iwer_frames(TRACK)})),
-    "json": _text("\n".join(json.dumps(dict(zip(files.NAMES, map(float, r), strict=True))) for r in rows(TRACK))),
-    "matrices": lambda folder: write(
-        folder / "a.txt", files.fields(files.SECONDS[:100], matrices(TRACK).reshape(-1, 16)), ""
-    ),
-    "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
-    "motive": lambda folder: files.lined(folder / "a.csv", files.motive()),
-    "multiviewpoint": lambda folder: write(folder / "a.txt", TURNED, "timestamp viewpoint w x y z", " "),
-    "named": _table(f"time,{_TIMED}"),
-    "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
-    "qualisys": lambda folder: files.lined(folder / "a.tsv", files.qualisys()),
-    "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
     "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
-    "ros2_csv": lambda folder: write(
-        folder / "a.csv",
-        [["1", str(i * 10**7), *row[1:]] for i, row in enumerate(rows(TRACK))],
-        f"header.stamp.sec,header.stamp.nanosec,{_ROS}",
-    ),
-    "ticks": lambda folder: write(
-        folder / "a.csv", rows(TRACK, stamp=lambda ns: str(638 * 10**15 + ns // 100)), f"timestamp,{_TIMED}"
-    ),
-    "tum": lambda folder: save(TRACK, folder / "a.tum", "tum"),
-    "unreal": lambda folder: files.lined(folder / "a.csv", files.unreal()),
-    "vectors": _text(files.VECTORS["NumPy"]),
+    **{form.name: partial(save, TRACK, name=form.name) for form in formats if form.writes},
 }
+for _name, _format in re.findall(r"^# (.+)\nformat: (.+)$", GOLDEN.read_text(encoding="utf-8"), re.M):
+    SAMPLES.setdefault(_format, lambda _, name=_name: FILES / name)
 _MARKS = {param.values[0]: param.marks for param in WRITERS}
 _MARKS["rosbag"] = (pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed"),)
+_OWN_NAMES = ("colmap", "rosbag")
 _OPTIONS = {"colmap": TraceOptions(rate=90.0)}  # of files without a clock
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_MARKS.get(name, ())) for name in formats.names()])
 def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
-    assert name in SAMPLES, f"a new format needs a sample file: add '{name}' to SAMPLES"
-    loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
+    assert name in SAMPLES, "a new format needs a sample in files/: see test_other_files.py"
+    loaded = load_trace(SAMPLES[name](tmp_path if name in _OWN_NAMES else tmp_path / "a.csv"), _OPTIONS.get(name))
     assert loaded.format == name
     entries = {assumption.what: assumption for assumption in loaded.assumptions}
     known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
