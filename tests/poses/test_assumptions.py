@@ -16,7 +16,7 @@ from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 
 from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
+from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.formats import formats
 
 from .test_other_files import FILES, GOLDEN
@@ -51,16 +51,6 @@ def test_trace_info_prints_nobody_with_the_option(tmp_path):
     assert {"what": "clock", "value": "seconds", "by": "default", "option": "--time-unit"} in data["assumptions"]
 
 
-@pytest.mark.parametrize(
-    ("who", "said"),
-    [(By.DEFAULT, "default; set with --scale"), (By.FILE, "by the file"), (By.USER, "by the user")],
-)
-def test_an_assumption_says_who_says_it(who, said):
-    one = Assumption("length", "1 m per unit", who, "--scale")
-    assert str(one) == f"length: 1 m per unit ({said})"
-    assert assumption_rows([one]) == [{"what": "length", "value": "1 m per unit", "by": who.value, "option": "--scale"}]
-
-
 def test_notes_name_what_nobody_says(tmp_path):
     notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes
     assert any(
@@ -68,11 +58,6 @@ def test_notes_name_what_nobody_says(tmp_path):
     )
     assert sum(note.count("--axes") for note in notes) == 1
     assert load_trace("walk").notes == []
-
-
-def test_the_first_that_states_a_fact_is_believed():
-    assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
-    assert first_stated(None, None, None) == (None, By.DEFAULT)
 
 
 # One file of each format: written here, or the first of `files/` that was read as that.

@@ -89,25 +89,12 @@ def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
     assert loaded.track.time_ns.tolist() == [3000 * i for i in range(200)]
 
 
-def test_5_eight_blank_separated_columns_are_read_as_tum_and_reported(tmp_path):
-    loaded = load_trace(write(tmp_path / "bare.txt", TABLE, header="", separator=" "))
-    assert same_motion(loaded.track, TRACK)
-    assert "w last taken, as in TUM files" in found(loaded, "order-assumed").done
-
-
 @pytest.mark.parametrize("name", ["walk", "look-around"])
 def test_5_the_other_order_is_refused_where_the_motion_shows_it(tmp_path, name):
     track = load_trace(name).track
     path = write(tmp_path / "first.txt", rows(track, "wxyz"), header="", separator=" ")
     assert "with w first they do: say --quat-order wxyz" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(quat_order="wxyz")).track, track)
-
-
-def test_5_bare_ticks_are_read_alike(tmp_path):
-    path = write(tmp_path / "bare.txt", rows(TRACK, stamp=STAMPS["ticks"][0]), header="", separator=" ")
-    loaded = load_trace(path)
-    assert kinds(loaded) >= {"order-assumed"}
-    assert (loaded.format, loaded.track.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
 
 
 @pytest.mark.parametrize(
@@ -235,10 +222,6 @@ def test_13_tilted_gravity_is_reported_and_set_upright_on_request(tmp_path):
     assert same_motion(load_trace(path, TraceOptions(up=exact)).track, track, atol=1e-14)
 
 
-def test_13_positions_of_an_eye_are_reported(real_traces):
-    assert "eye-position" in kinds(load_trace(real_traces / "eyenavgs_rutgers" / "user116_drjohnson.csv"))
-
-
 HEADER = "time,x,y,z,qx,qy,qz,qw"
 WXYZ = rows(TRACK, "wxyz")
 SEVEN = [r[:7] for r in TABLE]
@@ -315,7 +298,6 @@ SAID = "time_s,x,y,z,qx,qy,qz,qw"
 HANDS = "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,"
 HANDS += "HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time_s"
 AMONG = [[r[6], *"999", r[7], *"0001", r[3], r[1], "nan", r[4], r[2], r[5], r[0]] for r in TABLE]
-COMMAS = decimal_commas(TABLE)
 BIGGER = [[r[0], *(repr(float(f) / 0.36) for f in r[1:4]), *r[4:]] for r in TABLE]
 
 

@@ -18,7 +18,6 @@ from hmdwarp.errors import MachineError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_up
-from hmdwarp.poses.reading.header import find_columns
 
 from .traces import WRITERS, head, kinds, rows, same_motion, save, unit_quaternions, write
 
@@ -111,26 +110,6 @@ def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
     return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
 
 
-AXES = ["y", "+y", "-y", "z", "-z", "x", "-x", "-y,z,x", "x,y,z", "x,z,y", "z,-x,y", "X, Z, Y"]
-
-
-@pytest.mark.parametrize("text", AXES)
-@given(unit_quaternions, st.lists(st.floats(-10, 10), min_size=3, max_size=3))
-def test_axes_carry_points_of_the_head_along(text, q, place):
-    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the
-    converted point.
-    """
-    axes = parse_up(text)
-    point = np.array([0.3, -0.2, 0.5])
-    in_file = Rotation.from_quat(q).apply(point) + place
-    position, orientation = np.array([place]), np.array([q])
-    axes.apply(position, orientation)
-    assert np.allclose(
-        Rotation.from_quat(orientation[0]).apply(axes.world @ point) + position[0], axes.world @ in_file, rtol=0,
-        atol=1e-14,
-    )  # fmt: skip
-
-
 @pytest.mark.parametrize(
     ("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)]
 )
@@ -177,17 +156,6 @@ def test_up_z_changes_nothing_where_the_format_has_z_up(tmp_path):
     assert same_motion(plain.track, told.track, atol=0)
     assert same_motion(plain.track, load_trace(path, TraceOptions(up="-y,z,x")).track, atol=0)
     assert not same_motion(plain.track, load_trace(path, TraceOptions(up="y")).track, atol=0.1)
-
-
-def test_words_of_column_names():
-    euroc = "timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []"
-    euroc += ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]"
-    found = find_columns(euroc.split(","))
-    assert (found.clocks, found.position, found.orientation) == (((0, "ns"),), (1, 2, 3), (5, 6, 7, 4))
-    hmd = "frame,utc_date,TimeStamp,left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,head_pos_x,head_pos_y,head_pos_z"
-    hmd += ",head_rot_x,head_rot_y,head_rot_z,head_rot_w"
-    found = find_columns(hmd.split(","))
-    assert (found.clocks[0][0], found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
 
 
 def test_a_stated_format_is_not_second_guessed(tmp_path):

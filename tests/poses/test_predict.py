@@ -71,14 +71,6 @@ def test_no_sample_after_now_is_looked_at(method, now, ahead):
     assert a.pose.isclose(b.pose, atol=0)
 
 
-def test_none_holds_the_last_known_sample():
-    track = head(100)
-    now = int(track.time_ns[40]) + 3 * MS
-    sample = predict(track, now, now + 20 * MS, "none")
-    assert sample.origin is Origin.HELD
-    assert sample.pose.isclose(track.pose(40), atol=0)
-
-
 def test_a_known_instant_is_looked_up():
     track = head(100)
     now = int(track.time_ns[40])
