@@ -48,13 +48,6 @@ def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_pa
     assert "bench.html" in done.out and (tmp_path / "bench.json").exists()
 
 
-def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
-    command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused(
-        "picture size 100000x40"
-    )
-
-
 def test_recordings_that_no_table_could_tell_apart(command, tmp_path):
     text = "t,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k / 60},0,1.6,0,0,0,0,1\n" for k in range(60))
     for folder in ("a", "b"):

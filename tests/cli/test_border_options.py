@@ -54,13 +54,6 @@ def test_plan_says_that_a_guard_is_no_angle(command):
     assert "not degrees" in json.loads(command(*usual, "--guard", "20", "--json").done().out)["notes"][0]
 
 
-def test_plan_tells_of_the_wide_view_and_its_bytes(command):
-    told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
-    assert "fill wide" in told
-    assert "rendered.wide" in told
-    assert told.index("fill wide") < told.index("fill memory")
-
-
 def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "1280x800")
     for guard in (("--guard", "1.25x1.125"), ("--rendered-size", "1600x900")):

@@ -55,12 +55,6 @@ def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command
     assert track.origin == "hmdwarp record, synthetic motion 'walk'"
 
 
-def test_without_a_headset_it_says_what_is_missing(tmp_path, command, monkeypatch):
-    monkeypatch.setenv("XR_RUNTIME_JSON", str(tmp_path / "none.json"))
-    command("record", "--out", tmp_path / "a.csv").refused("none.json", status=3)
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
     process = program("--source", "synthetic", "--out", tmp_path / "a.csv")

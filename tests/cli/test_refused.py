@@ -22,7 +22,11 @@ CASES = [(begin, typed) for begin, lines in TABLE.items() for typed in lines]
 def test_a_command_line_is_refused_in_one_line(begin, typed, command, quick, tmp_path, monkeypatch, request):
     own = {"OUT": [str(tmp_path / "out")], "OUT.png": [str(tmp_path / "out.png")], "QUICK": quick}
     own["QUICK_BENCH"] = [*shlex.split(BENCH), "--out", str(tmp_path / "out")]
-    words = [part for word in shlex.split(f"{begin} {typed}") for part in own.get(word, [word])]
+    text = f"{begin} {typed}".replace("LONG", "x" * 300).replace("FOLDER", str(tmp_path / "folder"))
+    words = [part for word in shlex.split(text) for part in own.get(word, [word])]
+    folders = [Path(word) for word in words if word.startswith(str(tmp_path / "folder"))]
+    for folder in folders:
+        folder.mkdir()
     if begin == "replay still QUICK":
         request.getfixturevalue("kept")
     if words[0] in ("bench", "plan"):
@@ -31,4 +35,4 @@ def test_a_command_line_is_refused_in_one_line(begin, typed, command, quick, tmp
     done.refused()
     for told in TABLE[begin][typed]:
         assert told in done.err or re.search(told, done.err), done
-    assert begin == "replay still QUICK" or not list(tmp_path.iterdir())
+    assert begin == "replay still QUICK" or list(tmp_path.iterdir()) == folders
