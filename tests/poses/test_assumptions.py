@@ -16,10 +16,10 @@ from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 
 from hmdwarp.poses import TraceOptions, load_trace
-from hmdwarp.poses.assumptions import By
+from hmdwarp.poses.assumptions import By, first_stated
 from hmdwarp.poses.formats import formats
 
-from .test_other_files import FILES, GOLDEN
+from .test_other_files import FILES, GOLDEN, STATED
 from .test_trace_command import run
 from .traces import WRITERS, head, rows, save, write
 
@@ -60,6 +60,11 @@ def test_notes_name_what_nobody_says(tmp_path):
     assert load_trace("walk").notes == []
 
 
+def test_the_first_that_states_a_fact_is_believed():
+    assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
+    assert first_stated(None, None, None) == (None, By.DEFAULT)
+
+
 # One file of each format: written here, or the first of `files/` that was read as that.
 SAMPLES: dict[str, Callable[[Path], Path]] = {
     "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
@@ -67,7 +72,8 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
     **{form.name: partial(save, TRACK, name=form.name) for form in formats if form.writes},
 }
 for _name, _format in re.findall(r"^# (.+)\nformat: (.+)$", GOLDEN.read_text(encoding="utf-8"), re.M):
-    SAMPLES.setdefault(_format, lambda _, name=_name: FILES / name)
+    if _name not in STATED:
+        SAMPLES.setdefault(_format, lambda _, name=_name: FILES / name)
 _MARKS = {param.values[0]: param.marks for param in WRITERS}
 _MARKS["rosbag"] = (pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed"),)
 _OWN_NAMES = ("colmap", "rosbag")

@@ -1,4 +1,4 @@
-"""Files as other people's software writes them: `files/` holds one pose track in 115 of them.
+"""Files as other people's software writes them: `files/` holds one pose track in 116 of them.
 
 `files.toml` has the options that some need, `files.txt` how each was read. After an intended change
 look at what differs, then write it:
