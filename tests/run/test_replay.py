@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gl_clock import counting_made
+from made import counting_made
 from poses.traces import save
 from replays import contents, rows_of, run, small, suited
 

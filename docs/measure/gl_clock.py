@@ -1,12 +1,8 @@
-"""How long a frame spends inside OpenGL, and what it makes there.
-
-Moderngl's own methods, watched.
-"""
+"""How long a frame spends inside OpenGL: moderngl's own methods, watched."""
 
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from statistics import median
@@ -76,31 +72,6 @@ CALLS: dict[type, tuple[str, ...]] = {
     ),
     _moderngl.Uniform: ("write", "read"),
 }  # fmt: skip
-# What makes something that lives on the GPU. A scope is none, but moderngl keeps each one until the
-# context goes.
-MAKERS = (
-    *(
-        "buffer",
-        "external_buffer",
-        "texture",
-        "external_texture",
-        "texture_array",
-        "texture3d",
-        "texture_cube",
-        "depth_texture",
-    ),
-    *(
-        "depth_texture_cube",
-        "vertex_array",
-        "program",
-        "query",
-        "framebuffer",
-        "empty_framebuffer",
-        "renderbuffer",
-        "depth_renderbuffer",
-    ),
-    *("compute_shader", "sampler", "scope"),
-)
 
 
 class GlClock:
@@ -119,7 +90,7 @@ class GlClock:
         self.inside, self.calls, self.busy = 0, 0, False
 
     def watched(self, call: Callable[..., Any]) -> Callable[..., Any]:
-        """The same call, its time added to `inside`.
+        """Return the same call, its time added to `inside`.
 
         One that is made within another belongs to that.
         """
@@ -140,7 +111,7 @@ class GlClock:
         return timed
 
     def outside(self, total_ns: int) -> float:
-        """What of `total_ns` since reset() was spent outside GL, without the cost of watching."""
+        """Return what of `total_ns` since reset() was spent outside GL, less what watching costs."""
         return total_ns - self.inside - self.calls * self.beside_ns
 
     def calibrate(self, calls: int = 20_000, rounds: int = 7) -> None:
@@ -182,7 +153,7 @@ DRAWS = {
 
 @contextmanager
 def nothing_drawn() -> Iterator[None]:
-    """Calls that set the driver to work return at once inside the block.
+    """Let calls that set the driver to work return at once inside the block.
 
     Python has the processor for itself, as beside a GPU.
     """
@@ -195,24 +166,6 @@ def _timed(clock: Callable[[], int], call: Callable[..., Any], calls: int) -> in
     for _ in range(calls):
         call(1, 2, 3)
     return clock() - started
-
-
-@contextmanager
-def counting_made() -> Iterator[Counter[str]]:
-    """How many of each of MAKERS are made inside the block."""
-    made: Counter[str] = Counter()
-
-    def counted(name: str) -> Callable[..., Any]:
-        make = getattr(moderngl.Context, name)
-
-        def count(*given: Any, **named: Any) -> Any:
-            made[name] += 1
-            return make(*given, **named)
-
-        return count
-
-    with _replaced({(moderngl.Context, name): counted(name) for name in MAKERS}):
-        yield made
 
 
 @contextmanager
