@@ -111,7 +111,7 @@ class GlClock:
         return timed
 
     def outside(self, total_ns: int) -> float:
-        """Return what of `total_ns` since reset() was spent outside GL, less what watching costs."""
+        """Return what of `total_ns` since reset() was outside GL, less what watching costs."""
         return total_ns - self.inside - self.calls * self.beside_ns
 
     def calibrate(self, calls: int = 20_000, rounds: int = 7) -> None:

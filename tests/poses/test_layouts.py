@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import attrs
+
 from hmdwarp.poses import load_trace
 
 from . import layouts
@@ -25,5 +27,5 @@ def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
 
 def test_a_file_that_is_read_wrong_is_called_wrong(tmp_path):
     """The verdict can fail: a left-handed world whose preset nobody states is a mirror image."""
-    mirrored = layouts.Layout("mirrored", "world=-x,y,-z head=-x,y,-z", layouts.LAYOUTS[0].text)
+    mirrored = attrs.evolve(layouts.LAYOUTS[0], name="mirrored", axes="world=-x,y,-z head=-x,y,-z")
     assert layouts.verdict(mirrored, load_trace("walk").track, tmp_path)[0] == layouts.WRONG
