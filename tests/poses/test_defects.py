@@ -53,33 +53,6 @@ def decimal_commas(table):
     return [[f.replace(".", ",") for f in r] for r in table]
 
 
-STAMPS = {
-    "s": (lambda ns: f"{ns // 10**9}.{ns % 10**9:09d}", "seconds", 0),
-    "ms": (lambda ns: f"{ns // 10**6}.{ns % 10**6:06d}", "milliseconds", 0),
-    "us": (lambda ns: f"{ns // 1000}.{ns % 1000:03d}", "microseconds", 0),
-    "ns": (str, "nanoseconds", 0),
-    "epoch s": (lambda ns: f"{ns // 10**9 + 1700000000}.{ns % 10**9:09d}", "seconds", 1_700_000_000 * 10**9),
-    "epoch ns": (lambda ns: str(ns + 17 * 10**17), "nanoseconds", 17 * 10**17),
-    "whole ms": (lambda ns: str(ns // 10**6), "milliseconds", 0),
-    "whole us": (lambda ns: str(ns // 10**3), "microseconds", 0),
-    "ticks": (lambda ns: str(ns // 100 + 638_000_000_000_000_001), "ticks of 100 ns", 63_800_000_000_000_000_100),
-    "exponent": (lambda ns: f"{ns / 1e9:.12e}", "seconds", 0),
-}
-RESOLUTION_NS = {"whole ms": 10**6, "whole us": 10**3, "ticks": 100}
-
-
-@pytest.mark.parametrize("name", STAMPS)
-def test_4_every_unit_of_time_is_found_and_stated(tmp_path, name):
-    stamp, unit, epoch = STAMPS[name]
-    loaded = load_trace(write(tmp_path / "t.csv", rows(TRACK, stamp=stamp)))
-    step = RESOLUTION_NS.get(name, 1)
-    assert np.array_equal(loaded.track.time_ns, TRACK.time_ns // step * step)
-    assert loaded.time_unit == unit
-    assert loaded.track.epoch_ns == epoch
-    assert abs(loaded.track.rate_hz - 60) < 4  # whole milliseconds make steps of 16 or 17
-    assert unit in found(loaded, "unit-guessed").done and " Hz" in found(loaded, "unit-guessed").done
-
-
 def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
     base = 638_000_000_000_000_000
     assert float(base) == float(base + 30)
@@ -97,44 +70,6 @@ def test_5_the_other_order_is_refused_where_the_motion_shows_it(tmp_path, name):
     assert same_motion(load_trace(path, TraceOptions(quat_order="wxyz")).track, track)
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        "qx qy qz qw",
-        "QuaternionX QuaternionY QuaternionZ QuaternionW",
-        "HeadOrientationX HeadOrientationY HeadOrientationZ HeadOrientationW",
-        "qX qY qZ qW",
-        "UnitQuaternion.x UnitQuaternion.y UnitQuaternion.z UnitQuaternion.w",
-        "RotationX RotationY RotationZ RotationW",
-        "head_rot_x head_rot_y head_rot_z head_rot_w",
-        "q_x q_y q_z q_w",
-        '"quat x" "quat y" "quat z" "quat w"',
-    ],
-)
-@pytest.mark.parametrize("order", ["xyzw", "wxyz"])
-def test_5_names_seen_in_the_wild_tell_the_order(tmp_path, names, order):
-    named = names.replace('" "', '"|"').split("|" if '"' in names else " ")
-    header = ",".join(["time", "px", "py", "pz", *(named["xyzw".index(c)] for c in order)])
-    loaded = load_trace(write(tmp_path / "n.csv", rows(TRACK, order), header))
-    assert same_motion(loaded.track, TRACK)
-
-
-@pytest.mark.parametrize(
-    ("column", "wanted", "others"),
-    [("ViewIndex", "0", ["1"]), ("Device", "HMD", ["LeftController", "RightController"]), ("eye", "left", ["right"])],
-)
-def test_7_interleaved_devices_are_taken_apart(tmp_path, column, wanted, others):
-    table = []
-    for r in TABLE:
-        table += [[wanted, *r]] + [[o, r[0], "5", "5", "5", "1", "0", "0", "0"] for o in others]
-    loaded = load_trace(write(tmp_path / "d.csv", table, f"{column},time,x,y,z,qx,qy,qz,qw"))
-    assert same_motion(loaded.track, TRACK)
-    defect = found(loaded, "devices-interleaved")
-    assert defect.count == 200 * len(others)
-    assert defect.line == 3
-    assert f"of {wanted} taken" in defect.done
-
-
 def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
     table = [[r[0], *TABLE[i // 6 * 6][1:]] for i, r in enumerate(TABLE)]
     loaded = load_trace(write(tmp_path / "r.csv", table))
@@ -149,30 +84,10 @@ def test_9_repeated_poses_are_kept_for_replay_and_left_out_of_speeds(tmp_path):
     assert repeated.angular_speed_deg_s[0] == pytest.approx(clean.angular_speed_deg_s[0], rel=0.1)
 
 
-def test_10_sign_flips_are_joined(tmp_path):
-    flips = {30, 31, 90}
-    table, sign = [], 1
-    for i, (t, p, q) in enumerate(zip(TRACK.time_ns, TRACK.position_m, TRACK.orientation_xyzw, strict=True)):
-        sign = -sign if i in flips else sign
-        table.append([repr(int(t) / 1e9), *map(repr, p.tolist()), *map(repr, (sign * q).tolist())])
-    loaded = load_trace(write(tmp_path / "f.csv", table))
-    assert same_motion(loaded.track, TRACK)
-    assert (np.einsum("ij,ij->i", loaded.track.orientation_xyzw[1:], loaded.track.orientation_xyzw[:-1]) > 0).all()
-    assert (found(loaded, "sign-flip").count, found(loaded, "sign-flip").line) == (3, 32)
-
-
 def scaled(length: float, at: int = 60):
     table = [list(r) for r in TABLE]
     table[at][4:] = [repr(length * float(f)) for f in table[at][4:]]
     return table
-
-
-def test_11_three_decimals_are_normalised_silently(tmp_path):
-    table = [[r[0], *(f"{float(f):.3f}" for f in r[1:])] for r in TABLE]
-    loaded = load_trace(write(tmp_path / "c.csv", table, header="time_s,x,y,z,qx,qy,qz,qw"))
-    assert "norm-off" not in kinds(loaded)
-    # Four components off by 0.0005 each at most: 0.001 as a vector, twice that as an angle.
-    assert same_motion(loaded.track, TRACK, atol=2.1e-3)
 
 
 def test_12_steps_of_30_us_do_no_harm(tmp_path):
@@ -294,90 +209,12 @@ def test_14_a_rate_overrides_a_clock_and_says_so(tmp_path):
     assert "put aside" in found(loaded, "clock-by-rate").what
 
 
-SAID = "time_s,x,y,z,qx,qy,qz,qw"
 HANDS = "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,"
 HANDS += "HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time_s"
-AMONG = [[r[6], *"999", r[7], *"0001", r[3], r[1], "nan", r[4], r[2], r[5], r[0]] for r in TABLE]
-BIGGER = [[r[0], *(repr(float(f) / 0.36) for f in r[1:4]), *r[4:]] for r in TABLE]
-
-
-@pytest.mark.parametrize(
-    ("table", "how", "stated"),
-    [
-        (TABLE, {"header": SAID}, {}),
-        (TABLE, {"header": SAID, "end": ""}, {}),
-        *(
-            (decimal_commas(TABLE), {"header": SAID.replace(",", s), "separator": s}, {})
-            for s in (";", "\t", " ", "   ")
-        ),
-        (AMONG, {"header": HANDS}, {}),
-        (BIGGER, {"header": SAID}, {"scale": 0.36}),
-        *((scaled(length), {"header": SAID}, {}) for length in (0.991, 1.0099)),
-    ],
-)
-def test_what_is_no_defect_is_read_without_a_word(tmp_path, table, how, stated):
-    """Decimal commas under another separator, columns in any order, lengths within a hundredth."""
-    loaded = load_trace(write(tmp_path / "clean.csv", table, **how), TraceOptions(**stated))
-    assert loaded.defects == [] and same_motion(loaded.track, TRACK, atol=1e-12)
 
 
 def replaced(at: dict[int, list[str]]) -> list[list[str]]:
     return [at.get(i, row) for i, row in enumerate(TABLE)]
-
-
-ALL = list(range(200))
-OTHER = [TABLE[40][0], "7.5", "1.6", "0", "0", "0", "0", "1"]
-LATE = [[*r[1:], r[0]] for r in TABLE[:-1]] + [[*TABLE[-1][1:], TABLE[-1][0][:1]]]
-CUT = {
-    "3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,0.0": "length 0.3",  # within the last number
-    "3.3333,0.1,1.6,-0.3,0.2,0": "6 fields",
-    "3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,-": "'-'",
-    "3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,": "empty",
-    "3": "1 fields",
-    "3.31,0.1,1.6,-0.3,0.0,0.0,0.0,1.0": "not after",  # the time was longer: 3.3166.. was before
-    "3.3333,0.1,1.6,-0.3,0.2,0.3,0.1,0.92\x00\x00\x00": "0.92",
-}
-
-
-@pytest.mark.parametrize(
-    ("table", "how", "kind", "count", "line", "said", "kept"),
-    [
-        (TABLE[:50] + [SAID.replace("_s", "").split(",")] + TABLE[:120], {}, "header-repeated", 1, 52, "", ALL[:120]),
-        *(([*TABLE, [last]], {"end": ""}, "last-row-cut", 1, 202, said, ALL) for last, said in CUT.items()),
-        (LATE, {"header": "x,y,z,qx,qy,qz,qw,time", "end": ""}, "last-row-cut", 1, 201, "not after", ALL[:199]),
-        (replaced({70: TABLE[70][:5]}), {}, "row-without-pose", 1, 72, "line 72 (5 fields where", ALL[:70] + ALL[71:]),
-        ([*TABLE[:50], ["tracking lost"], *TABLE[50:]], {}, "row-without-pose", 1, 52, "1 of 201", ALL),
-        *(
-            (replaced({60: [t, *TABLE[60][1:]]}), {}, "row-without-pose", 1, 62, t, ALL[:60] + ALL[61:])
-            for t in ("nan", "soon", "1e30")
-        ),
-        (
-            replaced({i: [*TABLE[i][:4], "0", "0", "0.0", "-0"] for i in (20, 21, 22)}),
-            *({}, "zero-quaternion", 3, 22, "no tracking", ALL[:20] + ALL[23:]),
-        ),
-        (
-            replaced({i: [TABLE[i][0], *"0000001"] for i in range(7)}),
-            *({}, "default-pose", 7, 2, "7 rows with a default pose", ALL[7:]),
-        ),
-        (
-            [*TABLE[:40], OTHER, TABLE[40], *TABLE[40:]],
-            *({}, "duplicate-stamp", 2, 42, "1 of them with another pose", ALL),
-        ),
-        *((scaled(length), {}, "norm-off", 1, 62, "off length 1", ALL) for length in (0.989, 1.02, 0.51)),
-        (TABLE[::-1], {}, "rows-reversed", 199, 2, "reverse order", ALL),
-        (
-            [[repr(float(r[0]) + late), *r[1:]] for r in TABLE for late in (0.0, 90e-6)],
-            *({}, "paired-rows", 200, 2, "0.09 ms before the next", ALL),
-        ),
-    ],
-)
-def test_a_defect_is_told_with_its_line_and_other_rows_are_read(tmp_path, table, how, kind, count, line, said, kept):
-    loaded = load_trace(write(tmp_path / "defect.csv", table, **how))
-    defect = found(loaded, kind)
-    assert (defect.count, defect.line) == (count, line) and said in defect.what and defect.done
-    assert np.allclose(loaded.track.position_m, TRACK.position_m[kept], rtol=0, atol=1e-12)
-    late = TRACK.time_ns[kept] - loaded.track.epoch_ns
-    assert np.abs(loaded.track.time_ns - late).max() <= (90_001 if kind == "paired-rows" else 0)
 
 
 def test_what_may_be_a_default_pose_or_a_second_device_is_not_dropped(tmp_path):
@@ -389,27 +226,8 @@ def test_what_may_be_a_default_pose_or_a_second_device_is_not_dropped(tmp_path):
     assert same_motion(named.track, TRACK) and "quat-order-named" in kinds(named)
 
 
-def ended(end: bytes):
-    return lambda text: text.replace(b"\n", end)
-
-
 def separated(separator: bytes):
     return lambda text: text.replace(b",", separator)
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        *map(separated, (b", ", b" ,", b",\t", b";  ")),
-        *map(ended, (b"\r\n", b"\r", b"\n\n", b"\n# a remark\n", b",\n")),
-        lambda text: b"\xef\xbb\xbf" + text,  # a byte order mark
-        gzip.compress,
-    ],
-)
-def test_15_separators_ends_of_lines_marks_and_gzip_are_seen_through(tmp_path, change):
-    path = write(tmp_path / "e.csv", TABLE)
-    path.write_bytes(change(path.read_bytes()))
-    assert same_motion(load_trace(path).track, TRACK)
 
 
 @pytest.mark.parametrize("value", ["nan", "NaN", "inf", "-inf", "", "x", "1e400", "1_0", "0x10"])
