@@ -155,16 +155,3 @@ def _leads_less(track: PoseTrack) -> None:
 @pytest.mark.parametrize("name", ["look-around", "walk", "reversals", "fast-turns"])
 def test_it_leads_less_than_constant_velocity(name):
     _leads_less(load_trace(name).track)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "eyenavgs_rutgers/user116_drjohnson.csv",
-        "eyenavgs_nthu/user19_drjohnson.csv",
-        "questset_sample/sample_movement_data.csv",
-    ],
-)
-def test_it_leads_less_on_recorded_heads(real_traces, name):
-    """On heads that it was not fitted to."""
-    _leads_less(load_trace(real_traces / name).track)

@@ -40,16 +40,6 @@ def of_devices(*names: str, zero: str = "") -> list[list[str]]:
     return [[name, r[0], *(r[1:] if name == names[-1] else poses[name])] for r in TABLE for name in names]
 
 
-def test_bodies_are_told_apart_under_any_column_name(tmp_path):
-    """A column of text that names heads and hands is one of devices, whatever it is called."""
-    table = [[name, *r] for r in TABLE for name in ("LeftHand", "Camera (eye)", "RightHand")]
-    table = [[*r[:4], "9", *r[5:]] if "Hand" in r[0] else r for r in table]
-    loaded = load_trace(write(tmp_path / "d.csv", table, "who," + HEADER))
-    assert same_motion(loaded.track, TRACK) and "who = Camera (eye)" in loaded.columns
-    stated = load_trace(write(tmp_path / "d.csv", table, "who," + HEADER), TraceOptions(columns="t=time,q=qx+qy+qz+qw"))
-    assert len(stated.track) == len(TRACK) and "duplicate-stamp" not in kinds(stated)
-
-
 def test_a_device_name_of_any_length_is_one_of_its_own(tmp_path):
     long = "a tracker whose name is longer than most"
     table = [[f"{long} {i}", *r[:1], str(i), *r[2:]] for r in TABLE for i in (1, 2)]
@@ -77,22 +67,6 @@ def test_json_without_poses_is_refused(tmp_path, text):
 
 
 # clocks
-
-
-def test_the_stated_clock_is_read(tmp_path):
-    table = [[str(i), *r] for i, r in enumerate(TABLE)]
-    path = write(tmp_path / "t.csv", table, "timestamp,when,x,y,z,qx,qy,qz,qw")
-    for word in ("when", "2"):
-        assert same_motion(load_trace(path, TraceOptions(time_column=word, time_unit="s")).track, TRACK)
-    assert "no column 'then'" in refusal(path, time_column="then")
-
-
-def test_the_columns_that_were_taken_are_named(tmp_path):
-    table = [[*r, "9", "9", "9"] for r in TABLE]
-    loaded = load_trace(write(tmp_path / "n.csv", table, f"{HEADER},gaze_x,gaze_y,gaze_z"))
-    assert loaded.columns == "time: time; position: x, y, z; orientation: qx, qy, qz, qw"
-    bare = load_trace(write(tmp_path / "b.txt", TABLE, header="", separator=" "))
-    assert bare.columns == "time: 1; position: 2, 3, 4; orientation: 5, 6, 7, 8"
 
 
 # angles and matrices

@@ -209,10 +209,6 @@ def test_14_a_rate_overrides_a_clock_and_says_so(tmp_path):
     assert "put aside" in found(loaded, "clock-by-rate").what
 
 
-HANDS = "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,"
-HANDS += "HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time_s"
-
-
 def replaced(at: dict[int, list[str]]) -> list[list[str]]:
     return [at.get(i, row) for i, row in enumerate(TABLE)]
 
@@ -224,10 +220,6 @@ def test_what_may_be_a_default_pose_or_a_second_device_is_not_dropped(tmp_path):
     assert len(load_trace(write(tmp_path / "odd.csv", odd, f"ViewIndex,{HEADER}")).track) == 100
     named = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(quat_order="wxyz"))
     assert same_motion(named.track, TRACK) and "quat-order-named" in kinds(named)
-
-
-def separated(separator: bytes):
-    return lambda text: text.replace(b",", separator)
 
 
 @pytest.mark.parametrize("value", ["nan", "NaN", "inf", "-inf", "", "x", "1e400", "1_0", "0x10"])

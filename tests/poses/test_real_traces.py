@@ -69,25 +69,6 @@ def test_known_gestures_prove_the_axes(real_traces, gesture):
     assert abs(moved[np.argmax(moved * np.sign(wanted))] - wanted) < 2
 
 
-def test_the_euler_twin_proves_the_quaternions(real_traces):
-    """The twin's angles, put together as its description says and turned to OpenXR by matrices, are
-    the poses that were read.
-    """
-    folder = real_traces / "multiviewpoint_mmsys18"
-    euler = np.loadtxt(folder / "user1_euler.txt", skiprows=1)
-    in_file = Rotation.from_euler("XZY", np.stack([-euler[:, 2], euler[:, 3], -euler[:, 4]], axis=1)).as_matrix()
-    openxr_from_file = np.array([[0, -1.0, 0], [0, 0, 1], [-1, 0, 0]])
-    track = load_trace(folder / "user1_quaternion.txt").track
-    wanted = Rotation.from_matrix(openxr_from_file @ in_file @ openxr_from_file.T)
-    assert (wanted.inv() * Rotation.from_quat(track.orientation_xyzw)).magnitude().max() < 1e-7
-    # And they are those of a person: upright, turning about +y, nodding more than tilting sideways.
-    crown = Rotation.from_quat(track.orientation_xyzw).apply([0, 1, 0])
-    assert np.median(crown[:, 1]) > 0.9
-    own = Rotation.from_quat(track.orientation_xyzw)
-    turns = np.abs((own[:-1].inv() * own[1:]).as_rotvec()).mean(axis=0)
-    assert turns[1] > turns[0] > turns[2]
-
-
 def test_shipped_people_are_described_level_and_licensed():
     """Each is 20 to 40 s long and small, says where it comes from, and looks ahead first."""
     folder = resources.folder("recordings")
