@@ -36,21 +36,6 @@ def auto(path: Path, **options):
 
 
 @pytest.mark.parametrize(
-    "options, told",
-    [
-        ({"warp": "auto"}, "--budget MS"),
-        ({"budget_ms": 5.0}, "only --warp auto keeps to a budget; 'forward'"),
-        ({"bench": "b.json"}, "only --warp auto chooses from a benchmark"),
-        ({"warp": "auto", "budget_ms": 0.0}, "expected a finite number above 0 ms"),
-        ({"warp": "auto", "budget_ms": 5.0, "fused": True}, "--fused with --warp auto"),
-    ],
-)
-def test_options_that_make_no_sense(options, told):
-    with pytest.raises(InputError, match=re.escape(told)):
-        small(**options)
-
-
-@pytest.mark.parametrize(
     "text, told",
     [
         (None, "no such file"),
@@ -180,12 +165,6 @@ def test_the_best_within_the_budget_is_named_with_its_command_line_and_why(tmp_p
     assert choice.command(typed) == wanted
 
 
-def test_a_run_that_names_its_warp_is_left_as_it_is():
-    options = small(warp="forward")
-    choice = choose(options)
-    assert (choice.options, choice.level, choice.following, choice.notes) == (options, None, None, ())
-
-
 def test_the_replay_of_a_choice_is_that_of_its_warp(tmp_path):
     """Every byte of the pictures, and every figure but times, is what the warp alone would show."""
     chosen = choose(small(**auto(a_bench(tmp_path / "b.json")))).options
@@ -307,11 +286,6 @@ def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
         refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
         assert all("peeled" in eye for eye in refresh.frame.eyes)
         assert ["peeled" in inputs.rendered for inputs in refresh.inputs] == [gets_them, gets_them]
-
-
-@pytest.mark.parametrize("against", ["layered", "multi"])
-def test_layers_of_a_compared_warp_are_not_handed_to_the_run(tmp_path, against):
-    assert run(tmp_path, warp="forward", fill="pyramid", against=against, seconds=0.1).summary["frames"] > 0
 
 
 def test_a_replay_compiles_every_level_at_the_start(tmp_path):

@@ -147,22 +147,6 @@ def test_changes_that_need_other_frames_restart_the_pipeline(gpu, values):
         assert running.ages_ms[8:] == [None] * 3 + [50.0] * 5
 
 
-def test_back_again_is_as_before(gpu):
-    """From other frames to the first ones, and from one eye to two."""
-    with Running(gpu) as running:
-        for values in ({"warp": "layered"}, {"warp": "forward", "view": "flat"}, {"view": "both"}):
-            running.set(**values).go(5)
-        assert running.display.views == ["flat", "both"]
-        assert running.ages_ms[-1] == 50.0
-
-
-def test_an_empty_change_keeps_the_pipeline(gpu):
-    with Running(gpu) as running:
-        pipeline, plan = running.host.run, running.host.run.loop.compensator.plan
-        running.set()
-        assert running.host.run is pipeline and running.host.run.loop.compensator.plan is plan
-
-
 # --- what cannot be
 
 IMPOSSIBLE = [
@@ -235,13 +219,3 @@ def test_a_tour_of_all_changes_leaves_nothing_on_the_gpu(gpu):
             counts.append(living())
         assert counts[1] == counts[2] == counts[0]
         assert counts[0]["Texture"] > 10  # or nothing was counted
-
-
-def test_a_closed_stage_leaves_nothing(gpu):
-    with Running(gpu) as running:
-        running.go(3)
-    before = living()
-    with Running(gpu) as running:
-        running.go(3).set(warp="backward").go(2).set(view="flat").go(3)
-    left = living() - before
-    assert not set(left) - {"Program"}, left

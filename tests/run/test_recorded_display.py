@@ -86,11 +86,6 @@ def test_what_a_mask_hides_of_recorded_frames_is_no_picture(run, tmp_path, chain
         run(folder, warp=warp)
 
 
-def test_size_is_that_of_the_shown_middle(run, folder):
-    summary = run(folder, guard="1.5", size="20x14").summary
-    assert (summary["size"], summary["rendered"]["size"]) == ([20, 14], [30, 21])
-
-
 def test_a_right_eye_sees_the_wall_from_beside_the_camera(run, wall):
     """It lacks the strip of the wall that the camera did not see: as wide as it sits beside it."""
     eye_distance_mm = 150.0
@@ -132,11 +127,6 @@ def test_a_right_eye_of_other_instants_is_refused(tmp_path):
         sequences.open(tmp_path)
 
 
-def test_one_picture_crosses_the_link_for_both_eyes(run, folder):
-    one, both = (run(folder, eye_distance=mm).summary["link"]["mbit_s"] for mm in (0.0, 63.0))
-    assert one == both
-
-
 def test_live_plays_the_recording_forth_and_back(folder, tmp_path):
     """The camera's own head leads; two seconds are five times its length."""
     out = tmp_path / "live"
@@ -166,26 +156,6 @@ def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
     said = {"frames": folder, "source": "offscreen", "view": "flat", "latency": 0.0, "pictures": 4, "guard": "1.5"}
     summary = live(LiveOptions.of({**said, "out": tmp_path / "live", "trace": "look-around"})).summary
     assert summary["size"] == [40, 27] and summary["rendered"]["size"] == list(SIZE)
-
-
-@pytest.mark.parametrize(
-    ("kind", "said", "told"),
-    [
-        (LiveOptions, {"source": "openxr"}, "--source openxr with --frames: a headset has a head of its own"),
-        (LiveOptions, {"lens": "radial"}, "--lens radial with --frames"),
-        (RunOptions, {"frames": None, "trace": "walk", "eye_distance": 63.0}, "--eye-distance 63 without --frames"),
-        (RunOptions, {"frames": None, "trace": "walk", "repair": "edges"}, "--repair edges: a rendered scene"),
-    ],
-)
-def test_options_beyond_recorded_frames_are_refused(kind, said, told, folder):
-    with pytest.raises(InputError) as caught:
-        kind.of({"frames": folder, **said})
-    assert told in str(caught.value)
-
-
-def test_a_guard_that_leaves_next_to_nothing_is_refused(run, folder):
-    with pytest.raises(InputError, match="guard 6 leaves 10 of the 60 recorded pixels on one axis"):
-        run(folder, guard="6")
 
 
 def test_pages_say_folder_camera_and_eyes_in_place_of_a_scene(folder, tmp_path, gpu):

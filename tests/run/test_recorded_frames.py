@@ -10,7 +10,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from recorded_folders import fov_of, taken, write_nerfstudio, write_npz, write_tum
+from recorded_folders import taken, write_npz
 from replays import rows_of
 
 from hmdwarp.colour import linear_from_srgb
@@ -182,54 +182,6 @@ def _means(places, count):
     away = np.arange(count) + 0.5 - places[:, None]
     inside = (away > -reach + 1e-6) & (away <= reach + 1e-6)
     return inside / inside.sum(axis=1, keepdims=True)
-
-
-def test_part_of_a_recording(run, tmp_path):
-    rows = run(start=0.2, seconds=0.1) and rows_of(tmp_path / "out")
-    assert [round(int(row["shown_ns"]) / 1e9 * 30) for row in rows] == [6, 7, 8]
-
-
-def test_layouts_give_the_same_figures(run, tmp_path):
-    """But for depth in steps of 0.2 mm or 1 mm: a hundredth of a pixel."""
-    expected = run().summary["quality"]["psnr_db"]["mean"]
-    fx, fy, cx, cy = fov_of(SIZE).intrinsics(SIZE)
-    for write in (write_tum, write_nerfstudio):
-        other = tmp_path / write.__name__
-        other.mkdir()
-        write(other, taken(COUNT, SIZE))
-        centre = 0.5 if write is write_nerfstudio else 0
-        if centre:
-            file = other / "transforms.json"
-            camera = {"fl_x": fx, "fl_y": fy, "cx": cx + centre, "cy": cy + centre}
-            file.write_text(json.dumps(json.loads(file.read_text()) | camera))
-        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}", "depth_scale": 0.0002}
-        assert run(other, **said).summary["quality"]["psnr_db"]["mean"] == pytest.approx(expected, abs=0.3)
-
-
-def test_over_a_link_with_a_codec(run):
-    summary = run(codec="h264", bandwidth="20").summary
-    assert summary["link"]["codec"] == "h264" and summary["quality"]["psnr_db"]["mean"] > 20
-
-
-@pytest.mark.parametrize(
-    ("said", "told"),
-    [
-        ({"guard": "auto"}, "--guard auto with --frames: a factor says how much of the recording is shown"),
-        ({"rendered_size": "90x60"}, "--rendered-size with --frames"),
-        ({"predict": "cautious"}, "--predict cautious with --frames: each frame was taken where the camera was"),
-        ({"lens": "radial"}, "--lens radial with --frames: the display is the camera"),
-        ({"proxy": True}, "--proxy with --frames"),
-        ({"scanout": 8.0}, "--scanout 8 ms with --frames: the truth of each row was not recorded"),
-        ({"scene": "gallery"}, "--scene with --frames: recorded frames take the place of a scene"),
-        ({"headset": "flat-90"}, "--headset with --frames: the display is the camera"),
-        ({"wide": True}, "--wide with --frames"),
-        ({"warp": "auto", "budget": 5.0}, "--warp auto with --frames"),
-    ],
-)
-def test_options_beyond_a_recording_are_refused(said, told, folder):
-    with pytest.raises(InputError) as caught:
-        options(folder, **said)
-    assert told in str(caught.value)
 
 
 def framed(folder: Path, rim: tuple[int, int, int, int]) -> Path:

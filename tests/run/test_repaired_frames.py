@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import attrs
 import numpy as np
 import pytest
 from recorded_folders import taken, write_npz
 
-from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.pipeline.recorded_source import RecordingSource
 from hmdwarp.run import RunOptions, replay
@@ -61,16 +59,3 @@ def test_the_server_gives_repaired_frames_and_truth_as_it_was_recorded(folder, g
     assert (inverse > 0).all() and (download(truth.inverse_depth)[10:30, 15:45] == -1).all()
     assert np.array_equal(download(truth.colour), colour)  # a repair changes no colour
     server.close()
-
-
-def test_a_repair_is_for_recorded_frames_and_has_a_known_name(folder, tmp_path):
-    with pytest.raises(InputError, match="--repair edges: a rendered scene lacks no depth"):
-        RunOptions.of({"trace": "walk", "repair": "edges"})
-    with pytest.raises(UnknownNameError, match="did you mean 'edges'"):
-        replay(options(folder, tmp_path, repair="edge"))
-
-
-def test_without_a_repair_a_sequence_is_what_it_was(folder):
-    sequence = sequences.open(folder)
-    assert sequence.repaired(parse_repairs("none")) is sequence
-    assert attrs.evolve(sequence).repair.steps == ()

@@ -74,25 +74,6 @@ def test_last_words_that_hang_or_fail_keep_nobody(tmp_path):
     assert error.endswith("once more; the log is in out\n")
 
 
-def test_a_terminal_that_takes_nothing_more_keeps_nobody(tmp_path):
-    """Standard error is a pipe that is full and that nobody reads."""
-    body = """
-        module.PRINTING_S = 0.3
-        os.set_blocking(2, False)
-        try:
-            while True:
-                os.write(2, bytes(4096))
-        except BlockingIOError:
-            os.set_blocking(2, True)
-        """
-    program = started(textwrap.dedent(body) + HANGS.format(limit=0.2, words="[]"), tmp_path)
-    try:
-        assert program.wait(PATIENCE_S) == 3
-    finally:
-        program.kill()
-        program.communicate()
-
-
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")
 def test_a_peer_that_is_stopped_is_noticed(tmp_path):
     """As a runtime's service: it answers, is stopped (SIGSTOP) and answers no more."""
@@ -176,18 +157,6 @@ def test_many_calls_that_come_back_are_no_hang(tmp_path):
         print(threading.active_count())
         """
     assert ended(body, tmp_path) == (0, "1\n", "")
-
-
-def test_an_outer_call_that_hangs_after_an_inner_one_is_noticed(tmp_path):
-    body = """
-        with Watchdog(0.3, []) as dog, dog.watching("outer"):
-            with dog.watching("inner"):
-                pass
-            ctypes.CDLL(None).pause()
-        """
-    status, _, error = ended(body, tmp_path)
-    assert status == 3
-    assert "has not answered outer for" in error
 
 
 def test_watching_a_call_makes_nothing_and_takes_no_lock():
