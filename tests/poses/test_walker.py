@@ -203,7 +203,3 @@ def test_an_input_from_before_counts_now():
     walker.advance(100 * MS + round(TURN_S * 1e9))
     turned = walker.head_at(100 * MS + round(TURN_S * 1e9)).pose.rotation.magnitude()
     assert turned == pytest.approx(1 - math.exp(-1), abs=1e-9)
-
-
-def test_every_sample_says_how_it_was_obtained():
-    assert [Walker(0).head_at(t).origin for t in (-1, 0, 1)] == [Origin.HELD, Origin.MEASURED, Origin.PREDICTED]
