@@ -1,11 +1,9 @@
-"""What a live run writes.
-
-The same files as a replay, true to what was shown, whatever ends it, and in bounded memory.
-"""
+"""What a live run writes: the files of a replay, true to what was shown, whatever ends it."""
 
 from __future__ import annotations
 
 import functools
+import gc
 import json
 import threading
 import tracemalloc
@@ -13,16 +11,20 @@ import tracemalloc
 import attrs
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from replays import contents, rows_of
 from scipy.spatial.transform import Rotation, Slerp
 
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import MachineError
-from hmdwarp.gpu import download, flip_rows
-from hmdwarp.poses import PoseTrack
+from hmdwarp.gpu import Canvas, download, flip_rows, upload
+from hmdwarp.poses import PoseTrack, quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import LiveLog, LiveOptions, live_figures
+from hmdwarp.run import HoleCounter, LiveLog, LiveOptions, live_figures
 from hmdwarp.run import live_log as log
+from hmdwarp.run.ending import Pauses
+from hmdwarp.run.frame_rows import angle_between
 from hmdwarp.run.live_figures import Thinned
 from hmdwarp.run.live_summary import LiveFacts
 from hmdwarp.run.misses import MissTally
@@ -383,3 +385,113 @@ def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
     assert len(result.summary["live"]["notices"]) <= 52
     with (tmp_path / "out" / "frames.csv").open() as file:
         assert sum(1 for _ in file) == 1 + 2 * result.summary["frames"]
+
+
+@given(count=st.integers(0, 3000), half=st.integers(1, 40))
+def test_kept_rows_are_evenly_spaced(count, half):
+    most = 2 * half
+    table = Thinned(("number", "square"), most)
+    for number in range(count):
+        table.add((number, number * number))
+    kept = table.column("number")
+    assert kept.tolist() == list(range(0, count, table.every))
+    assert table.column("square").tolist() == [number * number for number in kept]
+    assert len(kept) <= most and (table.every == 1 or len(kept) > half) and (table.every & (table.every - 1)) == 0
+
+
+def test_unmeasured_rows_are_left_out():
+    table = Thinned(("a", "b"))
+    for row in ((1, np.nan), (np.nan, np.nan), (2, 3)):
+        table.add(row)
+    assert table.measured("a", "b").tolist() == [1, 2, 3] and np.isnan(table.column("b")[:2]).all()
+
+
+def test_pauses_are_those_between_start_and_stop():
+    pauses = Pauses()
+    gc.collect()
+    pauses.start()
+    try:
+        gc.collect(0)
+        gc.collect(0)
+        gc.collect(2)
+    finally:
+        pauses.stop()
+        pauses.stop()
+    gc.collect()
+    told = pauses.as_dict()
+    assert (
+        told["collections"][0] >= 2 and told["collections"][2] == 1
+    )  # Python may find it is time for a young one by itself
+    assert 0 < told["longest_ms"] <= told["total_ms"]
+
+
+@given(st.lists(st.floats(-1, 1), min_size=8, max_size=8))
+def test_the_angle_in_plain_floats_is_that_of_the_arrays(values):
+    a, b = np.array(values[:4]) + (0, 0, 0, 1.5), np.array(values[4:]) + (0, 0, 0, 1.5)
+    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
+    # 4 atan2 of lengths that are off by a unit in the last place each: 1e-15 of an angle up to pi
+    assert abs(angle_between(a.tolist(), (-b).tolist()) - quaternions.angle_between(a, b)) < 1e-14
+
+
+@given(st.lists(st.booleans(), min_size=1), st.floats(0, 90))
+def test_the_figures_of_a_head_that_is_always_as_far_off(stale, off):
+    tally = MissTally()
+    for one in stale:
+        tally.add(one, off)
+    figures = tally.as_dict()
+    assert figures["stale_share"] * len(stale) == pytest.approx(stale.count(True))
+    assert figures["longest_stale"] <= stale.count(True)
+    assert figures["judder_deg"] == 0
+
+
+@pytest.fixture
+def counter(gpu):
+    made = HoleCounter(gpu)
+    yield made
+    made.close()
+
+
+def picture(gpu, seed: int, size: tuple[int, int], share: float) -> tuple[Canvas, float]:
+    """A canvas and the share of it that is holes.
+
+    Alpha that is not 0 is as small as a half can be: it counts as covered.
+    """
+    w, h = size
+    rng = np.random.default_rng(seed)
+    image = rng.random((h, w, 4)).astype(np.float16)
+    image[..., 3] = np.where(rng.random((h, w)) < share, 0, rng.choice(np.array([6e-8, 0.5, 1], np.float16), (h, w)))
+    canvas = Canvas(gpu.gl, size)
+    upload(canvas.texture, image)
+    return canvas, np.count_nonzero(image[..., 3] == 0) / (w * h)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (63, 7), (64, 8), (65, 9), (131, 97)])
+@pytest.mark.parametrize("share", [0, 0.01, 0.5, 1])
+def test_every_hole_is_counted_once(gpu, counter, size, share):
+    canvas, wanted = picture(gpu, 1, size, share)
+    counter.count([canvas])
+    counter.count([canvas])
+    assert counter.shares() == (wanted,)
+
+
+def test_it_tells_the_refresh_before_of_each_eye(gpu, counter):
+    """Of pictures that change, of eyes of two sizes, of one eye instead of two."""
+    rounds = [[picture(gpu, 10 * n + eye, (40 + n, 30 - eye), 0.1 * n) for eye in range(2)] for n in range(5)]
+    rounds.append([picture(gpu, 99, (20, 20), 0.3)])
+    assert counter.shares() is None
+    before = None
+    for eyes in rounds:
+        counter.count([canvas for canvas, _ in eyes])
+        assert counter.shares() == before
+        assert counter.shares() == before  # may be asked again
+        before = tuple(share for _, share in eyes)
+
+
+def test_a_count_outlives_its_picture(gpu, counter):
+    """A change of the size frees the old pictures at once."""
+    old, wanted = picture(gpu, 3, (50, 20), 0.2)
+    counter.count([old])
+    old.release()
+    new, _ = picture(gpu, 4, (20, 50), 0.9)
+    counter.count([new])
+    assert counter.shares() == (wanted,)

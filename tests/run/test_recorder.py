@@ -175,37 +175,6 @@ def test_a_killed_program_has_lost_a_second_at_most(tmp_path):
     assert len(taken) - len(kept) < 1 / 0.005
 
 
-FULL = """
-import resource, sys
-from pathlib import Path
-from hmdwarp.errors import MachineError
-from hmdwarp.run import Recorder
-from tests.run.test_recorder import ABOUT, samples
-sys.dont_write_bytecode = True  # the limit would cut those files too, for every later run
-resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
-told = []
-try:
-    with Recorder(Path(sys.argv[1]), told.append) as recorder:
-        recorder.begin(ABOUT, 90.0)
-        for count, head in enumerate(samples(100000)):
-            recorder.add(head)
-            if count % 10 == 9:
-                recorder.flush()
-except MachineError as error:
-    print(count, error)
-"""
-
-
-def test_a_full_disk_ends_the_run_and_leaves_whole_lines(tmp_path):
-    run = [sys.executable, "-c", FULL, str(tmp_path / "a.csv")]
-    done = subprocess.run(run, capture_output=True, text=True, timeout=120, check=False)
-    assert "cannot write" in done.stdout and "make room" in done.stdout and done.stderr == "", done
-    assert int(done.stdout.split()[0]) < 40  # at the next pose, not at the end
-    text = (tmp_path / "a.csv").read_text()
-    assert 2800 < len(text) <= 3000 and text.endswith("\n")
-    assert load_trace(tmp_path / "a.csv").track.time_ns[-1] > 0
-
-
 def test_a_disk_that_stands_still_holds_no_pose_up_and_its_backlog_is_bounded(tmp_path, monkeypatch):
     stands, go = threading.Event(), threading.Event()
 
