@@ -14,7 +14,7 @@ import mirror_wall
 import moderngl
 import numpy as np
 import pytest
-from gl_clock import counting_made
+from made import counting_made
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import DepthLayer, Fov, InputError, Pose, View, Warper, warp_image
