@@ -13,9 +13,8 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from coded_frames import pictures, rgba
 
-from hmdwarp.colour import picture_from_linear, srgb_from_linear
+from hmdwarp.colour import linear_from_srgb, picture_from_linear, srgb_from_linear
 from hmdwarp.errors import InputError, MachineError, UnknownNameError
 from hmdwarp.link.codec import Codec, Decoder, Encoder, Undecodable, check_codec, codecs
 
@@ -32,8 +31,18 @@ def codec(request):
 
 
 @functools.cache
-def frames(size=(160, 120), count=12):
-    return pictures(size, count)
+def frames(size=(160, 120), count=12) -> list[np.ndarray]:
+    """A wall with waves, a box passing before it, sky above, and a hole; as encoders take them."""
+    width, height = size
+    y, x = np.mgrid[:height, :width].astype(np.float64)
+    out = []
+    for k in range(count):
+        colour = np.stack([128 + 60 * np.sin((x + 2 * k) / 9), 90 + y * 80 / height, 120 + 50 * np.cos(y / 7)], -1)
+        colour[: height // 5] = (90, 150, 230)
+        colour[(abs(x - width / 3 - 2 * k) < width / 8) & (abs(y - height / 2) < height / 5)] = (220, 40, 30)
+        out.append(opaque(colour.astype(np.uint8)))
+        out[-1][(x - 0.8 * width) ** 2 + (y - 0.7 * height) ** 2 < (height / 9) ** 2] = 0
+    return out
 
 
 def psnr(a, b) -> float:
@@ -51,7 +60,8 @@ def patches(count: int = 48) -> tuple[np.ndarray, np.ndarray]:
 
 
 def opaque(colour: np.ndarray) -> np.ndarray:
-    return rgba(colour, np.ones(colour.shape[:2]))
+    """Linear light with coverage in alpha, of sRGB bytes."""
+    return np.dstack([linear_from_srgb(colour), np.ones(colour.shape[:2])]).astype(np.float16)
 
 
 @pytest.mark.parametrize(("crf", "bound", "lean"), [(1, 3.2, 0.75), (None, 5.2, 1.6)])
@@ -241,7 +251,7 @@ def test_damage_is_undecodable_until_the_next_key_frame_and_nothing_is_printed(c
         attrs.evolve(first, data=b""),
         attrs.evolve(first, data=bytes(len(first.data))),
         *(turned_over(first, place) for place in range(0, len(first.data), 97)),
-        Encoder(codec, (80, 60), 60).encode(pictures((80, 60), 1)[0]),
+        Encoder(codec, (80, 60), 60).encode(frames((80, 60))[0]),
     ):
         with pytest.raises(Undecodable):
             decoder.decode(damaged)
