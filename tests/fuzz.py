@@ -461,17 +461,16 @@ def _bids(folder: Path) -> None:
 
 
 def _sequences() -> Iterator[tuple[str, Target]]:
-    from published_folders import PUBLISHED, Form
-    from recorded_folders import LAYOUTS, taken
-    from ros_bags import BAGS
+    from recorded_folders import taken
+    from ros_bags import BAGS, FORMS
 
-    def read(form: Form, folder: Path, rng: Rng) -> None:
+    def read(form: Any, folder: Path, rng: Rng) -> None:
         from hmdwarp.sources import sequences
 
         for frame in sequences.open(folder, form.options).frames[:4]:
             frame.read()
 
-    for name, form in ({name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS).items():
+    for name, form in FORMS.items():
         needs = "rosbags" if name in BAGS else "OpenEXR" if name == "exr" else None
         yield (
             f"frames {name}",
