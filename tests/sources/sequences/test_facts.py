@@ -383,7 +383,14 @@ def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_
     assert 0 < readers.get("rosbag").fits(folder) < readers.get("traced").fits(folder)
 
 
-# --- depth ---
+# --- colour and depth ---
+
+
+def test_floats_are_light_and_bytes_are_srgb(folder):
+    assert fact(sequences.open(made(folder, "npz")), "encoding") == ("sRGB (bytes)", By.FORMAT)
+    edited(folder, "npz", {"*.npz": lambda data: data.update(colour=data["colour"] / 255)})
+    assert fact(sequences.open(folder), "encoding") == ("linear (float colour)", By.DEFAULT)
+
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def test_every_layout_gives_the_frames_that_were_taken(layout, folder):
     for found, one in zip(sequence.frames, frames, strict=True):
         assert found.pose.isclose(one.pose, 1e-9)
         assert attrs.astuple(found.fov)[:4] == pytest.approx(attrs.astuple(expected)[:4], abs=1e-9)
-        assert found.time_ns == one.time_ns
+        assert found.view.pose is found.pose and found.view.fov is found.fov and found.time_ns == one.time_ns
         at = sequence.track.at(found.time_ns)
         assert at.origin is Origin.MEASURED and at.pose.isclose(found.pose, 0)
         assert found.size == SIZE
