@@ -659,9 +659,11 @@ def _secrets() -> Iterator[tuple[str, Target]]:
 
 def _messages() -> Iterator[tuple[str, Target]]:
     def write(name: str, folder: Path) -> None:
-        from sources.feed import test_message as made
+        from sources.feed import messages as made
 
-        (folder / "message").write_bytes(bytes(made.encode(getattr(made, name))))
+        from hmdwarp.sources.feed import message
+
+        (folder / "message").write_bytes(bytes(message.encode(getattr(made, name))))
 
     def read(folder: Path, rng: Rng) -> None:
         from hmdwarp.errors import InputError

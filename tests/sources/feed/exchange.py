@@ -13,7 +13,7 @@ import numpy as np
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.listener import Listener
 
-from .test_message import ASK, FRAME
+from .messages import ASK, FRAME
 
 _NUMBERS = itertools.count(1)
 WHENEVER_MS = 600_000  # at most, to wait for what is certain to come: a fail-safe

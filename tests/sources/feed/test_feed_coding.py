@@ -31,7 +31,7 @@ from hmdwarp.sources.feed.message import (
     length_of,
 )
 
-from .test_message import ASK, FRAME
+from .messages import ASK, FRAME
 
 SIZE = (96, 80)
 HOSTILE = ((H264, DEPTH_VIDEO), (HEVC, DEPTH_EXACT), (VP9, DEPTH_EXACT), (AV1, DEPTH_EXACT))

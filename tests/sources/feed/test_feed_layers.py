@@ -21,7 +21,7 @@ from hmdwarp.sources.feed.message import FrameMessage, Malformed, decode, encode
 from hmdwarp.sources.feed.parts import Packed, Wanted, packed
 from hmdwarp.sources.server import Server
 
-from .test_message import FRAME
+from .messages import FRAME
 from .test_motion_vectors import told
 
 SIZE, SHOWN = (24, 20), (16, 12)

@@ -35,8 +35,8 @@ from hmdwarp.sources.feed.sockets import (
 )
 
 from .exchange import WHENEVER_MS, answered, exchanged, port_of
+from .messages import ASK, FRAME
 from .relay import RESET
-from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 MIB = 1 << 20

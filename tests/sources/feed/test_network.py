@@ -28,8 +28,8 @@ from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.sockets import SILENT_NS
 
 from .exchange import answered, exchanged, feeder, port_of
+from .messages import ASK, FRAME
 from .relay import Relay
-from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

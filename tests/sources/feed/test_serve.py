@@ -38,7 +38,7 @@ from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
 
 from .exchange import WHENEVER_MS, answered, exchanged, feeder
-from .test_message import ASK, FRAME
+from .messages import ASK, FRAME
 from .test_strategies import patient
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
