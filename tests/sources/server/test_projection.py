@@ -49,21 +49,6 @@ def test_a_box_behind_the_eye_is_culled():
     ]
 
 
-@given(st.lists(vectors, min_size=1, max_size=20), vectors)
-def test_nearest_first_never_puts_a_farther_box_into_an_earlier_class(centres, eye):
-    centres, eye = np.array(centres), np.array(eye)
-    group = nearest_first(boxes_of(centres, np.ones_like(centres)), eye)
-    farthest = np.linalg.norm(np.abs(centres - eye) + 1, axis=1)
-    order = np.argsort(farthest, kind="stable")
-    assert (np.diff(group[order]) >= 0).all()
-    assert (group >= 0).all()
-    assert (group < 4).all()
-
-
-def test_nearest_first_of_nothing_is_nothing():
-    assert nearest_first(boxes_of(np.zeros((0, 3)), np.zeros((0, 3))), np.zeros(3)).size == 0
-
-
 @given(st.lists(vectors, min_size=1, max_size=40), vectors, st.integers(1, 6))
 def test_the_classes_are_those_of_numpys_quantiles(centres, eye, classes):
     centres, eye = np.array(centres), np.array(eye)

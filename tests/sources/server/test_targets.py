@@ -12,7 +12,6 @@ import pytest
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 from hmdwarp.sources.server.targets import IDLE_AFTER, MOST_IDLE, MOST_IDLE_BYTES
 
@@ -21,10 +20,9 @@ BYTES = SIZE[0] * SIZE[1] * (8 + 4)
 
 
 @pytest.fixture
-def server(gpu):
-    made = Server(gpu, load_scene("planes"))
+def server(serve):
+    made = serve("planes")
     yield made
-    made.close()
 
 
 def burst(server: Server, number: int) -> None:

@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server, Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
+from hmdwarp.sources.server import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
 from hmdwarp.sources.server.visibility import KEPT, Chunks, visible
 
 angles = st.floats(0.05, 1.4)
@@ -78,9 +77,9 @@ def test_every_chunk_is_drawn_once_and_neighbours_in_one_call():
     assert draws_of(chunks, np.zeros(4, bool), np.zeros(3)) == ()
 
 
-def test_little_more_is_drawn_than_is_seen(gpu):
+def test_little_more_is_drawn_than_is_seen(serve):
     """Of the room, over a look around: its triangles are what drawing costs on a processor."""
-    server = Server(gpu, load_scene("room"))
+    server = serve("room")
     chunks, fov = server._buffers.chunks, Fov.symmetric(math.radians(90), math.radians(100))
     seen = cell = cells = 0
     for k in range(180):
@@ -94,6 +93,5 @@ def test_little_more_is_drawn_than_is_seen(gpu):
         cells += len(server._buffers.visibility._known) != known
         seen += chunks.count[exact].sum()
         cell += sum(count for _, spans in draws for _, count in spans)
-    server.close()
     print(f"{cell / seen:.3f} times the triangles")
     assert seen <= cell <= 1.25 * seen
