@@ -263,17 +263,6 @@ def test_who_asks_while_the_server_draws_is_not_silent(listener, monkeypatch):
         assert not any("silent" in line for line in listener.told)
 
 
-def test_a_client_that_leaves_is_forgotten_at_once(listener):
-    """Those that have left must not keep others out."""
-    for _ in range(80):  # more than there may be at a time
-        with raw(listener) as one:
-            one.sendall(part(request()))
-            while not answered(listener):
-                pass
-    serves(listener)
-    assert not any("clients are here already" in line for line in listener.told)
-
-
 def test_log_lines_are_limited_whatever_comes(listener):
     begun = time.monotonic()
     with raw(listener) as one:

@@ -28,7 +28,7 @@ from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Wish
 from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
 
-from .exchange import feeder, vector_row
+from .exchange import feeder
 from .messages import ASK
 from .test_strategies import patient
 
@@ -152,9 +152,10 @@ CODINGS = {"raw": Coding(), "h264": Coding("h264", depth="exact"), "hevc": Codin
 
 @pytest.mark.parametrize("codec", CODINGS)
 def test_shown_pictures_equal_an_offline_replay_of_the_same_ages_bit_for_bit(serving, tmp_path, monkeypatch, codec):
-    coding, fill = CODINGS[codec], "memory+pyramid" if codec == "raw" else "none"
+    """A fill that remembers would need all of them to be there: see test_strategies.py."""
+    coding = CODINGS[codec]
     # Offline it begins as long before as any delay.
-    asked = {"warp": "iterative", "fill": fill, "guard": 1.25, "coding": coding, "start_s": 2.0, "force": True}
+    asked = {"warp": "iterative", "fill": "none", "guard": 1.25, "coding": coding, "start_s": 2.0, "force": True}
 
     def arrived(summary) -> int:
         frames = summary["link"]["frames"]
@@ -163,7 +164,7 @@ def test_shown_pictures_equal_an_offline_replay_of_the_same_ages_bit_for_bit(ser
     # A machine that was held up shows hardly a frame or an older one, or begins to draw at another
     # refresh than offline, which a video depends on; the fact is about other runs.
     for _ in range(20):
-        here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), latency_ms=900.0, **asked)
+        here = small(tmp_path / "online", feed=FeedOptions(connect=serving.address), **asked)
         online, summary = pictures(monkeypatch, here)
         link = summary["link"]
         if not link["feed"]["unanswered"]:
@@ -180,7 +181,7 @@ def test_shown_pictures_equal_an_offline_replay_of_the_same_ages_bit_for_bit(ser
             np.testing.assert_array_equal(ours, theirs)
     # The latency is measured. One machine has one clock.
     clock = link["feed"]["clock"]
-    assert summary["latency_ms"] not in (0, 900) and clock["jumps"] == 0
+    assert summary["latency_ms"] not in (0, 200) and clock["jumps"] == 0
     assert abs(clock["offset_ms"]) <= clock["shortest_round_trip_ms"] / 2
 
 
@@ -261,34 +262,3 @@ def test_a_server_without_what_is_asked_for_is_refused_in_a_line(tmp_path, sends
         replay(small(tmp_path / "out", feed=FeedOptions(connect=address, **raw), scene="server", **asked))
     with pytest.raises(InputError, match="--raw half: it is for --connect"):
         FeedOptions(raw="half")
-
-
-def test_motion_vectors_of_a_renderer_move_what_it_drew(tmp_path, monkeypatch):
-    """The stripe goes to the right at 2 m/s, so each frame is older than where it is shown."""
-
-    def vectors_of(ask):
-        left, right, *_ = ask.views[0].fov.tangents
-        found = np.zeros((ask.size[1], ask.size[0], 4), np.float16)
-        # In a hundredth of a second 0.02 m at 2 m: a tangent of 0.01, of a picture from -1 to 1.
-        found[:, 2 * ask.size[0] // 5 : 3 * ask.size[0] // 5, 0] = 2 * 0.01 / (right - left)
-        return [{"velocity": [found, vector_row(view, 0.1, np.inf, seconds=0.01)]} for view in ask.views]
-
-    def red(found) -> float:
-        """Where the stripe's middle is in the last picture, in pixels."""
-        _, (picture, _) = found[max(found)]
-        return float(np.flatnonzero((picture[40, :, 0] > 0.9) & (picture[40, :, 1] < 0.1)).mean())
-
-    trace = tmp_path / "still.csv"
-    rows = "".join(f"{n * 100_000_000},0,1.6,0,0,0,0,1\n" for n in range(20))
-    trace.write_text("# origin: at rest\ntime_ns,x_m,y_m,z_m,qx,qy,qz,qw\n" + rows)
-    asked = {"trace": str(trace), "scene": "server", "warp": "forward", "fill": "pyramid"}
-    with feeder(vectors_of) as address:
-        feed = FeedOptions(connect=address)
-        moved, summary = pictures(monkeypatch, small(tmp_path / "moved", feed=feed, effects="soft_motion", **asked))
-        stayed, _ = pictures(monkeypatch, small(tmp_path / "stayed", feed=feed, **asked))
-    assert summary["link"]["layers_mbit_s"]["velocity"] > 0 and summary["effects"] == ["soft_motion"]
-    moved = dict([min(moved.items(), key=lambda one: one[1][0])])  # not one that a busy machine made old
-    age_s = moved[max(moved)][0] * 1e-9
-    # A swing is extrapolated a little less far than its speed would take it, see SWING_S.
-    pixels = age_s * (1 - age_s) * 96 / 2
-    assert pixels > 2 and abs(red(moved) - red(stayed) - pixels) <= 1

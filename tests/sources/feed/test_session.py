@@ -5,15 +5,14 @@ from contextlib import closing
 from types import SimpleNamespace
 
 import attrs
-import numpy as np
 import pytest
 from serving import Serving
 
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline.remote import Remote, ViewsApart
+from hmdwarp.pipeline.remote import Remote
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed import FeedOptions, caller
@@ -36,18 +35,6 @@ def next_asked(listener):
         if asked is not None:
             return asked
     raise AssertionError("no request came")
-
-
-def test_views_apart_keep_the_largest_difference_of_each_kind():
-    right = np.arctan(1.0)
-    asked, apart = View(Pose(), Fov(-right, right, -right, right)), ViewsApart()
-    apart.take(asked, asked)
-    assert not apart
-    # Three quarters of the width and of the height; the next one is wider, and elsewhere.
-    apart.take(asked, View(Pose(), Fov(-right, np.arctan(0.5), -np.arctan(0.5), right)))
-    apart.take(asked, View(Pose((0, 0.3, 0.4)), Fov(-1.2, right, -right, 1.2)))
-    assert apart and apart.field_share == pytest.approx(0.5625)
-    assert (apart.moved_m, apart.turned_deg) == (pytest.approx(0.5), 0.0)
 
 
 def test_a_request_that_comes_again_is_left_out():
