@@ -143,7 +143,7 @@ def test_whole_frames_keep_the_gaze_that_they_were_asked_for(gpu, serving_of, mo
     compared(gpu, serving_of("planes"), "imposter", "planes", monkeypatch=monkeypatch, trace=looking_around)
 
 
-@pytest.mark.parametrize("fill", ["none", "pyramid"])  # read on its grid, and expanded first
+@pytest.mark.parametrize("fill", ["none", "memory+pyramid"])  # read on its grid, and expanded first
 def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill):
     warp = "rotation" if fill == "none" else "iterative"
     how = {"trace": looking_around, "fovea_deg": 30.0, "warp": warp, "fill": fill}
