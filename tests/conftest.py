@@ -34,7 +34,7 @@ QUICK = (
     "client/classes", "client/test_contract", "client/test_forward.py", "client/test_iterative.py",
     "client/test_plan", "client/test_pyramid.py", "client/test_variants.py", "experiments/bench/test_cases.py",
     "frames/", "geometry/", "gpu/test_shader_files.py", "hard_cases/", "headsets/", "link/", "metrics/", "options/",
-    "pipeline/auto", "poses/", "sources/server/test_projection.py", "sources/server/test_visibility.py",
+    "pipeline/auto", "poses/", "sources/server/test_visibility.py",
     "study/design/", "study/scales/", "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py",
     "test_public.py", "test_registry.py",
 )  # fmt: skip

@@ -59,16 +59,6 @@ def test_targets_of_a_burst_are_freed_and_the_others_keep_their_pictures(server)
     server.recycle(held)
 
 
-def test_targets_that_are_needed_now_and_then_are_kept(server):
-    pool = server.pool(SIZE)
-    kept = set()
-    for _ in range(4):
-        burst(server, 3)
-        rest(server, IDLE_AFTER // 2)
-        kept.add(pool.made)
-    assert kept == {3}
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="the C library's heap is asked only on Linux")
 def test_memory_of_a_burst_goes_back_to_the_system(server):
     if not server.gpu.is_software:
