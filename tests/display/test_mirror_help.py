@@ -7,7 +7,7 @@ import sys
 
 import needs
 
-from .desktop_program import ROOT
+from .programs import ROOT
 from .virtual_screen import PATIENCE_S, VirtualScreen
 
 PROGRAM = """
