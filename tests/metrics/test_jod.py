@@ -14,6 +14,7 @@ from replays import run
 
 import hmdwarp.headsets
 from hmdwarp.errors import MachineError
+from hmdwarp.experiments.bench import BenchOptions, bench
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Clips, Compared, ShownOn, preferring
 
@@ -27,20 +28,18 @@ def test_one_jod_is_three_of_four_people():
 
 
 @without_cvvdp
-def test_without_the_package_a_run_says_how_to_get_it(tmp_path):
-    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
-        run(tmp_path / "out", jod_s=0.2)
-    assert not (tmp_path / "out").exists()
+def test_without_the_package_a_run_or_a_bench_says_how_to_get_it(tmp_path):
+    bench_options = BenchOptions(recordings=("walk",), jod_s=0.2, out=tmp_path / "bench")
+    for make in (lambda: run(tmp_path / "out", jod_s=0.2), lambda: bench(bench_options)):
+        with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
+            make()
+    assert not [*tmp_path.iterdir()]
 
 
-def test_a_run_that_does_not_ask_for_it_does_not_import_it(tmp_path):
+def test_a_run_imports_it_only_where_asked_to_and_goes_on_after_a_crash(tmp_path, crashing_torch):  # noqa: F811
     there = {name for name in ("pycvvdp", "torch") if name in sys.modules}
-    result = run(tmp_path / "out")
-    assert "jod" not in result.summary
+    assert "jod" not in run(tmp_path / "plain").summary
     assert {name for name in ("pycvvdp", "torch") if name in sys.modules} == there
-
-
-def test_a_crash_while_rating_is_one_line_and_the_run_goes_on(tmp_path, crashing_torch):  # noqa: F811
     result = run(tmp_path / "out", jod_s=0.1, seconds=0.2, against="none")
     assert "jod" not in result.summary and result.summary["jod_failure"] == crashing_torch
     assert result.summary["notes"].count(crashing_torch) == 1
