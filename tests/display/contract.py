@@ -11,7 +11,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from unittest.mock import patch
 
@@ -429,9 +429,43 @@ def says_how_to_look_for_a_while(backend: Backend) -> None:
             assert (seen(display).min(axis=-1) > 240).any() == (not late_ns)
 
 
+def shows_help_beside_a_question_of_a_study_alone(backend: Backend) -> None:
+    """In the window beside a headset; in a live run its key calls it over what is shown."""
+    import glfw
+
+    from hmdwarp.display import CONTROLS, Presenter
+    from hmdwarp.display.openxr.mirror_window import Mirror
+    from hmdwarp.study.dialogs import dialog_panels
+
+    panel = dialog_panels.message_panel("Ready?", "Sit comfortably.", "Enter: begin")
+
+    def noticed(controls, *does: object) -> list[str]:
+        mirror, found, notice = Mirror(controls), [], Presenter.notice
+
+        def noting(presenter: Presenter, label: object) -> object:
+            is_help = isinstance(label, str) and "\t" in label
+            found.append("help" if is_help else "panel" if label else "nothing")
+            return notice(presenter, label)
+
+        with patch.object(Presenter, "notice", noting), closing(Gpu(mirror.gl)) as gpu, closing(Presenter(gpu)) as over:
+            for each in does:
+                if each in ("H", "ESCAPE"):
+                    mirror._key(None, getattr(glfw, f"KEY_{each}"), 0, glfw.PRESS, 0)
+                else:
+                    mirror._drawn_ns = 0  # due
+                    mirror.show(over, None, each)
+        mirror.close()
+        return found
+
+    found = noticed(dialog_panels.CONTROLS, "", "H", "", panel, "H", panel, "", panel)
+    assert found == ["nothing", "nothing", "panel", "help", "nothing", "panel"]
+    assert noticed(CONTROLS, "", "H", "", "H", "", "H", "", "ESCAPE", "") == ["nothing", "help"] * 2 + ["nothing"]
+
+
 Window.own = (
     stands_beside_another_context, draws_by_egl_too, switches_by_itself, works_without_the_panels_package,
     ends_with_a_driver_that_was_reset, shows_colours_in_their_places, says_how_to_look_for_a_while,
+    shows_help_beside_a_question_of_a_study_alone,
 )  # fmt: skip
 ON_ONE = (
     has_what_a_run_asks_for, has_eyes, answers_ticks, has_one_clock_that_never_goes_back, has_a_head_on_its_clock,

@@ -97,18 +97,15 @@ def test_keys_answer(asking):
     assert asking.now("value") == 3.25
 
 
-def test_a_held_key_goes_on_to_the_end_and_stays_there(asking):
+def test_a_held_key_goes_on_to_the_end_and_escape_is_the_menu_and_ends_nothing(asking):
     asking.shown("ask")
     asking.screen.do("keydown", "Right")
     asking.waits("value", 6)
     asking.screen.do("keyup", "Right")
-    asking.keys("space")
-    asking.waits("confirmed", True)
-
-
-def test_escape_is_the_menu_and_ends_nothing(asking):
     asking.keys("Escape", "x")
     until(lambda: asking.commands()[-2:] == [("menu", None), ("skip", None)], "menu and skip")
+    asking.keys("space")
+    asking.waits("confirmed", True)
 
 
 def halves(asking) -> list[int]:
@@ -180,7 +177,8 @@ def test_the_mouse_answers(asking, full_screen):
     assert not asking.now("captured")
 
 
-def test_beside_the_text_panel_the_mouse_does_nothing(asking):
+def test_beside_the_text_panel_the_mouse_does_nothing_and_a_trial_takes_it_without_a_click(asking):
+    """Participants at a window do not know that they could click."""
     asking.shown("ask")
     asking.to(0.5, 0.9)
     asking.screen.do("click", "1")
@@ -188,6 +186,15 @@ def test_beside_the_text_panel_the_mouse_does_nothing(asking):
     asking.waits("value", 2)
     assert {name for name, _ in asking.commands()} <= {"digit"}
     assert not asking.now("captured")
+    asking.shown("trial")
+    asking.waits("captured", True)
+    before = asking.now("turned")
+    asking.screen.do("mousemove_relative", "--", 60, 0)
+    asking.changes("turned", before)
+    asking.shown("ask")
+    asking.waits("captured", False)
+    asking.to(0.5, 0.525)
+    until(lambda: asking.now("value") is not None, "the mouse points at the scale")
 
 
 def stands_still(asking) -> bool:
@@ -227,21 +234,6 @@ def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", -60, 0)
     asking.changes("turned", before)
-
-
-def test_a_trial_takes_the_mouse_without_a_click(asking):
-    """Participants at a window do not know that they could click."""
-    asking.shown("ask")
-    assert not asking.now("captured")
-    asking.shown("trial")
-    asking.waits("captured", True)
-    before = asking.now("turned")
-    asking.screen.do("mousemove_relative", "--", 60, 0)
-    asking.changes("turned", before)
-    asking.shown("ask")
-    asking.waits("captured", False)
-    asking.to(0.5, 0.525)
-    until(lambda: asking.now("value") is not None, "the mouse points at the scale")
 
 
 def test_words_are_typed(asking):

@@ -1,7 +1,9 @@
 """Each file of this folder, run in Monado's root.
 
 A file has a process of its own: GLX does not follow Mesa's EGL in one (X_GLXMakeCurrent:
-BadAccess).
+BadAccess). One test alone:
+
+    .venv/bin/python tests/openxr/root.py HMDWARP_BESIDE_MONADO=1 python3 -m pytest FILE -k NAME
 """
 
 from __future__ import annotations

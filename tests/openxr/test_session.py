@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import itertools
 import math
 import signal
 import subprocess
@@ -179,9 +180,7 @@ def _views(end: xr.FrameEndInfo) -> list[dict[str, object]]:
     found = []
     for view in layer.views:
         at, turned, fov = view.pose.position, view.pose.orientation, view.fov
-        depth = (
-            ctypes.cast(view._next, ctypes.POINTER(xr.CompositionLayerDepthInfoKHR)).contents if view._next else None
-        )
+        depth = view._next and ctypes.cast(view._next, ctypes.POINTER(xr.CompositionLayerDepthInfoKHR)).contents
         found.append({
             "position": (at.x, at.y, at.z), "orientation": (turned.x, turned.y, turned.z, turned.w),
             "fov": (fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up),
@@ -201,42 +200,36 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
 
     def after(number: int) -> None:
         refresh = here.watched.shown[-1]
-        expected.append([
-            (one.shown, picture_from_linear(download(eye.panel.texture)),
-             download(eye.inverse_depth) if depth_layer else None)
-            for one, eye in zip(refresh.inputs, refresh.eyes, strict=True)
-        ])  # fmt: skip
+        for one, eye in zip(refresh.inputs, refresh.eyes, strict=True):
+            depth = download(eye.inverse_depth) if depth_layer else None
+            expected.append((one.shown, picture_from_linear(download(eye.panel.texture)), depth))
 
     here.run(quick(pictures=4, scene="room", warp=warp, fill="interpolate", depth_layer=depth_layer), after)
     layers, pictures = [layer for layer in handed_over.layers if layer], iter(handed_over.pictures)
     assert len(layers) == 4
-    for layer, eyes in zip(layers, expected, strict=True):
-        for view, (shown, picture, inverse_depth) in zip(layer, eyes, strict=True):
-            assert np.array_equal(view["position"], shown.pose.position_m.astype(np.float32))
-            assert np.array_equal(view["orientation"], shown.pose.orientation_xyzw.astype(np.float32))
-            fov = shown.fov
-            assert np.array_equal(view["fov"], np.float32([fov.left, fov.right, fov.down, fov.up]))
-            arrived = next(pictures)
-            # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL
-            # allows.
-            assert np.abs(arrived[..., :3].astype(int) - picture[..., :3]).max() <= 1
-            assert (arrived[..., 3] == 255).all() and arrived[..., :3].std() > 5
-            assert (view["depth"] is not None) == depth_layer
-            if depth_layer:
-                assert view["depth"] == pytest.approx((0, 1, math.inf, NEAR_M), rel=1e-7)
-                assert np.allclose(next(pictures), np.clip(NEAR_M * inverse_depth, 0, 1), rtol=1e-6, atol=0)
+    for view, (shown, picture, inverse_depth) in zip(itertools.chain(*layers), expected, strict=True):
+        assert np.array_equal(view["position"], shown.pose.position_m.astype(np.float32))
+        assert np.array_equal(view["orientation"], shown.pose.orientation_xyzw.astype(np.float32))
+        fov = shown.fov
+        assert np.array_equal(view["fov"], np.float32([fov.left, fov.right, fov.down, fov.up]))
+        arrived = next(pictures)
+        # Half a step by rounding here, and up to 0.6 by the encoding in hardware that OpenGL
+        # allows.
+        assert np.abs(arrived[..., :3].astype(int) - picture[..., :3]).max() <= 1
+        assert (arrived[..., 3] == 255).all() and arrived[..., :3].std() > 5
+        assert (view["depth"] is not None) == depth_layer
+        if depth_layer:
+            assert view["depth"] == pytest.approx((0, 1, math.inf, NEAR_M), rel=1e-7)
+            assert np.allclose(next(pictures), np.clip(NEAR_M * inverse_depth, 0, 1), rtol=1e-6, atol=0)
     assert next(pictures, None) is None
 
 
 def test_invisible_pictures_are_not_handed_over(display, monkeypatch):
     handed_over = HandedOver(monkeypatch)
-    display.wait()
-    display.show(None)
-    display.wait()
-    display.show(None, "waiting")
-    display.wait()
-    display._connection.frames.state.should_render = 0
-    display.show(None, "waiting")
+    for label, rendered in (("", 1), ("waiting", 1), ("waiting", 0)):
+        display.wait()
+        display._connection.frames.state.should_render &= rendered
+        display.show(None, label)
     assert [len(layer) for layer in handed_over.layers] == [0, 2, 0]
     assert len(handed_over.pictures) == 2
     for picture in handed_over.pictures:  # black, and a text in it
