@@ -46,18 +46,23 @@ def test_a_run_imports_it_only_where_asked_to_and_goes_on_after_a_crash(tmp_path
     assert not (tmp_path / "out" / "jod.csv").exists()
 
 
+def rated(shown: list[np.ndarray], truth: np.ndarray, second_s: float, pixels_per_degree: float) -> Clips:
+    """Of several pictures in the place of each true one."""
+    clips = Clips(second_s, ShownOn(60, pixels_per_degree))
+    for which, pictures in enumerate(shown):
+        for number, (picture, right) in enumerate(zip(pictures, truth, strict=True)):
+            clips.add(number, 0, which, Compared(picture, right, VIEW))
+    clips.finish()
+    return clips
+
+
 @with_cvvdp
 @quiet
 def test_the_truth_has_ten_and_more_error_has_less():
     rng = np.random.default_rng(0)
     truth = rng.integers(60, 180, (6, 64, 64, 3)).astype(np.uint8)
-    clips = Clips(0.1, ShownOn(60, 8.0))
-    for which, amplitude in enumerate((0, 6, 30)):
-        for number, picture in enumerate(truth):
-            noise = rng.integers(-amplitude, amplitude + 1, picture.shape)
-            shown = (picture + noise).astype(np.uint8)
-            clips.add(number, 0, which, Compared(shown, picture, VIEW))
-    clips.finish()
+    shown = [(truth + rng.integers(-most, most + 1, truth.shape)).astype(np.uint8) for most in (0, 6, 30)]
+    clips = rated(shown, truth, 0.1, 8.0)
     entries = [clips.entry(which, (0,)) for which in range(3)]
     assert entries[0]["mean"] == 10
     assert 10 > entries[1]["mean"] > entries[2]["mean"]
@@ -77,14 +82,8 @@ def test_error_finer_than_people_see_counts_less():
     """
     truth = np.full((4, 64, 64, 3), 120, np.uint8)
     shown = truth + (np.indices((64, 64)).sum(axis=0) % 2 * 6).astype(np.uint8)[None, :, :, None]
-    means = []
-    for pixels_per_degree in (8.0, 60.0):
-        clips = Clips(1, ShownOn(60, pixels_per_degree))
-        for number, (one, right) in enumerate(zip(shown, truth, strict=True)):
-            clips.add(number, 0, 0, Compared(one, right, VIEW))
-        clips.finish()
-        means.append(clips.entry(0)["mean"])
-    assert means[0] < means[1]
+    coarse, fine = (rated([shown], truth, 1, pixels_per_degree).entry(0)["mean"] for pixels_per_degree in (8.0, 60.0))
+    assert coarse < fine
 
 
 @with_cvvdp

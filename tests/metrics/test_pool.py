@@ -24,6 +24,8 @@ from hmdwarp.metrics import QUALITY, Compared, MeasuringProcesses, QualityJob, Q
 
 from .pictures import job, noise, turned
 
+BROKEN = attrs.evolve(job(1), rendered_size=(0, 0))  # a size of no pixels is our fault, not the input's
+
 
 def children() -> set[int]:
     """Processes whose parent is this one, zombies included."""
@@ -51,6 +53,14 @@ def run(workers: int, keys, **options):
     return pool
 
 
+def measured(processes: MeasuringProcesses, *jobs: QualityJob, **how) -> QualityPool:
+    pool = QualityPool(processes)
+    for number, each in enumerate(jobs):
+        pool.submit((number, 0), each, **how)
+    pool.wait()
+    return pool
+
+
 def test_the_same_bits_with_any_number_of_workers():
     keys = [(frame, eye) for frame in range(4) for eye in range(2)]
     here, one, two = run(0, keys, worst=2), run(1, keys, worst=2), run(2, reversed(keys), worst=2)
@@ -67,44 +77,28 @@ def test_the_same_bits_with_any_number_of_workers():
     assert run(2, [(1, 0)]).worst == run(2, []).kept == []
 
 
-def test_runs_share_their_processes():
-    """A run finds nothing of the one before."""
+def test_runs_share_their_processes_which_begin_again_once_they_were_ended():
+    """A run finds nothing of the one before; as for the next case of a sweep, after one that
+    failed.
+    """
     others = children()
     with MeasuringProcesses(1) as processes:
-        first = QualityPool(processes)
-        first.submit((0, 0), job(0), keep=True)
-        first.wait()
+        first = measured(processes, job(0), keep=True)
         mine = children() - others
-        again = QualityPool(processes)
-        assert not again.results and not again.kept
-        again.submit((0, 0), job(0))
-        again.wait()
+        assert not QualityPool(processes).results and not QualityPool(processes).kept
+        again = measured(processes, job(0))
         assert again.results == first.results and children() - others == mine and len(mine) == 1
-
-
-def test_processes_that_were_ended_begin_again():
-    """As for the next case of a sweep, after one that failed."""
-    with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit(0, attrs.evolve(job(1), rendered_size=(0, 0)))
         with pytest.raises(HmdwarpError):
-            pool.wait()
+            measured(processes, BROKEN)
         processes.close()
-        again = QualityPool(processes)
-        again.submit(0, job(0))
-        again.wait()
-        assert list(again.results) == [0]
+        assert measured(processes, job(0)).results == first.results
 
 
 def test_regions_come_with_the_jobs_that_ask_for_them():
     wanted = attrs.evolve(job(1), regions=True)
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit((0, 0), wanted)
-        pool.submit((1, 0), job(1))
-        pool.wait()
-    assert list(pool.regions) == [(0, 0)]
-    assert pool.regions[0, 0] == measure(wanted).regions
+        pool = measured(processes, wanted, job(1))
+    assert pool.regions == {(0, 0): measure(wanted).regions}
     assert pool.results[0, 0] == pool.results[1, 0]
 
 
@@ -125,13 +119,11 @@ def test_figures_without_their_inputs_are_none_and_inputs_must_fit_together():
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
 def test_a_measurement_that_fails_is_one_clear_error(workers):
-    # A size of no pixels is our fault, not the input's.
-    broken = attrs.evolve(job(1), rendered_size=(0, 0))
     with MeasuringProcesses(workers) as processes:
         pool = QualityPool(processes)
         with pytest.raises(HmdwarpError, match=r"measuring picture \(7, \d+\) failed: \w+Error: "):
             for key in range(50):  # far more than wait: no submit hangs
-                pool.submit((7, key), broken)
+                pool.submit((7, key), BROKEN)
 
 
 def test_an_error_of_the_input_stays_one(monkeypatch):
@@ -146,9 +138,7 @@ def test_an_error_of_the_input_stays_one(monkeypatch):
 def test_a_worker_that_dies_is_one_clear_error():
     others = children()
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit(0, job(0))
-        pool.wait()
+        pool = measured(processes, job(0))
         (worker,) = children() - others
         os.kill(worker, signal.SIGKILL)
         ended = r"picture \d+ failed: a measuring process ended \(killed, perhaps for memory\); use fewer"
@@ -178,7 +168,7 @@ def test_no_more_jobs_than_two_for_each_worker_are_held():
     """With the only worker stopped, one job is with it and one waits; the third submit waits."""
     others = children()
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
+        pool = measured(processes)
         pool.submit(0, job(0))
         pool.wait()
         (worker,) = children() - others

@@ -122,7 +122,7 @@ def test_few_points_or_none(count, measure):
     assert ("not measured" in words(pareto_chart(case, measure))) == (count == 0)
     assert ("nothing was measured" in pareto_text(case, measure)) == (count == 0)
     (case,) = cases([{**row, "lacks": "it takes the whole scene"} for row in rows])
-    assert ("the bench's client can run none" in pareto_text(case)) == (count > 0)
+    assert "the bench's client can run none" in pareto_text(case)
 
 
 def test_odd_values_can_be_drawn():
