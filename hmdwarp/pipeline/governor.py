@@ -101,7 +101,12 @@ class Governor:
 
         levels: From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
         """
-        _check_levels(levels)
+        times, errors = [r.total_ms for r in levels], [r.error for r in levels]
+        dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
+        if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
+            raise HmdwarpError(
+                f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
+            )
         self.levels, self.budget_ms = tuple(levels), float(budget_ms)
         self._at = best_within(self.levels, budget_ms)
         self._refresh = -1
@@ -126,21 +131,18 @@ class Governor:
         if self._refresh - self._stay.arrived < SETTLING:
             return None
         self._stay.window.append(total_ms)
-        self._weigh(total_ms)
-        if self._stay.evidence >= ENOUGH and self._at > 0:
-            return self._down()
-        if len(self._stay.window) == WINDOW:
-            self._learn(median(self._stay.window))
-            return self._up(median(self._stay.window))
-        return None
-
-    def _weigh(self, total_ms: float) -> None:
         over = min(max(total_ms / self.budget_ms - 1, -CLIP), CLIP)
         self._stay.evidence = min(max(0.0, self._stay.evidence + over), ENOUGH)
         if self._stay.evidence == 0:
             self._stay.against.clear()
         else:
             self._stay.against.append(total_ms)
+        if self._stay.evidence >= ENOUGH and self._at > 0:
+            return self._down()
+        if len(self._stay.window) == WINDOW:
+            self._learn(median(self._stay.window))
+            return self._up(median(self._stay.window))
+        return None
 
     def _down(self) -> Change:
         time_ms = median(self._stay.against)
@@ -212,15 +214,6 @@ class Governor:
         self._stay = _Stay([0] * len(self.levels), (self._at, time_ms), self._refresh + 1, climbed=to > self._at)
         self._at = to
         return change
-
-
-def _check_levels(levels: tuple[QualityLevel, ...]) -> None:
-    times, errors = [r.total_ms for r in levels], [r.error for r in levels]
-    dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
-    if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
-        raise HmdwarpError(
-            f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
-        )
 
 
 class AdaptiveCompensator:
@@ -329,7 +322,9 @@ def _compared(
 
     Errors: as levels_from.
     """
-    measured = _of_one_machine(_largest(_measured(rows)))
+    measured = _measured(rows)
+    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
+    measured = _of_one_machine([each for each, count in zip(measured, pixels, strict=True) if count == max(pixels)])
     combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
         combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
@@ -425,11 +420,6 @@ def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
             "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
         )
     return found
-
-
-def _largest(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
-    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
-    return [found for found, count in zip(measured, pixels, strict=True) if count == max(pixels)]
 
 
 def _of_one_machine(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:

@@ -18,7 +18,7 @@ from ..gpu.context import Gpu
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
-from ..pipeline.sizes import latency_ns, plan_against, refreshes_of
+from ..pipeline.sizes import latency_ns, plan_against, refreshes_of, smaller_size
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs
@@ -233,6 +233,8 @@ def set_up_replay(
         name = track.name or trace.path.stem
         say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'{cost}")
         gpu = run.cleanup.enter_context(Gpu())
+        if slow := smaller_size(gpu, options, headset.eye_size_px):
+            say(slow)
         poses = RecordedSource(track)
         poses.start()
         run.cleanup.callback(poses.close)

@@ -50,11 +50,6 @@ OWNED = (
 EYES = ("left", "right")
 
 
-def eye_names(summary: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the names of the eyes in names of files."""
-    return EYES if summary.get("eyes", 2) == 2 else ("camera",)
-
-
 @attrs.frozen(eq=False)
 class Facts:
     """Facts settled when a run begins."""
@@ -296,7 +291,7 @@ def write_results(
         def digested() -> dict[str, Any]:
             return digests([*log.frames_csv()], dict(strip.result() for strip in strips))
 
-        names = eye_names(result.summary)
+        names = EYES if result.summary.get("eyes", 2) == 2 else ("camera",)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
         if log.answers is not None:

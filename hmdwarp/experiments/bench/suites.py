@@ -68,8 +68,7 @@ def suites() -> dict[str, Suite]:
     found = {}
     for name, entry in entries.items():
         version, summary, recipes, own = (entry.pop(key) for key in ("version", "summary", "recipes", "compare"))
-        shared = {"scene": entry["scene"], "traces": entry["traces"], "size": entry["size"][0]}
-        shared["samples"] = entry["samples"]
+        shared = {name: entry[name] for name in ("scene", "traces", "headset", "samples")} | {"size": entry["size"][0]}
         found[name] = Suite(name, version, summary, tuple(recipes), entry, shared | own)
     return found
 

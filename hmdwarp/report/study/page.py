@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
@@ -50,13 +49,13 @@ _WRITERS: Mapping[str, Callable[..., str]] = {
 def _cell(template: str, row: Row) -> str:
     """Return a cell of a table; a dash where one of its values is missing."""
     found = ""
-    for text, name, how, _ in Formatter().parse(template):
-        value = row.get(name) if name else ""
+    for text, name, given, _ in Formatter().parse(template):
+        value, how = row.get(name) if name else "", given or ""
         if value is None:
             return "–"
-        writer, digits = re.findall(r"(.*?)(\d*)$", how or "")[0]
-        written = _WRITERS[writer](value, *map(int, digits)) if writer in _WRITERS else format(value, how or "")
-        found += text + written
+        writer = how.rstrip("0123456789")
+        write = _WRITERS.get(writer)
+        found += text + (write(value, *map(int, how[len(writer) :])) if write else format(value, how))
     return found
 
 
