@@ -84,12 +84,9 @@ def pareto_chart(
 ) -> Drawn:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Time is logarithmic. Colour and shape of a point say which warp it is, a thin line joins its
-    fills, and an upright one is the interval of the mean. The best of each warp and the front have
-    a number, which the legend explains. Points of the front are filled, their numbers bold, and a
-    line joins them: nothing lies below and left of it (above, for PSNR).
-    Rows without a measurement are left out; a chart of nothing says so. looks: of the warps, where
-    several charts are to share them. width_in: of a column of a paper, None for a page.
+    Colour and shape of a point say which warp it is. The best of each warp and the front have a
+    number, which the legend explains. Rows without a measurement are left out. looks: of the warps,
+    where several charts share them. width_in: of a column of a paper, None for a page.
     """
     looks, front = looks or looks_of(case.ordered(measure)), set(map(id, case.front(measure)))
     rows = [row for row in case.ordered(measure) if None not in error_and_time(row, measure)]
