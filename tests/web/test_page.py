@@ -277,4 +277,6 @@ def test_nothing_is_wrong_on_the_page(page):
     panel, image = (f"document.getElementById('{name}').getBoundingClientRect()" for name in ("panel", "shown"))
     assert browser.does(f"{image}.height > 0.4 * innerHeight && {panel}.top - {image}.bottom") >= 0, "a phone's image"
     assert browser.does("document.documentElement.scrollWidth - innerWidth") <= 0
+    browser.send("Emulation.setDeviceMetricsOverride", width=700, height=390, deviceScaleFactor=1, mobile=False)
+    assert browser.does(f"{image}.width > 0.5 * innerWidth && {image}.left - {panel}.right") >= 0, "held sideways"
     assert browser.said == []
