@@ -69,13 +69,13 @@ def test_a_red_run_says_why_everywhere_and_is_accepted_on_request(command, store
     summary["quality"]["flip"]["p95"] *= 2
     (base / "summary.json").write_text(json.dumps(summary))
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "step.md"))
-    ran = ["replay", "look-around", *options, "--lens", "none", "--out", run, "--baseline", base, "--force"]
+    ran = ["replay", "look-around", *options, "--predict", "none", "--out", run, "--baseline", base, "--force"]
     failing = ["--require", "psnr_db.mean>=99, flip.mean<=1", "--junit", tmp_path / "junit.xml"]
     done = command(*ran, *failing)
     verdict = "FAILED: 1 of 2 requirements; baseline: 1 figure worse, 1 better, 1 setting"
     lines = done.err.splitlines()
     assert done.status == 4 and lines[0] == f"hmdwarp: {verdict}"
-    assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "lens: radial -> none"
+    assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "predict: cautious -> none"
     assert [line.split()[0] for line in lines[3:6]] == ["metric", "flip.p95", "psnr_db.mean"]  # the larger change first
     assert lines[4].endswith("(-50.00 %)  better") and lines[5].split()[1] == "[dB]" and lines[5].endswith("worse")
     assert lines[-1] == f"pictures and charts: {run / 'diff.html'}"
