@@ -17,7 +17,7 @@ def stored(tmp_path_factory):
     """Options of a tiny replay, and its folder, recorded as a baseline."""
     folder = tmp_path_factory.mktemp("stored")
     options = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against", "none"]
-    options += ["--metrics-every", "2", "--images", "2", "--quiet"]
+    options += ["--metrics-every", "2", "--images", "2", "--quiet", "--headset", "rift-dk1"]
     store = ["--out", folder / "first", "--baseline", folder / "run", "--update-baseline"]
     assert not hmdwarp("replay", "look-around", *options, *store).returncode
     return options, folder / "run"
@@ -69,13 +69,13 @@ def test_a_red_run_says_why_everywhere_and_is_accepted_on_request(command, store
     summary["quality"]["flip"]["p95"] *= 2
     (base / "summary.json").write_text(json.dumps(summary))
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "step.md"))
-    ran = ["replay", "look-around", *options, "--predict", "none", "--out", run, "--baseline", base, "--force"]
+    ran = ["replay", "look-around", *options, "--lens", "none", "--out", run, "--baseline", base, "--force"]
     failing = ["--require", "psnr_db.mean>=99, flip.mean<=1", "--junit", tmp_path / "junit.xml"]
     done = command(*ran, *failing)
     verdict = "FAILED: 1 of 2 requirements; baseline: 1 figure worse, 1 better, 1 setting"
     lines = done.err.splitlines()
     assert done.status == 4 and lines[0] == f"hmdwarp: {verdict}"
-    assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "predict: cautious -> none"
+    assert lines[1].startswith("FAILED psnr_db.mean >= 99: measured ") and lines[2] == "lens: radial -> none"
     assert [line.split()[0] for line in lines[3:6]] == ["metric", "flip.p95", "psnr_db.mean"]  # the larger change first
     assert lines[4].endswith("(-50.00 %)  better") and lines[5].split()[1] == "[dB]" and lines[5].endswith("worse")
     assert lines[-1] == f"pictures and charts: {run / 'diff.html'}"
@@ -133,7 +133,7 @@ def test_a_summary_alone_is_called_by_its_name(command, stored, tmp_path, monkey
     (tmp_path / "old.json").write_text(json.dumps(summary))
     done = command("diff", "old.json", out)
     assert "differs, and is not kept in old.json" in done.err and "frames.csv differs; old.json has none" in done.out
-    assert "against.0.warp: – -> none" in done.out and "against.0.quality.flip.mean" in done.out
+    assert "against.0.warp: – -> none" in done.err and "against.0.quality.flip.mean" in done.err
 
 
 def test_what_is_no_replay_is_refused(command, stored, tmp_path):
