@@ -19,39 +19,12 @@ from hmdwarp.poses.writing import write_native
 from hmdwarp.run import RunOptions, measured, replay, set_up_replay
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import Show, design_from_text, steps_of
-from hmdwarp.study.export.export_rows import columns_for
 from hmdwarp.study.measure import run_options
 from hmdwarp.study.store import PERSON, Store
 
-TEXT = """
-schema = 1
-name = "measured"
-title = "Is it measured?"
-[common]
-scene = "planes"
-size = "96x120"
-rate = 30
-[trial]
-seconds = 0.5
-scales = ["grade"]
-[[condition]]
-name = "late"
-latency = 100
-warp = "none"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 100
-warp = "rotation"
-fill = "none"
-guard = 1.5
-[[condition]]
-name = "reference"
-latency = 0
-warp = "none"
-fill = "none"
-reference = true
-"""
+from .plans import text_of
+
+TEXT = text_of("measured")
 EPOCH_NS = 7_000_000_000_123
 OPTIONS = MeasureOptions(every=3, workers=0)
 
@@ -265,9 +238,3 @@ def test_a_jod_rating_is_a_column_and_is_not_repeated(store):
             assert {**plain[showing.id]} == {name: showing.measured[name] for name in plain[showing.id]}
     for options in (RATED, OPTIONS):
         assert measure_study(store, options).known == 3
-
-
-def test_a_table_has_ratings_only_where_there_are_any():
-    plain = [column.name for column in columns_for([{"measured_flip": 0.1}])]
-    rated = [column.name for column in columns_for([{"measured_jod": 9.5, "measured_jod_s": 0.5}])]
-    assert rated == [*plain, "measured_jod", "measured_jod_s"]

@@ -14,21 +14,9 @@ from hmdwarp.study.session.program import run_session
 from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Store
 
-PLAN = """
-schema = 1
-name = "recorded"
-title = "Frames of a camera"
-condition = [
-  { name = "late", latency = 100, warp = "none", fill = "none" },
-  { name = "warped", latency = 100, warp = "iterative", fill = "pyramid" },
-]
-[common]
-frames = "walk-past"
-guard = 1.5
-[trial]
-seconds = 0.3
-scales = ["grade"]
-"""
+from .plans import text_of
+
+PLAN = text_of("recorded")
 
 
 @pytest.fixture

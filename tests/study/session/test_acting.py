@@ -53,13 +53,19 @@ class Watched(SeatedDisplay):
         return super().show(refresh, label)
 
 
-def in_the_playroom(folder, scene="playroom"):
+UNTIL_DONE = 'seconds = "until done"\nlongest = 3'
+CHANGES = {
+    '"96x120"': '"48x40"', "latency = 130": "latency = 20", "latency = 170": "latency = 30", '"rotation"': '"none"',
+}  # fmt: skip
+
+
+def in_the_playroom(folder, scene="playroom", seconds="seconds = 0.3"):
     """Two trials, 20 and 30 ms late, whose client knows no more than has arrived."""
-    path, more = study(folder), 'lens = "none"\npredict = "none"\nguard = 1.0\nclient_motion = "held"\n'
-    text = path.read_text(encoding="utf-8").replace('scene = "planes"\n', f'scene = "{scene}"\n{more}')
-    text = text.replace('"96x120"', '"48x40"').replace("seconds = 0.1", "seconds = 0.3")
-    text = text.replace("latency = 130", "latency = 20").replace("latency = 170", "latency = 30")
-    path.write_text(text.replace('"rotation"', '"none"'), encoding="utf-8")
+    path, more = study(folder), 'lens = "none"\npredict = "none"\nguard = 1.0\nclient_motion = "held"'
+    text = path.read_text(encoding="utf-8")
+    for found, put in {**CHANGES, 'scene = "planes"': f'scene = "{scene}"\n{more}', "seconds = 0.1": seconds}.items():
+        text = text.replace(found, put)
+    path.write_text(text, encoding="utf-8")
     return path
 
 
@@ -127,22 +133,19 @@ class ByHand(Person):
 def test_by_controllers_people_act_in_a_trial_and_end_it_by_another_button(monkeypatch, gpu, tmp_path, thing, does):
     """A lamp takes a push too; nothing that acts confirms."""
     monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
-    path = in_the_playroom(tmp_path)
-    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
-    path.write_text(text, encoding="utf-8")
+    path = in_the_playroom(tmp_path, seconds=UNTIL_DONE)
     ran = run(monkeypatch, gpu, path, person=ByHand(thing))
     assert ran.session.status == "complete", ran.error
-    for showing in contents(path).showings:
-        done = read_inputs(inputs_beside(contents(path).folder / "traces" / showing.trace))
+    stored = contents(path)
+    for showing in stored.showings:
+        done = read_inputs(inputs_beside(stored.folder / "traces" / showing.trace))
         assert [event.action for event in done] == does
         assert {event.target for event in done} == {thing}
         assert showing.actual["ended_by"] == "participant" and showing.actual["pictures"] >= 14
 
 
 def test_where_nothing_reacts_a_trigger_confirms_and_nothing_is_said(monkeypatch, gpu, tmp_path):
-    path = in_the_playroom(tmp_path, "planes")
-    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
-    path.write_text(text, encoding="utf-8")
+    path = in_the_playroom(tmp_path, "planes", UNTIL_DONE)
     ran = run(monkeypatch, gpu, path, person=ByHand("ball"))
     assert [showing.actual["ended_by"] for showing in contents(path).showings] == ["participant"] * 2
     assert not any("does not react" in line for line in ran.console.said)
