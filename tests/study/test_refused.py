@@ -45,6 +45,7 @@ def test_wrong_input_is_refused_with_its_line(file, tmp_path):
     name, path = f"{file.stem}.toml", str(tmp_path / "wrong.toml")
     right = next(folder / name for folder in (PLANS, SCALES) if (folder / name).exists()).read_text(encoding="utf-8")
     READERS[reader](right, path)
+    (tmp_path / "small.png").write_text("no picture at all", encoding="utf-8")
     for entry in re.sub(r"\n +=>", " =>", entries.strip("\n")).splitlines():
         change, _, said = entry.partition(" => ")
         found, put = (side.replace("⏎", "\n") for side in re.split(" -> ?", change))

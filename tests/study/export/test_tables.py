@@ -29,7 +29,7 @@ from hmdwarp.study.export.export_rows import (
     tsv_text,
 )
 
-from ..made_up import LATE_OR_WARPED as TEXT
+from ..plans import text_of
 
 VALUES = {
     NUMBER: st.floats(allow_nan=False, allow_infinity=False),
@@ -118,7 +118,7 @@ def test_points_are_points_whatever_the_locale():
 
 def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
-    text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
+    text = text_of("whole", ('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"'))
     design = design_from_text(text, str(tmp_path / "s.toml"), checked=False)
     assert settings_row(design.parts[0].conditions[0].settings)["delay_trace"] == "delays.csv"
 

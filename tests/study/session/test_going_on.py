@@ -11,16 +11,13 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import load_trace
 from hmdwarp.run import Lines
 from hmdwarp.study import actual
-from hmdwarp.study.analysis.long_table import from_contents
 from hmdwarp.study.design import load_design
-from hmdwarp.study.export.write import export
 from hmdwarp.study.session import runner
 from hmdwarp.study.session.program import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions
-from .sessions import Person, closing, contents, run, study, whole
-from .test_transcripts import experimenter
+from .sessions import closing, contents, run, study, whole
 
 WRITING = ("begin", "record", "begin_showing", "end_showing", "answer", "end")
 
@@ -159,18 +156,6 @@ def test_a_session_beside_another_is_refused_before_the_display_opens(monkeypatc
         ran = run(monkeypatch, gpu, path)
     assert isinstance(ran.error, MachineError) and f", process {os.getpid()} on " in str(ran.error)
     assert ran.display.labels == []
-
-
-def test_who_declined_counts_nowhere_in_export_and_analysis(monkeypatch, gpu, tmp_path):
-    path = whole(tmp_path)
-    run(monkeypatch, gpu, path, Person(lambda panel: ()), experimenter(["reading, consent: decline"]))
-    with pytest.raises(InputError, match="1 session ended without the consent"):
-        export(contents(path), load_design(str(path)), tmp_path / "out")
-    run(monkeypatch, gpu, path, participant="P2")
-    ratings = from_contents(contents(path), load_design(str(path)))
-    assert ratings.sessions["status"].tolist() == [COMPLETE] and ratings.rows["participant"].nunique() == 1
-    assert (ratings.rows["place"] > 0).all()  # what was asked before the trials is of no condition
-    assert any("counted nowhere else: 1." in note for note in ratings.notes)
 
 
 def test_a_drawn_code_is_printed(monkeypatch, gpu, path):

@@ -1,22 +1,18 @@
-"""Pages and forms of a plan: pictures in their colours, words, and what of them is refused."""
+"""Pages and forms of a plan: pictures in their colours, and words."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from together import together
 
 from hmdwarp.display import Command, Presenter
-from hmdwarp.errors import InputError
 from hmdwarp.study.console.line_console import ConsoleState, checked_answer, parse_line
-from hmdwarp.study.design import Ask, load_design
+from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
 from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
 from hmdwarp.study.scales import load_scale
 
-from ..refusals import check_refused, table
-from .sessions import BLUE, RED, picture, press, study
-from .test_transcripts import SCRIPTS
+from .sessions import BLUE, RED, picture, press
 
 
 def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
@@ -37,45 +33,6 @@ def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
         x, y = round(500 + (across - 0.5) * ink.shape[1]), 500
         # The ground's own light adds 0.008 where a picture is dark: 6 steps at 40.
         assert np.abs(shown[y, x].astype(int) - wanted).max() <= 8, (shown[y, x], wanted)
-
-
-UNREADABLE = [
-    ('[ready]\ntext = "a"\nfile = "b.txt"', "needs either text, or file"),
-    ("[thanks]", "needs either text, or file"),
-    ('[instructions]\nfile = "none.png"', "none.png: no such file"),
-    ('[instructions]\nfile = "small.png"', "no picture"),
-    ('[instructions]\nfile = "none.txt"', "none.txt"),
-    ('[instructions]\ntext = "a"\npages = 3', "pages"),
-]
-
-
-@together("page, told", UNREADABLE)
-def test_unreadable_pages_are_refused_with_their_line(tmp_path, page, told):
-    made = study(tmp_path)
-    (tmp_path / "small.png").write_text("no picture at all", encoding="utf-8")
-    made.write_text(f"{made.read_text(encoding='utf-8')}{page}\n", encoding="utf-8")
-    with pytest.raises(InputError) as error:
-        load_design(str(made))
-    assert told in str(error.value) and f"{made}:" in str(error.value)
-    if "none" in page:
-        assert load_design(str(made), checked=False).instructions is not None  # an export goes on without it
-
-
-WRONG = r"""
-choices = ["left", "right", "both"] -> choices = ["left"] => 2 to 12 different texts
-choices = ["left", "right", "both"] -> choices = ["left", "left"] => 2 to 12 different texts
-answer = "text" -> answer = "words" => answer
-most = 99 -> most = 3 => expected more than
-answer = "text" ->  => answer @ ⏎title
-kind = "questionnaire" -> kind = "rating" => is for kind questionnaire @ answer
-answer = "text" -> answer = "text"⏎»choices = ["a", "b"] => choices
-"""
-
-
-@together("entry", table(WRONG))
-def test_an_impossible_question_is_refused_with_its_line(tmp_path, entry):
-    file, form = tmp_path / "form.toml", "\n" + SCRIPTS["form"]["files"]["form.toml"]
-    check_refused(entry, form, lambda wrong: file.write_text(wrong, encoding="utf-8") and load_scale(str(file)), file)
 
 
 def dialog(*hints) -> TextDialog:

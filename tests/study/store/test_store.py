@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
 import sqlite3
@@ -166,15 +165,6 @@ def test_reading_asks_as_few_questions_of_many_sessions_as_of_one(store):
         store._db.set_trace_callback(None)
         counts.append(len(asked))
     assert counts[0] == counts[1] < 12
-
-
-def test_a_reader_sees_one_moment_during_writes(store, tmp_path):
-    session = begun(store)
-    with Store(tmp_path / "data") as reader:
-        for count, step in enumerate(itertools.islice(asks(session), 4), 1):
-            store.answer(session, step, 3, 1.0, "participant")
-            found = reader.contents()
-            assert len(found.answers) == count == len([event for event in found.events if event.kind == "answer"])
 
 
 # --- where
