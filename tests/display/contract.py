@@ -60,8 +60,9 @@ class Window(Backend):
     def open(self, **options: object) -> Display:
         from hmdwarp.display.desktop import DesktopDisplay
 
-        usual = {"headset": "rift-dk1", "size": SMALL, "control_panel": False}
-        return DesktopDisplay(DisplayOptions(**{**usual, **options}))
+        return DesktopDisplay(
+            DisplayOptions(**{"headset": "rift-dk1", "size": SMALL, "control_panel": False, **options})
+        )
 
     def user_ends(self, display: Display) -> None:
         display._window.end()

@@ -27,7 +27,7 @@ from .test_bench_cases import untimed
 
 SMALL = BenchOptions(
     warps=("forward", "rotation", "backward"), fills=("none", "interpolate"), latencies_ms=(100.0, 200.0),
-    scenes=("planes",), headset="rift-dk1", recordings=("look-around",), sizes=((96, 80),), rate_hz=60.0,
+    scenes=("planes",), recordings=("look-around",), headset="rift-dk1", sizes=((96, 80),), rate_hz=60.0,
     seconds=0.5, guard=1.2,
     samples=1,  # a guarded frame has another raster, and so other mixtures at edges than the truth
     instants=2, rounds=2, workers=0, budget_ms=1e4, command="hmdwarp bench",

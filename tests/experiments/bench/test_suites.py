@@ -18,7 +18,7 @@ from hmdwarp.experiments.bench.suites import (
     ranks_of,
     suite_entry,
     suites,
-)  # fmt: skip
+)
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench.page import bench_page
 from hmdwarp.resources import recording_names
