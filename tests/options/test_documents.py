@@ -10,7 +10,6 @@ from pathlib import Path
 
 import attrs
 import pytest
-from published_folders import PUBLISHED
 from recorded_folders import LAYOUTS, taken
 
 import hmdwarp
@@ -113,14 +112,14 @@ def mutated(data: bytes, rng: random.Random) -> bytes:
 
 def folder_of(form: str) -> Callable[[Path], Path]:
     def write(folder: Path) -> Path:
-        (LAYOUTS[form][1] if form in LAYOUTS else PUBLISHED[form].write)(folder, taken(2))
+        LAYOUTS[form].write(folder, taken(2))
         return next(iter(sorted(folder.glob("*.json"))))
 
     return write
 
 
 def read_folder(form: str) -> Callable[[Path], object]:
-    reader, _, options = LAYOUTS[form] if form in LAYOUTS else (form, None, PUBLISHED[form].options)
+    reader, options = LAYOUTS[form].reader, LAYOUTS[form].options
 
     def read(path: Path) -> object:
         opened = sequences.open(path.parent, attrs.evolve(options, layout=reader))

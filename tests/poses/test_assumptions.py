@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from published_folders import write_colmap
-from recorded_folders import taken
+from recorded_folders import taken, write_colmap
 from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 

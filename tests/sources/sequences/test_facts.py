@@ -392,7 +392,6 @@ def test_floats_are_light_and_bytes_are_srgb(folder):
     assert fact(sequences.open(folder), "encoding") == ("linear (float colour)", By.DEFAULT)
 
 
-
 @pytest.mark.parametrize(
     ("form", "said"),
     [
