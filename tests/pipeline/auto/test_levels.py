@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.levels import choose, levels_from
+from hmdwarp.pipeline.governor import choose, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:

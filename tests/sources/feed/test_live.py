@@ -34,7 +34,14 @@ def serving():
 
 
 def options(address: str, **more) -> LiveOptions:
-    said = {"source": "offscreen", "trace": "look-around", "connect": address, "predict": "none", "fill": "none"}
+    said = {
+        "source": "offscreen",
+        "trace": "look-around",
+        "connect": address,
+        "headset": "rift-dk1",
+        "predict": "none",
+        "fill": "none",
+    }
     return LiveOptions.of({**said, "panel": False, **more})
 
 

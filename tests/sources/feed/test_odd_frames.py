@@ -18,7 +18,7 @@ import pytest
 from hmdwarp.errors import MachineError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.sources.feed import viewer
+from hmdwarp.sources.feed import caller
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.message import decode
 
@@ -187,9 +187,9 @@ def test_a_run_whose_frames_are_all_left_out_ends(odd, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("odd", TURNS_BAD[:3])
 def test_the_truth_of_a_server_is_whole_or_none(odd, monkeypatch):
-    monkeypatch.setattr(viewer, "_AGAIN_NS", 100_000_000)
+    monkeypatch.setattr(caller, "_AGAIN_NS", 100_000_000)
     with server(lambda number, asked: ODD[odd](asked) if number == 0 else foreign.frame(asked)) as address:
-        client = viewer.Viewer(address)
+        client = caller.Viewer(address)
         found = client.fetch(View(Pose(), Fov.symmetric(1, 1)), (4, 3), 0)
         client.close()
     assert found is not None and found.is_finite and found.size == (4, 3) and not isinstance(found.colours[0], bytes)

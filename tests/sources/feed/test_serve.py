@@ -24,8 +24,8 @@ from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed import FeedOptions
+from hmdwarp.sources.feed.caller import Viewer
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Wish
-from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
 
 from .exchange import feeder
