@@ -1,8 +1,6 @@
 """Recorded frames for tests: a wall and a nearer strip, in the forms of data sets and recorders.
-
 Each writer follows its format's own documentation. It turns a pose by its three directions, column
-by column; the readers by a change of basis.
-"""
+by column; the readers by a change of basis."""
 
 from __future__ import annotations
 
@@ -331,9 +329,8 @@ def write_tartanair_v2(folder: Path, frames: list[Taken]) -> None:
 
 def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1, focus: tuple[float, ...] = ()) -> None:
     """Write with the world of ARKit, which is OpenXR's, and every colour of the video as it is.
-
-    stride: of the depth's pixels. focus: of each frame, as a share of FX, in the app's later form.
-    """
+    stride: of the depth's pixels. focus: of each frame, as a share of FX, in the app's later
+    form."""
     with av.open(str(folder / "rgb.mp4"), "w") as container:
         stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0", "g": "10"})
         stream.pix_fmt = "rgb24"
@@ -388,10 +385,8 @@ def write_rtabmap(folder: Path, frames: list[Taken], robot: bool = False) -> Non
 
 
 def write_open3d(folder: Path, frames: list[Taken], scale: float = 1.0, first: bool = False) -> None:
-    """Write extrinsics, from world to camera, by columns. scale: of the camera's unit.
-
-    first: in the form of the first versions, with one intrinsic and a list of extrinsics.
-    """
+    """Write extrinsics, from world to camera, by columns. scale: of the camera's unit. first: in
+    the form of the first versions, with one intrinsic and a list of extrinsics."""
     _pairs(folder, frames, "color/{:05}.png", "depth/{:05}.png", 1000)
     intrinsic = {**_pinhole(frames[0]), "intrinsic_matrix": [FX, 0, 0, 0, FY, 0, CX, CY, 1]}
     extrinsics = []

@@ -1,7 +1,5 @@
-"""The registry of layers.
-
-What its entries say is what the server draws, and what passes may read.
-"""
+"""The registry of layers. What its entries say is what the server draws, and what passes may
+read."""
 
 from __future__ import annotations
 

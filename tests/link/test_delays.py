@@ -1,7 +1,5 @@
-"""Delay models and loss.
-
-What they are named for, the same for the same seed, and within the bounds they state.
-"""
+"""Delay models and loss. What they are named for, the same for the same seed, and within the bounds
+they state."""
 
 from __future__ import annotations
 
@@ -33,10 +31,8 @@ def example(name: str, folder):
 @pytest.mark.parametrize("name", delay_models.names())
 @pytest.mark.parametrize("latency_ms", [15, 200])
 def test_every_model(name, latency_ms, tmp_path):
-    """Bounds hold, the mean is the stated one, the seed decides.
-
-    The mean of n samples that spread by s is within 5 s/sqrt(n) of it.
-    """
+    """Bounds hold, the mean is the stated one, the seed decides. The mean of n samples that spread
+    by s is within 5 s/sqrt(n) of it."""
     model = example(name, tmp_path)
     model.check(latency_ms * MS)
     delays = drawn(model, latency_ms * MS)

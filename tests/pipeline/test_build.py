@@ -1,7 +1,5 @@
-"""One pipeline under every driver.
-
-What it is built from, what can be exchanged while it runs, and when its times are read.
-"""
+"""One pipeline under every driver. What it is built from, what can be exchanged while it runs, and
+when its times are read."""
 
 from __future__ import annotations
 

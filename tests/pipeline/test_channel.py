@@ -1,7 +1,5 @@
-"""Frames on their way through the loop.
-
-What the client warps is what has arrived, and every frame is accounted for.
-"""
+"""Frames on their way through the loop. What the client warps is what has arrived, and every frame
+is accounted for."""
 
 from __future__ import annotations
 
@@ -100,10 +98,8 @@ READ = {
 
 @pytest.mark.parametrize("kind", READ)
 def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
-    """The same plan on the frame as it arrived and as it is drawn again.
-
-    A layer whose coverage or holes were off would show elsewhere.
-    """
+    """The same plan on the frame as it arrived and as it is drawn again. A layer whose coverage or
+    holes were off would show elsewhere."""
     options, names = READ[kind]
     with set_up_replay(small(coding=Coding("h264"), latency_ms=50.0, **options)) as setup:
         for number, instant_ns in setup.schedule.numbered():

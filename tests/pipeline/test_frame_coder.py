@@ -96,10 +96,8 @@ def check(coding: str, before: np.ndarray, after: np.ndarray, depth_error: float
 
 @pytest.mark.parametrize(("name", "depth"), [*((name, "exact") for name in DRAWN), *product(DEEP, DEPTH_CODES[1:])])
 def test_arrived_layers_are_within_the_bound_of_their_coding(server, name, depth):
-    """Everything that passes read is overwritten before it is decoded: nothing slips by.
-
-    A video bounds no pixel of noise; that what is no depth stays so is checked all the same.
-    """
+    """Everything that passes read is overwritten before it is decoded: nothing slips by. A video
+    bounds no pixel of noise; that what is no depth stays so is checked all the same."""
     layer, reads, rng = layers.get(name), reads_of(name), np.random.default_rng(7)
     coder = Coder(Coding("h264", crf=1, depth=depth), 60, 0.2)
     for number in range(3):

@@ -1,7 +1,5 @@
-"""Which refreshes a run has.
-
-Counted right at both ends, no frame early, none lost, none older than it must be.
-"""
+"""Which refreshes a run has. Counted right at both ends, no frame early, none lost, none older than
+it must be."""
 
 from __future__ import annotations
 
@@ -28,10 +26,8 @@ def track(seconds: float) -> PoseTrack:
 
 
 def shown_ages(times, latency_ms: float) -> list[int | None]:
-    """What the loop would show.
-
-    The age of the newest frame at every shown refresh, in ns, None where none has arrived.
-    """
+    """What the loop would show. The age of the newest frame at every shown refresh, in ns, None
+    where none has arrived."""
     link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
     ages = []
     for number, now_ns in times.numbered():
@@ -94,10 +90,8 @@ def test_ages_people_would_expect(latency_ms, rate_hz, age):
 
 @pytest.mark.parametrize(("seconds", "count"), [(1.0, 60), (0.5, 30), (100.0, 108), (None, 108), (0.0001, 1)])
 def test_counts_at_the_end_of_the_trace(seconds, count):
-    """2 s of trace less 200 ms until the first frame arrives.
-
-    1.8 s, 108 refreshes of 60 Hz, the last one period before the end.
-    """
+    """2 s of trace less 200 ms until the first frame arrives. 1.8 s, 108 refreshes of 60 Hz, the
+    last one period before the end."""
     times = schedule_of(track(2.0), small(seconds=seconds), 60.0)
     shown = [at for number, at in times.numbered() if number >= 0]
     assert len(shown) == count

@@ -1,7 +1,5 @@
 """Codes that bound the error of every value: depth, depth in coarser steps, vectors, packed layers.
-
-And depth as a video, which bounds most.
-"""
+And depth as a video, which bounds most."""
 
 from __future__ import annotations
 
@@ -200,10 +198,8 @@ def test_each_vector_by_itself(vectors):
     st.floats(20, 2000), st.floats(0.01, 2), st.floats(0, 2 * np.pi), st.floats(0, 4), st.floats(0, 1), st.floats(0, 1)
 )
 def test_half_a_step_moves_no_pixel_by_more_than_a_sixteenth(size, age_s, angle, inverse_depth, x, y):
-    """By the warp map, which is linear in inverse depth for a way across the line of sight.
-
-    Where the step is at its least, the bound is that of the least.
-    """
+    """By the warp map, which is linear in inverse depth for a way across the line of sight. Where
+    the step is at its least, the bound is that of the least."""
     step = depth_step(size / 2, age_s)
     way = np.array([np.cos(angle), np.sin(angle), 0]) * 1.0 * age_s  # a walking head
     fov, square = Fov.symmetric(np.pi / 2, np.pi / 2), (round(size), round(size))
@@ -260,11 +256,9 @@ def test_a_video_keeps_sky_and_holes_of_any_picture(inverse):
 
 @pytest.mark.parametrize("distance", [0.05, 0.3, 2.0, 50.0, 1e6])
 def test_a_flat_picture_comes_back_from_a_video(distance):
-    """The quantiser's step at qp 22, 7.9, is two codes of a flat block of 4x4.
-
-    Less than 5/8 of it is lost, and half a code by rounding: 1.75 codes. A code is half a step,
-    and for near things as much more as its bend says.
-    """
+    """The quantiser's step at qp 22, 7.9, is two codes of a flat block of 4x4. Less than 5/8 of it
+    is lost, and half a code by rounding: 1.75 codes. A code is half a step, and for near things as
+    much more as its bend says."""
     inverse = np.full((48, 64), 1 / distance, np.float32)
     inverse[:, 40:] = 0.3
     (got,) = shown(video_of([inverse]), (64, 48))

@@ -1,7 +1,5 @@
-"""The governor by itself.
-
-A machine is a function from a level to the time it takes, and no clock runs.
-"""
+"""The governor by itself. A machine is a function from a level to the time it takes, and no clock
+runs."""
 
 from __future__ import annotations
 
@@ -51,10 +49,8 @@ BUDGETS = st.floats(1.0, 40.0)  # times the cheapest level
 
 @given(ladders(), BUDGETS, DRIFTS)
 def test_it_settles_under_any_steady_load(levels, budget, drift):
-    """One change is enough where all levels drift alike.
-
-    Down to what fits, or up to what has room; then none.
-    """
+    """One change is enough where all levels drift alike. Down to what fits, or up to what has room;
+    then none."""
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, steady(drift), 400)
     assert len(changes) <= 1
@@ -83,11 +79,8 @@ def test_more_budget_never_gives_a_worse_rung(levels, budget, drift, more):
 
 @given(st.integers(5, 40), st.floats(1.0, 1000.0), st.floats(0.5, 0.9))
 def test_spikes_alone_change_nothing(apart, height, share):
-    """Alone.
-
-    With 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence against
-    0.25 of a spike.
-    """
+    """Alone. With 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence
+    against 0.25 of a spike."""
     machine = lambda _, k: share * BUDGET * (height if k % apart == apart - 1 else 1)  # noqa: E731
     governor = Governor((LADDER[0], QualityLevel("top", "none", share * BUDGET, 0.1)), BUDGET)
     assert run(governor, machine, 1000) == []
@@ -101,10 +94,8 @@ def test_one_spike_changes_nothing_even_at_the_edge_of_the_budget(height):
 
 @given(ladders(), BUDGETS, DRIFTS, st.integers(0, 2**32))
 def test_noise_of_ten_percent_makes_nothing_flap(levels, budget, drift, seed):
-    """Wherever the level is, no level is entered twice.
-
-    Noise may lead down once at the very edge, and never up and down again.
-    """
+    """Wherever the level is, no level is entered twice. Noise may lead down once at the very edge,
+    and never up and down again."""
     noise = random.Random(seed)
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, lambda level, _: level.total_ms * drift * noise.uniform(0.9, 1.1), 3000)
@@ -178,10 +169,8 @@ def test_where_a_level_disappoints_dearer_ones_wait_as_long():
 
 
 def test_pulses_of_load_are_not_followed_for_long():
-    """Load for 20 refreshes in every 200.
-
-    The level that suffers is left alone for longer and longer, and regained when they end.
-    """
+    """Load for 20 refreshes in every 200. The level that suffers is left alone for longer and
+    longer, and regained when they end."""
     governor = Governor(LADDER, BUDGET)
     pulsing = lambda level, k: level.total_ms * (2.0 if k % 200 < 20 else 1.0)  # noqa: E731
     first, later = run(governor, pulsing, 2000), run(governor, pulsing, 2000, start=2000)
@@ -191,10 +180,8 @@ def test_pulses_of_load_are_not_followed_for_long():
 
 
 def test_a_ladder_the_benchmark_got_wrong_does_not_keep_the_run_down():
-    """6 ms cost 9 here, 9 ms cost 9.2.
-
-    By the benchmark's ratio the dearer one would take 13.5, but this run has seen both.
-    """
+    """6 ms cost 9 here, 9 ms cost 9.2. By the benchmark's ratio the dearer one would take 13.5, but
+    this run has seen both."""
     governor = Governor(LADDER, BUDGET)
     real = {1.0: 1.0, 3.0: 3.0, 6.0: 9.0, 9.0: 9.2, 20.0: 20.0}
     run(governor, lambda level, _: real[level.total_ms] * 1.12, 200)

@@ -1,7 +1,5 @@
 """Random requests that docs/feed.md allows, really drawn: each is answered and the server stays.
-
-`make test-requests` sends 100,000 of them (REQUESTS=, SEED=) and prints what the worst cost.
-"""
+`make test-requests` sends 100,000 of them (REQUESTS=, SEED=) and prints what the worst cost."""
 
 from __future__ import annotations
 

@@ -282,10 +282,8 @@ PICTURES = {"colours": (np.ones((2048, 2048, 4), np.float16),), "inverse_depths"
 
 
 def given(listener) -> bool:
-    """Answer the next request by 48 MiB; return whether it was sent.
-
-    There is none as soon as it is there and has to wait.
-    """
+    """Answer the next request by 48 MiB; return whether it was sent. There is none as soon as it is
+    there and has to wait."""
     asked = listener.next(WHENEVER_MS)
     if asked is None:
         return False

@@ -92,10 +92,8 @@ def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, mo
 
 
 class Switching(Closable):
-    """Its user acts with the third picture, and goes with one that was drawn since.
-
-    The mean of each is kept.
-    """
+    """Its user acts with the third picture, and goes with one that was drawn since. The mean of
+    each is kept."""
 
     def __init__(self, command: Command, **more) -> None:
         super().__init__(keeps=True, **more)
@@ -116,10 +114,8 @@ class Switching(Closable):
 
 @pytest.mark.parametrize(("scene", "action"), [("server", "push"), ("playroom", "switch")])
 def test_what_people_do_in_a_live_run_reaches_the_server_and_comes_back(monkeypatch, tmp_path, scene, action):
-    """The lamp is switched off as soon as there is a picture, and frames come until it shows.
-
-    By a trigger where only the server knows that it is a lamp.
-    """
+    """The lamp is switched off as soon as there is a picture, and frames come until it shows. By a
+    trigger where only the server knows that it is a lamp."""
     track = looking_at((0.0, "lamp"), (1.0, "lamp"))
     command = Command(action, hand=Pose(track.position_m[0], track.orientation_xyzw[0]))
     recording = tmp_path / "head.csv"

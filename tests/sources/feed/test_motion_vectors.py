@@ -1,8 +1,6 @@
-"""Motion vectors of an engine give the velocities that its surfaces have.
-
-The reference draws the vectors as engines do, with 4x4 matrices and a clip space; what is tested
-goes the other way, in tangents and inverse depth.
-"""
+"""Motion vectors of an engine give the velocities that its surfaces have. The reference draws the
+vectors as engines do, with 4x4 matrices and a clip space; what is tested goes the other way, in
+tangents and inverse depth."""
 
 import attrs
 import numpy as np

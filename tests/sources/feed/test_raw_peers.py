@@ -1,7 +1,5 @@
 """Peers that speak to a running server by hand: nothing ends it, stalls it or makes it grow.
-
-Written from docs/feed.md and ZeroMQ's RFC 23 and 37; nothing of hmdwarp is imported.
-"""
+Written from docs/feed.md and ZeroMQ's RFC 23 and 37; nothing of hmdwarp is imported."""
 
 from __future__ import annotations
 

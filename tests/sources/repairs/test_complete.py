@@ -68,11 +68,9 @@ def test_measured_depth_stays_bit_for_bit():
 
 @pytest.mark.parametrize("size", [(96, 72), (641, 479)])
 def test_a_gap_at_a_silhouette_goes_to_each_side_by_its_colour(size):
-    """A ring around the disc's outline has no depth.
-
-    Where gaps are closed on blocks, those that the outline crosses have one depth: at most a block
-    on either side of it, along its 2 pi 0.3 high pixels.
-    """
+    """A ring around the disc's outline has no depth. Where gaps are closed on blocks, those that
+    the outline crosses have one depth: at most a block on either side of it, along its 2 pi 0.3
+    high pixels."""
     colour, inverse = two_surfaces(size)
     rows, columns = np.indices(inverse.shape)
     radius = np.hypot(rows - 0.45 * size[1], columns - 0.55 * size[0])

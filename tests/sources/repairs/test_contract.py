@@ -35,11 +35,9 @@ def frames(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
 @given(frame=frames())
 @settings(max_examples=60)
 def test_no_depth_is_invented_outside_what_was_measured(text, frame):
-    """A guess is a weighted mean of measured depths: within their range, but for rounding.
-
-    Eight products and sums in float32 round by at most 16 * 2^-24 of the largest. Read-only arrays
-    are taken and stay as they are; twice gives the same bits; without depth there is none.
-    """
+    """A guess is a weighted mean of measured depths: within their range, but for rounding. Eight
+    products and sums in float32 round by at most 16 * 2^-24 of the largest. Read-only arrays are
+    taken and stay as they are; twice gives the same bits; without depth there is none."""
     colour, inverse = frame
     before, known = inverse.copy(), inverse[~np.isnan(inverse)]
     for array in frame:
@@ -65,10 +63,8 @@ def plane(slope: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("text", CHAINS)
 @pytest.mark.parametrize("slope", [0.0, 0.0005, 0.004, None])
 def test_perfect_depth_stays_as_it_is(text, slope):
-    """Bit for bit: nothing is missing, and 0.004 /m a pixel is no jump from 0.5 /m on.
-
-    Nor between two surfaces, which meet their colours where they are.
-    """
+    """Bit for bit: nothing is missing, and 0.004 /m a pixel is no jump from 0.5 /m on. Nor between
+    two surfaces, which meet their colours where they are."""
     colour, inverse = two_surfaces() if slope is None else plane(slope)
     found = parse_repairs(text).run(colour, inverse)
     assert same(found.inverse_depth, inverse) and (found.confidence == 1).all()

@@ -32,10 +32,8 @@ def test_moved_depth_is_moved_back(down, right):
 
 
 def test_nothing_is_moved_without_evidence():
-    """Too far off, a best offset at the very end of the search may not be the best there is.
-
-    Of noise alone, or one colour, no offset stands out; and a setting may ask for more, or none.
-    """
+    """Too far off, a best offset at the very end of the search may not be the best there is. Of
+    noise alone, or one colour, no offset stands out; and a setting may ask for more, or none."""
     colour, inverse = two_surfaces()
     for right in (6, 8):
         assert depth_offset(colour, moved(inverse, 0, right), SETTINGS) == (0, 0)
@@ -49,10 +47,8 @@ def test_nothing_is_moved_without_evidence():
 
 @pytest.mark.parametrize("mixture", [(0.6,), (0.8, 0.5), (0.85, 0.6), (0.4, 0.3)])
 def test_flying_pixels_lose_their_depth_and_no_others_do(mixture):
-    """A column or two between a surface at 1 /m and one at 0.25 /m; NaN counts 0, the rest 1.
-
-    Each is 15 % and 0.05 * 15 % /m beyond one side and short of the other within two pixels.
-    """
+    """A column or two between a surface at 1 /m and one at 0.25 /m; NaN counts 0, the rest 1. Each
+    is 15 % and 0.05 * 15 % /m beyond one side and short of the other within two pixels."""
     inverse = np.full((30, 40), 0.25, np.float32)
     inverse[:, :20] = 1
     inverse[:, 20 : 20 + len(mixture)] = mixture

@@ -121,11 +121,9 @@ def test_a_crop_leaves_some_pixels(tmp_path):
 
 
 def agreeing(first: RecordedFrame, second: RecordedFrame) -> float:
-    """Share of the first's pixels seen in the second that have the same depth there, within 2 %.
-
-    By the warp map, in pixels from the bottom left. What the second hides by something nearer is
-    left out.
-    """
+    """Share of the first's pixels seen in the second that have the same depth there, within 2 %. By
+    the warp map, in pixels from the bottom left. What the second hides by something nearer is left
+    out."""
     (wide, high), depths = first.size, [np.flipud(frame.depth_m).astype(float) for frame in (first, second)]
     y, x = np.nonzero(depths[0] > 0)
     warp = WarpMap.between(first.view, first.size, second.view, second.size)

@@ -1,7 +1,5 @@
-"""The cube that the server draws.
-
-Each face is what it would draw for that view alone, and the textures come back.
-"""
+"""The cube that the server draws. Each face is what it would draw for that view alone, and the
+textures come back."""
 
 from __future__ import annotations
 

@@ -31,8 +31,7 @@ ROUNDING = 16 * FLOAT32_UNIT
 
 def random_view(seed: int, wide: float = 1.0) -> View:
     """An eye near (0, 1.6, 0), turned anywhere within about 45 degrees of -z, with an asymmetric
-    field of view.
-    """
+    field of view."""
     rng = np.random.default_rng(seed)
     turn = Rotation.from_euler("YXZ", rng.uniform((-45, -30, -40), (45, 30, 40)), degrees=True)
     fov = Fov(
@@ -62,8 +61,7 @@ def cast_planes(view: View, size: tuple[int, int]) -> Hits:
 
 def depth_tolerance(exact: np.ndarray) -> np.ndarray:
     """SNAP_PX times the slope of inverse depth per pixel, plus float32 rounding of the largest
-    value.
-    """
+    value."""
     slope = np.abs(np.gradient(exact, axis=0)) + np.abs(np.gradient(exact, axis=1))
     return SNAP_PX * slope + ROUNDING * exact.max()
 

@@ -54,10 +54,8 @@ def way_on(mirror, place: np.ndarray, ray: np.ndarray) -> float:
 @pytest.mark.parametrize("mirror", [FLOOR, WALL, CHROME], ids=["floor", "wall", "ball"])
 def test_the_depth_of_what_a_mirror_shows_is_that_of_the_whole_path(server, mirror, view):
     """In a ball by the mirror formula. Its mirror shows what is behind things before it as well.
-
     Flat cells lie inside balls by up to 1.5 mm; what is looked up in the ball's cube is within a
-    texel of an edge; silhouettes are of one pixel; and the backs of things are not drawn.
-    """
+    texel of an edge; silhouettes are of one pixel; and the backs of things are not drawn."""
     found = read(layered(server, view)["reflection"].seen.inverse_depth)[..., 0].ravel()
     eye, rays = view.pose.position_m, world_directions(view, SIZE).reshape(-1, 3)
     met, ball = first([mirror], eye, rays), first([CHROME], eye, rays)

@@ -102,11 +102,8 @@ def away_from_edges(shape: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("time_ns", [0, 400 * MS, 500 * MS, 570 * MS])
 def test_everything_is_drawn_where_it_is_then(gpu, server, time_ns):
-    """Against rays.
-
-    The runner is in sight around 0.5 s alone, 30 m from where its positions at time 0 would have it
-    culled.
-    """
+    """Against rays. The runner is in sight around 0.5 s alone, 30 m from where its positions at
+    time 0 would have it culled."""
     corners, of = corners_at(server.scene, time_ns)
     hits = cast_triangles(corners, EYE.pose.position_m, world_directions(EYE, SIZE).reshape(-1, 3))
     exact, mesh = hits.inverse_depth.reshape(SIZE[::-1]), np.append(of, -1)[hits.shape].reshape(SIZE[::-1])
@@ -159,10 +156,8 @@ def test_a_mesh_is_written_once_for_each_instant(serve):
 
 
 def test_layers_behind_leave_out_what_the_client_moves(server):
-    """Behind the door is the wall.
-
-    Where nobody compensates, the door is behind what hides it as everything else.
-    """
+    """Behind the door is the wall. Where nobody compensates, the door is behind what hides it as
+    everything else."""
     for needs in (Needs(peeled=1), Needs(peeled=1, ids=True), Needs(peeled=2, ids=True, velocity=True)):
         frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
         eye = frame.eyes[0]

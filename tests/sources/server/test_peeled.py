@@ -1,7 +1,5 @@
-"""The layers that the server peels.
-
-What rays meet second and third, and nothing where they meet no more.
-"""
+"""The layers that the server peels. What rays meet second and third, and nothing where they meet no
+more."""
 
 from __future__ import annotations
 
@@ -22,8 +20,7 @@ AHEAD = View(Pose(), FOV)
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
     """Squares of half edge `half` times their distance, one behind the other before the origin,
-    number k of brightness k + 1.
-    """
+    number k of brightness k + 1."""
     meshes = []
     for k, depth in enumerate(depths_m):
         r = half * depth
@@ -73,10 +70,8 @@ def test_walls_one_behind_the_other_then_the_sky_then_nothing(serve):
 
 
 def test_the_sky_belongs_to_the_last_layer_that_holds_anything(serve):
-    """Beside the wall the sky is visible, so behind it is nothing.
-
-    Behind the wall it is the next layer.
-    """
+    """Beside the wall the sky is visible, so behind it is nothing. Behind the wall it is the next
+    layer."""
     (_, first), (colour, second), (_, third) = peeled(serve, walls(3), 2)
     assert (first[outside()] == 0).all()
     assert (second[outside()] == -1).all()
