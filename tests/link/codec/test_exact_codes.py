@@ -68,21 +68,6 @@ def test_every_pixel_within_half_a_step_that_is_asked_for(inverse, step):
     check(inverse, 2.0 ** np.floor(np.log2(step)), step)
 
 
-@settings(max_examples=60)
-@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.integers(2, 70), st.integers(2, 50))
-def test_edges_of_any_kind(seed, edges, width, height):
-    """Half-planes cut through slanted planes, sky and holes, at any angle."""
-    rng = np.random.default_rng(seed)
-    y, x = np.mgrid[:height, :width]
-    inverse = np.full((height, width), 0.05)
-    for _ in range(edges):
-        angle = rng.uniform(0, 2 * np.pi)
-        side = (x - rng.uniform(0, width)) * np.cos(angle) + (y - rng.uniform(0, height)) * np.sin(angle) > 0
-        plane = rng.uniform(0.1, 20) + rng.uniform(-1e-2, 1e-2) * x + rng.uniform(-1e-2, 1e-2) * y
-        inverse = np.where(side, rng.choice([0.0, -1.0]) if rng.random() < 0.3 else np.maximum(plane, 0), inverse)
-    check(inverse.astype(np.float32))
-
-
 @pytest.mark.parametrize(
     ("nearest", "factor"), [(63.99, 1), (64.0, 2), (1000.0, 16), (1e30, 2.0**94), (3.4e38, 2.0**122)]
 )

@@ -268,16 +268,6 @@ def test_backs_are_left_out_unless_the_mesh_is_double_sided(serve, double_sided)
         assert (drawn == (0.5 if visible else 0)).all()
 
 
-def test_culling_keeps_all_that_a_ray_can_see(room):
-    # Any chunk left out in error would show as a hole to the background inside the closed back half
-    # of the room.
-    for yaw in (120, 180, 240):
-        view = View(Pose((0, 1.6, 0.5), Rotation.from_euler("Y", yaw, degrees=True).as_quat()), Fov.symmetric(1.2, 1.0))
-        eye_image = room.draw(view, SIZE)
-        assert (pixels(eye_image.inverse_depth) > 0).all()
-        room.pool(SIZE).release(eye_image.colour)
-
-
 def test_targets_of_others_work_and_a_reused_gl_name_is_not_mistaken_for_the_old_texture(planes):
     view, size = random_view(0), (16, 12)
     reference = planes.draw(view, size)

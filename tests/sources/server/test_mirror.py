@@ -139,15 +139,6 @@ def test_bounds_are_no_larger_than_what_mirrors(server):
     assert high_y - low_y <= 4 / 3 * (np.ptp(rows) + 1) + 2
 
 
-def test_reflection_layers_are_empty_where_nothing_mirrors(serve):
-    server = serve("planes")
-    eye = layered(server)
-    assert (read(eye["reflection"].seen.colour) == 0).all()
-    assert (read(eye["reflection"].seen.inverse_depth) == -1).all()
-    assert (read(eye["reflection"].surface) == (0, 0, 0, 1)).all()
-    assert np.array_equal(read(eye.colour), read(server.draw(VIEW, SIZE).colour))
-
-
 def test_no_mirror_shows_what_stands_behind_it(serve):
     """A ball behind the wall mirror, which the mirrored eye would see first, is not in it."""
     scene = mirrored_scene(curved=False)

@@ -168,13 +168,3 @@ def test_layers_behind_leave_out_what_the_client_moves(server):
         if "ids" in needs:
             assert not ((behind[..., 0] == 1) | ((behind[..., 1] == 1) & (behind[..., 0] == 0))).any()
         server.recycle(frame)
-
-
-def test_the_cube_shows_the_same_instant(gpu, server):
-    found = []
-    for time_ns in (0, 500 * MS):
-        frame = server.draw_frame([EYE], time_ns, SIZE, needs=Needs(cube=True))
-        found.append(read(frame.eyes[0]["cube"]).astype(np.float64))
-        server.recycle(frame)
-    assert not (found[0][..., 1] > found[0][..., 0] + 0.4).any()
-    assert (found[1][..., 1] > found[1][..., 0] + 0.4).any()  # the runner is there
