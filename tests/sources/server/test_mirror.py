@@ -78,6 +78,8 @@ def test_the_surface_tells_reflectivity_where_the_picture_shows_a_mirror(server)
     """A mirror is drawn behind what stands before it, and its surface is not."""
     eye = layered(server)
     surface, rays = read(eye["reflection"].surface), world_directions(VIEW, SIZE).reshape(-1, 3)
+    told = [(mirror.is_curved, mirror.reflectivity) for mirror in eye["reflection"].mirrors]
+    assert told == [(False, 0.3), (False, 0.9), (True, 0.85)], "plane ones first"
     balls, quads = (first(things, VIEW.pose.position_m, rays) for things in ((*BALLS, CHROME), (FLOOR, WALL)))
     for index, reflectivity in ((0, 0.3), (1, 0.9)):
         here = ((quads.shape == index) & (quads.inverse_depth > balls.inverse_depth)).reshape(SIZE[::-1])
