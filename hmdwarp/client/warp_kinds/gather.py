@@ -54,18 +54,19 @@ class GatherWarp(Warp):
     fuses = True
     scans_out = True
     rows: ClassVar[int] = 8  # pixels of one column per invocation; 4 suits heavy shaders
-    rows_with_depth: ClassVar[int] = 0  # the same where the depth is written too; 0: as many
+    rows_with_depth: ClassVar[int] = 0  # the same where bilinear samples and the depth are written; 0: as many
 
     def gather(self, path: str, **defines: object) -> Compute:
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
+        cubic = isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom"
         if lens is None:
-            defines |= {"ROWS": (self.depth_into and self.rows_with_depth) or self.rows}
+            defines |= {"ROWS": (self.depth_into and not cubic and self.rows_with_depth) or self.rows}
         else:
             defines |= lens.panel_defines
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
-        if isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom":
+        if cubic:
             # Image loads take llvmpipe half the time of fetches.
             defines |= {"CATMULL_ROM": 1, **({"TEXELS": 1} if self.gpu.is_software else {})}
         if self.depth_into is not None:
