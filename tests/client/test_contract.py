@@ -69,10 +69,10 @@ WITHOUT_TWIN = [name for name in [*CHOICES, *SETTINGS] if not has_twin(name)]
 
 
 def steep_world(gpu) -> World:
-    """Surfaces of every steepness and curvature, with pixels without depth among them."""
+    """Surfaces that curve away: from column to column more of each row's step than of the last."""
     world = World(gpu, 4, (45, 37))
-    y, x = np.mgrid[:37, :45] / 45
-    depth = 0.01 + x**3 + 0.5 * y**2 + 0.3 * np.abs(np.sin(9 * x) * np.sin(7 * y)) ** 3
+    y, x = np.mgrid[:37, :45]
+    depth = 0.005 * (1.1 + 0.5 * x / 45) ** (y % 18)
     world.inverse_depth = np.where(world.inverse_depth < 0, -1, depth).astype(np.float32).astype(np.float64)
     world.upload(gpu)
     return world
