@@ -457,17 +457,16 @@ def _copy(sample: str, folder: Path) -> None:
 
 
 def _sequences() -> Iterator[tuple[str, Target]]:
-    from published_folders import PUBLISHED, Form
-    from recorded_folders import LAYOUTS, taken
-    from ros_bags import BAGS
+    from recorded_folders import taken
+    from ros_bags import BAGS, FORMS
 
-    def read(form: Form, folder: Path, rng: Rng) -> None:
+    def read(form: Any, folder: Path, rng: Rng) -> None:
         from hmdwarp.sources import sequences
 
         for frame in sequences.open(folder, form.options).frames[:4]:
             frame.read()
 
-    for name, form in ({name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS).items():
+    for name, form in FORMS.items():
         needs = "rosbags" if name in BAGS else "OpenEXR" if name == "exr" else None
         yield (
             f"frames {name}",
@@ -564,7 +563,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
-    from hmdwarp.pipeline.levels import read_rows
+    from hmdwarp.pipeline.governor import read_rows
     from hmdwarp.study.analysis.long_table import from_csv
 
     def bench(folder: Path) -> None:
@@ -656,9 +655,11 @@ def _secrets() -> Iterator[tuple[str, Target]]:
 
 def _messages() -> Iterator[tuple[str, Target]]:
     def write(name: str, folder: Path) -> None:
-        from sources.feed import test_message as made
+        from sources.feed import messages as made
 
-        (folder / "message").write_bytes(bytes(made.encode(getattr(made, name))))
+        from hmdwarp.sources.feed import message
+
+        (folder / "message").write_bytes(bytes(message.encode(getattr(made, name))))
 
     def read(folder: Path, rng: Rng) -> None:
         from hmdwarp.errors import InputError

@@ -92,8 +92,8 @@ def program() -> Callable[..., Done]:
 def quick(tmp_path) -> list[str]:
     """Options of a replay that takes well under a second and says nothing."""
     return [
-        "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against",
-        "", "--quiet", "--out", str(tmp_path / "out"),
+        "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.1", "--workers", "0",
+        "--against", "", "--quiet", "--out", str(tmp_path / "out"),
     ]  # fmt: skip
 
 

@@ -219,7 +219,7 @@ def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monk
 
 
 TABLE = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))
-BENCH = "--scene planes --size 48x40 --seconds 0.3 --instants 1 --rounds 1 --workers 0 --guard 1.1"
+BENCH = "--scene planes --headset rift-dk1 --size 48x40 --seconds 0.3 --instants 1 --rounds 1 --workers 0 --guard 1.1"
 CASES = [(begin, typed) for begin, lines in TABLE.items() for typed in lines]
 
 

@@ -11,8 +11,8 @@ from bench_files import a_bench
 from .conftest import complaints
 
 QUICK = (
-    "--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants", "1", "--rounds", "1",
-    "--workers", "0", "--guard", "1.1",
+    "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.3", "--instants", "1",
+    "--rounds", "1", "--workers", "0", "--guard", "1.1",
 )  # fmt: skip
 
 

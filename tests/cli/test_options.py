@@ -104,7 +104,7 @@ def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
 
 
 NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
-TINY = ("--size", "40x50", "--lens", "none", "--effects", "none")
+TINY = ("--headset", "rift-dk1", "--size", "40x50", "--lens", "none", "--effects", "none")
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from .conftest import PROGRAM, ROOT, complaints
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 LISTS = [["list", "warps"], ["--help"], ["trace", "info", "still"]]  # a table, click's own, lines
-REPLAY = ["replay", "still", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--out"]
+REPLAY = "replay still --scene planes --headset rift-dk1 --size 48x40 --seconds 0.1 --workers 0 --out".split()
 
 
 def ended(*command: str, stdout: object = subprocess.PIPE) -> subprocess.CompletedProcess:
@@ -109,7 +109,7 @@ def test_a_folder_whose_name_is_no_text(tmp_path):
 
 WALK = folder("recordings") / "walk.csv"
 ONCE = ("--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1")
-TINY = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
+TINY = "--scene planes --size 48x40 --headset rift-dk1 --seconds 0.1 --workers 0 --quiet".split()
 RATINGS = "participant,condition,rating\n" + "".join(
     f"{who},{what},{who % 3 + 1}\n" for who in range(6) for what in "ab"
 )

@@ -44,7 +44,9 @@ class Offscreen(Backend):
     def open(self) -> Display:
         from hmdwarp.display import OffscreenDisplay
 
-        return OffscreenDisplay(DisplayOptions(size=SMALL, trace=synthesise("look-around", seed=1, seconds=2)))
+        return OffscreenDisplay(
+            DisplayOptions("rift-dk1", size=SMALL, trace=synthesise("look-around", seed=1, seconds=2))
+        )
 
 
 class Window(Backend):
@@ -55,7 +57,7 @@ class Window(Backend):
     def open(self) -> Display:
         from hmdwarp.display.desktop import DesktopDisplay
 
-        return DesktopDisplay(DisplayOptions(size=SMALL, control_panel=False))
+        return DesktopDisplay(DisplayOptions("rift-dk1", size=SMALL, control_panel=False))
 
     def user_ends(self, display: Display) -> None:
         display._window.end()

@@ -32,7 +32,7 @@ class QuestionWindow:
     """
 
     def __init__(self) -> None:
-        self._display = DesktopDisplay(DisplayOptions(size=(300, 400), controls=CONTROLS))
+        self._display = DesktopDisplay(DisplayOptions("rift-dk1", size=(300, 400), controls=CONTROLS))
         self._lines: list[str] = []
         self._asked: QuestionDialog | TextDialog | None = None
         self._last: dict[str, object] = {}

@@ -13,7 +13,14 @@ import pytest
 from hmdwarp.errors import InputError, TraceError
 from hmdwarp.run import LiveOptions, live
 
-ASKED = {"source": "offscreen", "scene": "planes", "size": (48, 60), "rate_hz": 50.0, "latency_ms": 60.0}
+ASKED = {
+    "source": "offscreen",
+    "scene": "planes",
+    "headset": "rift-dk1",
+    "size": (48, 60),
+    "rate_hz": 50.0,
+    "latency_ms": 60.0,
+}
 
 
 def test_two_runs_are_equal_and_as_long_as_asked_for_by_the_display_s_own_clock(tmp_path):

@@ -16,7 +16,7 @@ from hmdwarp.display.desktop import DesktopDisplay
 from hmdwarp.gpu import Canvas, Gpu
 from hmdwarp.poses import Origin, PoseSource
 
-SMALL = DisplayOptions(size=(32, 40), control_panel=False)
+SMALL = DisplayOptions("rift-dk1", size=(32, 40), control_panel=False)
 
 
 def refresh(display: DesktopDisplay, times: int = 1) -> None:

@@ -18,7 +18,7 @@ from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import load_headset
 from hmdwarp.options.documents import MOST_DEPTH, DocumentError, parse_json, parse_toml
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences

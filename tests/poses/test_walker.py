@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.poses import Origin, Walker
-from hmdwarp.poses.walker import (
+from hmdwarp.poses.synth import (
     DEAF_NS,
     EYE_HEIGHT_M,
     FASTER,

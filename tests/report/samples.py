@@ -3,7 +3,7 @@
 import numpy as np
 
 from hmdwarp.metrics import QUALITY, aggregate, difference
-from hmdwarp.report import WorstFrame, comparison_panels
+from hmdwarp.report import WorstFrame, comparison_columns
 
 from .bench_samples import MACHINE
 
@@ -95,9 +95,6 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
         truth, rendered, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
         error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
         values = {"psnr_db": 20.1 + i, "ssim": 0.7, "flip": 0.2 - 0.02 * i, "hole_share": 0.031, "border_share": 0.02}
-        frames.append(
-            WorstFrame(
-                3.2 * i + 1, i % 2, tuple(comparison_panels(rendered, warped, truth, error)), values | {"flicker": None}
-            )
-        )
+        columns = comparison_columns(rendered, truth, [("warped", warped, error), ("none", rendered, error)])
+        frames.append(WorstFrame(3.2 * i + 1, i % 2, columns, values | {"flicker": None}))
     return frames

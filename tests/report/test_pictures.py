@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hmdwarp.report import comparison_panels, jpeg_bytes, labelled_strip, magma, png_bytes
+from hmdwarp.report import comparison_columns, in_a_row, jpeg_bytes, labelled_strip, magma, png_bytes
 from hmdwarp.report.files import panels_in
 
 from .samples import a_scene
@@ -25,8 +25,9 @@ def find(strip: np.ndarray, panel: np.ndarray) -> tuple[int, int] | None:
 
 
 def test_every_panel_is_there_unchanged_in_order_and_labelled():
-    error = np.linspace(0, 1, 200 * 320).reshape(200, 320)
-    panels = comparison_panels(a_scene(9), a_scene(2), a_scene(0), error, [("forward", a_scene(3))])
+    error = np.arange(200 * 320, dtype=np.uint32).reshape(200, 320).astype(np.uint8)
+    warped = [("warped", a_scene(2), error), ("forward", a_scene(3), error)]
+    panels = in_a_row(comparison_columns(a_scene(9), a_scene(0), warped))
     strip = labelled_strip(panels)
     places = [find(strip, picture) for _, picture in panels]
     assert None not in places
@@ -40,7 +41,7 @@ def test_every_panel_is_there_unchanged_in_order_and_labelled():
 
 
 def test_rows_of_a_grid_and_without_a_late_frame():
-    panels = comparison_panels(None, a_scene(2), a_scene(0), np.zeros((200, 320)))
+    panels = in_a_row(comparison_columns(None, a_scene(0), [("warped", a_scene(2), np.zeros((200, 320), np.uint8))]))
     assert [name for name, _ in panels][0] == "truth"
     strip = labelled_strip(panels, columns=2)
     places = [find(strip, picture) for _, picture in panels]

@@ -25,22 +25,21 @@ from hmdwarp.errors import InputError, PlanError
 from hmdwarp.headsets import load_headset
 from hmdwarp.options import parse_guard
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import PoseTrack
 from hmdwarp.report import validate_summary
 from hmdwarp.run import (
     LiveOptions,
     RunOptions,
     choose,
-    device_time,
+    choosing,
     levels_by_short_bench,
     levels_from_file,
     needed_factors,
     replay,
     set_up_replay,
 )
-from hmdwarp.run.choosing import FILLS, MOST, NEAR_M, candidates
-from hmdwarp.run.device_time import device_ms
+from hmdwarp.run.choosing import FILLS, MOST, NEAR_M, candidates, device_ms
 
 from .offscreen import OffscreenDisplay, run_on
 
@@ -327,7 +326,7 @@ def plan(warp: str, fill: str = "none"):
 
 def test_measured_passes_are_those_of_the_gpu_s_table():
     """A fill adds at most so much to any warp; the memory's is what it adds to its pyramid's."""
-    path = Path(device_time.__file__).with_name("measured_passes.toml")
+    path = Path(choosing.__file__).with_name("measured_passes.toml")
     measured = tomllib.loads(path.read_text(encoding="utf-8"))
     rows = rows_of("gpu NVIDIA H100 80GB HBM3")
     none, *others = (

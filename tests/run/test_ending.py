@@ -20,7 +20,7 @@ from hmdwarp.run.ending import GarbageControl
 from .offscreen import OffscreenDisplay, run_on
 
 ASKING = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
-PLAIN = {"scene": "planes", "latency_ms": 0, "fill": "none"}
+PLAIN = {"scene": "planes", "headset": "rift-dk1", "latency_ms": 0, "fill": "none"}
 
 
 @pytest.fixture

@@ -34,7 +34,10 @@ class Running:
         view = options.get("view", "both")
         self.display = OffscreenDisplay(gpu=gpu, view=view)
         self.host = PipelineHost(
-            self.display, LiveOptions(**{"scene": "planes", "latency_ms": LATENCY_MS, "fill": "none", **options})
+            self.display,
+            LiveOptions(
+                **{"scene": "planes", "headset": "rift-dk1", "latency_ms": LATENCY_MS, "fill": "none", **options}
+            ),
         )
         self.shown: list[tuple[int, int | None]] = []
         self.sent: list[tuple[int, float]] = []  # (drawn_ns, latency in ms) of each frame

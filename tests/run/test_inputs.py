@@ -123,7 +123,15 @@ ASKED = {
     2: [Command("grab")], 6: [Command("push")], 22: [Command("switch")],
     30: [Command("grab", True), Command("grab", True)], 33: [Command("grab", False), Command("grab", False)],
 }  # fmt: skip
-LIVE = {"scene": "playroom", "latency_ms": 20.0, "fill": "none", "predict": "none", "samples": 1, "guard": 1.0}
+LIVE = {
+    "scene": "playroom",
+    "headset": "rift-dk1",
+    "latency_ms": 20.0,
+    "fill": "none",
+    "predict": "none",
+    "samples": 1,
+    "guard": 1.0,
+}
 
 
 @pytest.mark.parametrize("warp", ["none", pytest.param("irradiance:updates=100", marks=pytest.mark.slow)])

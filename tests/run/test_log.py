@@ -25,14 +25,14 @@ from hmdwarp.run import HoleCounter, LiveLog, LiveOptions, live_figures
 from hmdwarp.run import live_log as log
 from hmdwarp.run.ending import Pauses
 from hmdwarp.run.frame_rows import angle_between
-from hmdwarp.run.live_figures import Thinned
-from hmdwarp.run.live_summary import LiveFacts
+from hmdwarp.run.live_figures import LiveFacts, Thinned
 from hmdwarp.run.misses import MissTally
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
 SMALL = {
-    "scene": "planes", "latency_ms": 30.0, "warp": "forward", "fill": "interpolate", "guard": 1.0, "predict": "none",
+    "scene": "planes", "headset": "rift-dk1", "latency_ms": 30.0, "warp": "forward", "fill": "interpolate",
+    "guard": 1.0, "predict": "none",
 }  # fmt: skip
 
 

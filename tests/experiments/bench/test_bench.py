@@ -28,6 +28,7 @@ SMALL = BenchOptions(
     latencies_ms=(100.0, 200.0),
     scenes=("planes",),
     recordings=("look-around",),
+    headset="rift-dk1",
     sizes=((96, 80),),
     rate_hz=60.0,
     seconds=0.5,

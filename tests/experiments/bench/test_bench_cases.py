@@ -18,6 +18,7 @@ TINY = BenchOptions(
     fills=("none",),
     latencies_ms=(50.0, 100.0),
     scenes=("planes",),
+    headset="rift-dk1",
     sizes=((48, 40),),
     rate_hz=60.0,
     seconds=0.3,

@@ -9,8 +9,17 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
-from hmdwarp.experiments.bench.suite_means import Clusters, clustered_interval, over_all, ranks_of, suite_entry
-from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
+from hmdwarp.experiments.bench.suites import (
+    Clusters,
+    clustered_interval,
+    cost_text,
+    half_of,
+    halves,
+    over_all,
+    ranks_of,
+    suite_entry,
+    suites,
+)
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench.page import bench_page
 from hmdwarp.resources import recording_names

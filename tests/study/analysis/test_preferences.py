@@ -9,8 +9,7 @@ from hmdwarp.study.analysis.findings import Resampling, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
 from hmdwarp.study.analysis.long_table import Ratings
 from hmdwarp.study.design import design_from_text
-from hmdwarp.study.respondents import Population
-from hmdwarp.study.respondents.simulated import model_from_text
+from hmdwarp.study.respondents import Population, model_from_text
 from hmdwarp.study.scales import NEITHER
 
 STUDY = """schema = 1

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.console.line_console import checked_answer, clock, parse_line
+from hmdwarp.study.line_console import checked_answer, clock, parse_line
 
 from .played import ASKING, GRADE, SHOWING, SICK, STATES
 

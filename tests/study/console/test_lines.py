@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from hmdwarp.study.console.line_console import ConsoleState, LineConsole, TypedLine, fitted, news, status, subject_of
+from hmdwarp.study.line_console import ConsoleState, LineConsole, TypedLine, fitted, news, status, subject_of
 
 from .played import ASKING, GRADE, SHOWING, STATES
 

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.study.design import Ask, Show, Sickness, load_design, steps_of
-from hmdwarp.study.respondents import Population, RatingModel, Simulated, load_model
-from hmdwarp.study.respondents.simulated import SicknessModel
+from hmdwarp.study.respondents import Population, RatingModel, SicknessModel, Simulated, load_model
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session.runner import why_sick
 from hmdwarp.study.store import Answer

@@ -13,14 +13,18 @@ from scipy.stats import kstest, norm
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import load_design, write_new_plan
-from hmdwarp.study.respondents import Population, RatingModel, load_model, model_names, person_of
-from hmdwarp.study.respondents.simulated import (
+from hmdwarp.study.respondents import (
+    Population,
+    RatingModel,
     SicknessModel,
     draw_for,
+    load_model,
     model_from_text,
+    model_names,
     normal,
     of_share,
     on_scale,
+    person_of,
     table_of,
 )
 from hmdwarp.study.scales import RATING, load_scale, scale_names

@@ -6,11 +6,11 @@ import pytest
 from together import together
 
 from hmdwarp.display import Command
-from hmdwarp.study.console.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.design import Ask, load_design
 from hmdwarp.study.dialogs.choice_dialogs import TextDialog
 from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS, MessagePanel, QuestionPanel
 from hmdwarp.study.export.export_rows import answer_rows
+from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.store import SIMULATED, Store, store_folder
 

@@ -319,7 +319,7 @@ def test_the_axes_that_a_recorded_head_was_read_in_are_kept(gpu, tmp_path):
     """Which for the world, which for the head, and why: here nobody says so."""
     path = tmp_path / "head.csv"
     path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "".join(f"{i / 90},0,{i / 900},0,0,0,0,1\n" for i in range(90)))
-    display = OffscreenDisplay(DisplayOptions(trace=load_trace(path).track, size=(32, 40)), gpu)
+    display = OffscreenDisplay(DisplayOptions("rift-dk1", trace=load_trace(path).track, size=(32, 40)), gpu)
     facts = facts_of(display, load_design(str(study(tmp_path))), str(path))
     assert facts["trace_axes"] == facts["display"]["trace_axes"]
     assert facts["trace_axes"].startswith("openxr (world=x,y,-z head=x,y,-z), assumed")
