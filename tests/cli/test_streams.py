@@ -18,7 +18,9 @@ from .conftest import PROGRAM, ROOT, complaints
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 LISTS = [["list", "warps"], ["--help"], ["trace", "info", "still"]]  # a table, click's own, lines
-REPLAY = "replay still --scene planes --headset rift-dk1 --size 48x40 --seconds 0.1 --workers 0 --out".split()
+SMALL = ["--scene", "planes", "--headset", "rift-dk1", "--size", "48x40"]
+TINY = [*SMALL, "--seconds", "0.1", "--workers", "0", "--quiet"]
+REPLAY = ["replay", "still", *TINY[:-1], "--out"]
 
 
 def ended(*command: str, stdout: object = subprocess.PIPE) -> subprocess.CompletedProcess:
@@ -109,7 +111,6 @@ def test_a_folder_whose_name_is_no_text(tmp_path):
 
 WALK = folder("recordings") / "walk.csv"
 ONCE = ("--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1")
-TINY = "--scene planes --size 48x40 --headset rift-dk1 --seconds 0.1 --workers 0 --quiet".split()
 RATINGS = "participant,condition,rating\n" + "".join(
     f"{who},{what},{who % 3 + 1}\n" for who in range(6) for what in "ab"
 )
@@ -118,7 +119,7 @@ FOLDERS = {
     "replay": (["replay", "still", "--against", "", *TINY], "report.html"),
     "bench": (["bench", "still", *ONCE, *TINY], "bench.html"),
     "live": (
-        ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *TINY[:4]],
+        ["live", "--source", "offscreen", "--trace", "walk", "--pictures", "2", "--quiet", *SMALL],
         "frames.csv",
     ),
     "analyse": (["study", "analyse", "ratings.csv", "--scale", "acr", "--quiet"], "tables/missing.csv"),
