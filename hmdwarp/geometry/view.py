@@ -162,13 +162,8 @@ class Fov:
         found = np.asarray(matrix, np.float64)
         found = found.reshape(4, 4) if found.size == 16 else np.zeros((4, 4))
         whole = [one for one in (found, found.T) if np.allclose(np.abs(one[3]), (0, 0, 1, 0)) and not one[2, :2].any()]
-        if (
-            not whole
-            or found[0, 1]
-            or found[1, 0]
-            or not np.isfinite(found).all()
-            or not whole[0][[0, 1], [0, 1]].all()
-        ):
+        scaled = whole and np.isfinite(found).all() and whole[0][[0, 1], [0, 1]].all()
+        if not scaled or found[0, 1] or found[1, 0]:
             raise InputError(f"projection is {in_brief(matrix)}: expected a perspective along z, (4, 4) or 16 numbers")
         scales = ((whole[0][k, k], whole[0][k, 2] / whole[0][3, 2]) for k in (0, 1))
         (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
