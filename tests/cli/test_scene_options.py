@@ -49,7 +49,8 @@ def test_a_study_may_set_them(scene):
 def test_plan_tells_what_was_noticed(command, scene):
     done = command("plan", "--scene", scene, "--warp", "none", "--fill", "none").done()
     assert "note: far.glb: seen from 104,51.6,203 of the file, which is at (0, 1.6, 0)" in " ".join(done.out.split())
-    done = command("plan", "--scene", scene, "--viewpoint", "102,51.6,203", "--warp", "none", "--fill", "none").done()
+    seen = ("--viewpoint", "102,51.6,203", "--headset", "rift-dk1", "--warp", "none", "--fill", "none")
+    done = command("plan", "--scene", scene, *seen).done()
     assert "note:" not in done.out
 
 
@@ -88,7 +89,7 @@ def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
 
 def test_a_bench_keeps_and_tells_the_notes(command, scene, tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.gpu.timers._CHECK_BYTES", 1 << 20)
-    few = ("--instants", "1", "--rounds", "1", "--workers", "0", "--seconds", "0.3")
+    few = ("--headset", "rift-dk1", "--instants", "1", "--rounds", "1", "--workers", "0", "--seconds", "0.3")
     which = ("--warp", "none", "--fill", "none", "--guard", "1", "--size", "40x50", "--out", tmp_path / "out")
     done = command("bench", "still", "--scene", scene, *few, *which).done()
     assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.out.split())
