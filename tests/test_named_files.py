@@ -19,9 +19,9 @@ import attrs
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import PUBLISHED, Form
+from published_folders import Form
 from recorded_folders import HAS_EXR, LAYOUTS, taken
-from ros_bags import BAGS, BEGINS_NS, HAS_ROSBAGS, Messages, write_bag
+from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
 
 import hmdwarp
 from hmdwarp.client.classes import load_client
@@ -31,7 +31,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.poses.reading import text_table
@@ -217,18 +217,15 @@ def test_a_bag_unpacks_to_so_many_bytes_at_most(tmp_path, kind, packed):
 # --- layouts of recorded frames
 
 
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
 FRAMES = taken(3)
 
 
 @pytest.fixture(scope="module", params=FORMS)
 def recorded(request, tmp_path_factory):
-    if (request.param == "exr" and not HAS_EXR) or (request.param in BAGS and not HAS_ROSBAGS):
-        pytest.skip("its optional package is not installed")
-    folder = tmp_path_factory.mktemp(request.param) / "taken"
+    form, folder = form_of(request.param), tmp_path_factory.mktemp(request.param) / "taken"
     folder.mkdir()
-    FORMS[request.param].write(folder, FRAMES)
-    return FORMS[request.param], folder
+    form.write(folder, FRAMES)
+    return form, folder
 
 
 def read_all(form: Form, folder: Path) -> list[object]:

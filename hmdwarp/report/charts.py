@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import CSS_VARIABLES, GRID, INK, SERIES
+from .style import CSS_VARIABLES, GRID, INK, SERIES, Look
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -213,16 +213,16 @@ def binned(series: Series, bins: int = _MOST_POINTS) -> Band:
     return Band(np.bincount(index, time_s, minlength=count) / amount, mean, low, high)
 
 
-def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) -> str:
+def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, points: bool = False) -> str:
     """Draw at most three lines over time as one <svg> element.
 
     A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left
     out; a chart of nothing says so. The same data give the same text.
-    unit: of the vertical axis, "" for a plain number.
+    unit: of the vertical axis, "" for a plain number. points: draw each instant, unless pooled.
     """
     content = [(line.label, line.value.tobytes()) for line in series]
     with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
-        drawn = [_draw(axes, number, line) for number, line in enumerate(series)]
+        drawn = [_draw(axes, number, line, points) for number, line in enumerate(series)]
         axes.margins(x=0.01)
         if from_zero:
             axes.set_ylim(bottom=0)
@@ -236,16 +236,15 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) 
         return svg_text(axes.get_figure())
 
 
-def _draw(axes: Axes, number: int, series: Series) -> bool:
-    band = binned(series)
+def _draw(axes: Axes, number: int, series: Series, points: bool) -> bool:
+    band, look = binned(series), Look.of(number)
     if not len(band.mean):
         return False
-    colour = SERIES[number]
-    marker = "o" if len(band.mean) <= _FEW_POINTS else ""
+    marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
     if (band.high > band.low).any():
-        axes.fill_between(band.time_s, band.low, band.high, color=colour, alpha=0.2, linewidth=0)
-    style: Style = {"linestyle": _DASHES[number], "linewidth": 1.3, "marker": marker, "markersize": 3}
-    axes.plot(band.time_s, band.mean, color=colour, label=series.label, **style)
+        axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
+    style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
+    axes.plot(band.time_s, band.mean, color=look.color, label=series.label, markersize=3, **style)
     return True
 
 

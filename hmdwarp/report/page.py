@@ -7,7 +7,9 @@ but for those made as Markup. The same content gives the same page.
 from __future__ import annotations
 
 import base64
+import hashlib
 from collections.abc import Mapping, Sequence
+from importlib import resources
 from typing import Any
 
 import attrs
@@ -180,11 +182,15 @@ class Page:
             loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
             lstrip_blocks=True,
         )  # fmt: skip
+        script = resources.files(__package__).joinpath("templates/page.js").read_text(encoding="utf-8")
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         environment.filters["pieces"] = lambda text: (
-            [text] if isinstance(text, Markup) else run_texts.name_pieces(text, r"|(?<=[._])(?=[a-z])")
+            [text] if isinstance(text, Markup) else run_texts.name_pieces(text, r"|(?<=[._+])(?=[a-z])")
         )
         return environment.get_template("page.html").render(
             page=self,
+            script=script if self.kind == "replay" else "",
+            digest=f"sha256-{digest}",
             sections=[section for section in self.sections if section is not None and any(section.blocks)],
             light=css_variables(dark=False),
             dark=css_variables(dark=True),

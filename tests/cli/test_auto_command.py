@@ -10,16 +10,6 @@ from bench_files import a_bench
 SMALL = ("--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--seconds", "0.1")
 
 
-def test_warp_auto_needs_a_budget_and_says_where_it_is_for(command, tmp_path):
-    command("replay", "walk", "--warp", "auto").refused("--budget MS")
-    command("choose", "walk").refused("--budget MS")
-    command("replay", "walk", "--budget", "3").refused("only --warp auto keeps to a budget")
-    command("replay", "walk", "--warp", "auto", "--budget", "3", "--fill", "none").refused("chooses the fill too")
-    command("plan", "--warp", "auto", "--budget", "3").refused("'hmdwarp choose' with the same options")
-    command("choose", "walk", "--warp", "mesh", "--budget", "3").refused("it names the warp; leave --warp out")
-    command("choose", "walk", "--budget", "3", "--bench", f"{tmp_path / 'b.json'}").refused("no such file")
-
-
 def test_choose_prints_a_command_line_that_runs_and_why(command, tmp_path):
     path = a_bench(tmp_path / "b.json")
     typed = ("walk", *SMALL, "--budget", "5000", "--bench", f"{path}", "--out", f"{tmp_path / 'out'}")

@@ -54,33 +54,8 @@ def test_plan_says_that_a_guard_is_no_angle(command):
     assert "not degrees" in json.loads(command(*usual, "--guard", "20", "--json").done().out)["notes"][0]
 
 
-def test_plan_tells_of_the_wide_view_and_its_bytes(command):
-    told = " ".join(command("plan", "--scene", "planes", "--size", "96x80", "--wide").done().out.split())
-    assert "fill wide" in told
-    assert "rendered.wide" in told
-    assert told.index("fill wide") < told.index("fill memory")
-
-
 def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
     usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "1280x800")
     for guard in (("--guard", "1.25x1.125"), ("--rendered-size", "1600x900")):
         told = " ".join(command(*usual, *guard).done().out.split())
         assert "1600x900, 1.41 times the pixels, 102.7 x 96.7 degrees" in told
-
-
-def test_impossible_values_are_refused(command):
-    command("replay", "still", "--guard", "much").refused("guard 'much'", "or auto")
-    for which in (
-        ("replay", "still"),
-        ("bench", "still"),
-        ("plan",),
-        ("live", "--source", "offscreen", "--trace", "walk"),
-    ):
-        for guard in ("1", "1.25x1.125", "auto"):
-            both = ("--guard", guard, "--rendered-size", "1600x900")
-            command(*which, *both).refused("--guard and --rendered-size both say", "leave one of them out")
-    command("replay", "still", "--warp", "auto", "--budget", "9", "--wide").refused("--wide", "chooses the fill too")
-    command("replay", "still", "--wide", "--fill", "wide+interpolate").refused("the same fill twice")
-    command("replay", "still", "--wide", "--warp", "rotation", "--fused").refused(
-        "use --fill none, or leave --fused out"
-    )

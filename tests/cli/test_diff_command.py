@@ -129,12 +129,6 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
     )
 
 
-def test_false_colours_are_not_compared(command, stored, tmp_path):
-    _, out = stored
-    copied(out, tmp_path / "other", error=(100, 40))
-    command("diff", out, tmp_path / "other").done()
-
-
 def test_a_summary_alone_is_called_by_its_name(command, stored, tmp_path, monkeypatch):
     _, out = stored
     summary, _ = copied(out, tmp_path / "other", truth=(9, 1))

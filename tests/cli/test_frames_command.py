@@ -44,12 +44,3 @@ def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
     assert "Assumed (not stated in the files)" in found.out and "frame clock 30 frames per second" in " ".join(
         found.out.split()
     )
-
-
-def test_a_forced_effect_of_frames_is_never_ignored(command, tmp_path):
-    folder = tmp_path / "taken"
-    folder.mkdir()
-    write_npz(folder, taken(6))
-    forced = ("--frames", folder, "--effects", "reflections_from_pictures")
-    for line in (("replay", *forced, "--latency", 100, "--out", tmp_path / "out"), ("plan", *forced)):
-        command(*line).refused("--effects reflections_from_pictures looks into the other eye's picture", "one eye")

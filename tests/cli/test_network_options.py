@@ -7,37 +7,11 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 SMALL = (
     "replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48",
     "--rate", "30", "--seconds", "0.3",
 )  # fmt: skip
 QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        (("--jitter", "unifrm:3"), "did you mean 'uniform'?"),
-        (("--jitter", "uniform:300"), "before they were sent"), (("--loss", "p=0.1,r=0.5"), "--loss-burst"),
-        (("--loss-burst", "2"), "without --loss"), (("--bandwidth", "abc"), "expected Mbit/s"),
-        (("--delay-trace", "nowhere.csv"), "nowhere.csv: no such file"), (("--link-seed", "-1"), "seed -1"),
-        (("--codec", "h265"), "unknown codec 'h265': did you mean"),
-        (("--codec", "h264", "--crf", "99"), "expected 0 (best) to 51"),
-        (("--codec", "h264", "--crf", "20", "--bitrate", "3"), "not both"), (("--crf", "20"), "without a codec"),
-        (("--bitrate", "5"), "without a codec"), (("--depth-code", "exact"), "without a codec"),
-        (("--codec", "h264", "--depth-code", "lossy"), "expected exact, sixteenth, video or video8"),
-        (("--effects", "overlai"), "did you mean 'overlay'?"),
-        (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
-        (("--mirrors", "scren"), "did you mean 'screen'?"), (("--fill", "none+interpolate"), "means nothing"),
-        (("--fill", "interpolate+interpolate"), "the same fill twice"),
-        (("--fill", "interpolate+"), "unknown fill ''"),
-    ],
-)  # fmt: skip
-def test_impossible_values_are_refused_in_one_line(command, tmp_path, options, told):
-    command(*QUICK, "--out", tmp_path / "out", *options).refused(told)
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path):

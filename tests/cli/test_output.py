@@ -12,7 +12,19 @@ from hmdwarp.resources import folder
 
 WALK = folder("recordings") / "walk.csv"
 ONCE = ("--warp", "none", "--fill", "none", "--instants", "1", "--rounds", "1")
-TINY = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
+TINY = [
+    "--scene",
+    "planes",
+    "--size",
+    "48x40",
+    "--headset",
+    "rift-dk1",
+    "--seconds",
+    "0.1",
+    "--workers",
+    "0",
+    "--quiet",
+]
 RATINGS = "participant,condition,rating\n" + "".join(
     f"{who},{what},{who % 3 + 1}\n" for who in range(6) for what in "ab"
 )

@@ -7,35 +7,25 @@ import pytest
 from hmdwarp.cli import _show
 
 
-@pytest.fixture
-def lines():
-    return _show._Lines("refreshes")
-
-
-def test_an_estimate_comes_from_the_steps_after_the_first(lines):
-    """The first step took 20 s of warming up; the ten after it took 1 s each."""
-    lines.update(0, 61, 100.0)
-    assert lines.line() == "refreshes: still preparing"
-    lines.update(1, 61, 120.0)
-    lines.update(11, 61, 130.0)
-    assert lines.line() == "refreshes: 11 of 61, about 50 s to go"
-
-
-def test_minutes_are_told_as_minutes(lines):
-    lines.update(1, 1001, 0.0)
-    lines.update(2, 1001, 1.2)
-    assert lines.line() == "refreshes: 2 of 1001, about 20 min to go"
-
-
-def test_no_estimate_from_one_step(lines):
-    lines.update(1, 61, 0.0)
-    assert lines.line() == "refreshes: 1 of 61"
-
-
-def test_at_the_end_it_tells_what_is_left(lines):
-    lines.update(1, 2, 0.0)
-    lines.update(2, 2, 1.0)
-    assert lines.line() == "refreshes: 2 of 2; the last pictures are measured, then the results are written"
+@pytest.mark.parametrize(
+    ("steps", "told"),
+    [
+        # Of how many, and when: the first step has warming up in it.
+        ([(0, 61, 100.0)], "refreshes: still preparing"),
+        ([(1, 61, 0.0)], "refreshes: 1 of 61"),
+        ([(0, 61, 100.0), (1, 61, 120.0), (11, 61, 130.0)], "refreshes: 11 of 61, about 50 s to go"),
+        ([(1, 1001, 0.0), (2, 1001, 1.2)], "refreshes: 2 of 1001, about 20 min to go"),
+        (
+            [(1, 2, 0.0), (2, 2, 1.0)],
+            "refreshes: 2 of 2; the last pictures are measured, then the results are written",
+        ),
+    ],
+)
+def test_an_estimate_comes_from_the_steps_after_the_first(steps, told):
+    lines = _show._Lines("refreshes")
+    for step in steps:
+        lines.update(*step)
+    assert lines.line() == told
 
 
 def test_a_replay_tells_its_progress_without_a_terminal(command, quick, monkeypatch):

@@ -55,28 +55,6 @@ def test_a_made_up_head_takes_its_time_and_is_what_synth_makes(tmp_path, command
     assert track.origin == "hmdwarp record, synthetic motion 'walk'"
 
 
-@pytest.mark.parametrize(
-    "options, status, told",
-    [
-        (["--source", "wii"], 2, "expected openxr, desktop or synthetic"),
-        (["--source", "synthetic", "--kind", "dance"], 2, "unknown kind of motion 'dance'"),
-        (["--source", "synthetic", "--rate", "0.5"], 2, "rate 0.5 Hz: expected a number of at least 1 Hz"),
-        (["--source", "synthetic", "--seconds", "-1"], 2, "seconds -1 s"),
-        (["--source", "synthetic", "--seconds", "1e9"], 2, "expected a length from 0.1 to 3600"),
-    ],
-)
-def test_impossible_values_are_refused_and_leave_no_file(tmp_path, command, options, status, told, monkeypatch):
-    monkeypatch.delenv("DISPLAY", raising=False)
-    command("record", "--out", tmp_path / "a.csv", *options).refused(told, status=status)
-    assert not list(tmp_path.iterdir())
-
-
-def test_without_a_headset_it_says_what_is_missing(tmp_path, command, monkeypatch):
-    monkeypatch.setenv("XR_RUNTIME_JSON", str(tmp_path / "none.json"))
-    command("record", "--out", tmp_path / "a.csv").refused("none.json", status=3)
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_a_signal_ends_it_with_everything_written(tmp_path, number, status):
     process = program("--source", "synthetic", "--out", tmp_path / "a.csv")

@@ -7,16 +7,13 @@ import json
 import pytest
 from scenes.glb import boxes, cube
 
-from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.options import PICTURE, options_of
-from hmdwarp.pipeline import PipelineOptions
-from hmdwarp.run import LiveOptions, RecordOptions, RunOptions
 from hmdwarp.scenes import SceneOptions
 from hmdwarp.study.design import KINDS
 from hmdwarp.study.design.definitions import check_settings
 
 NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
-TINY = ("--size", "40x50", "--lens", "none", "--effects", "none")
+TINY = ("--headset", "rift-dk1", "--size", "40x50", "--lens", "none", "--effects", "none")
 
 
 @pytest.fixture
@@ -25,13 +22,6 @@ def scene(tmp_path):
     path = tmp_path / "far.glb"
     path.write_bytes(boxes(cube((100, 50, 200), (108, 53, 206), inwards=True)).data())
     return path
-
-
-@pytest.mark.parametrize("kind", [PipelineOptions, RunOptions, LiveOptions, RecordOptions, BenchOptions])
-def test_they_are_declared_once_and_offered_wherever_a_scene_is(kind):
-    offered = {option.name: option for option in options_of(kind)}
-    assert {"scene", *NAMES} <= set(offered)
-    assert [offered[option.name] for option in options_of(SceneOptions)] == list(options_of(SceneOptions))
 
 
 def test_a_study_may_set_them(scene):
@@ -84,28 +74,3 @@ def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
     assert any("seen from 104,51.6,203" in note for note in notes)
     notes, other = summary("other", "--viewpoint", "101,51.6,203,20")
     assert not any("seen from" in note for note in notes) and other != free
-
-
-def test_a_bench_keeps_and_tells_the_notes(command, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.gpu.timers._CHECK_BYTES", 1 << 20)
-    few = ("--instants", "1", "--rounds", "1", "--workers", "0", "--seconds", "0.3")
-    which = ("--warp", "none", "--fill", "none", "--guard", "1", "--size", "40x50", "--out", tmp_path / "out")
-    done = command("bench", "still", "--scene", scene, *few, *which).done()
-    assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.out.split())
-    (note,) = json.loads((tmp_path / "out" / "bench.json").read_text(encoding="utf-8"))["notes"]
-    assert "seen from 104,51.6,203" in note
-
-
-def test_live_tells_the_notes_before_it_begins(command, scene):
-    run = ("live", "--source", "offscreen", "--trace", "still", "--pictures", "2", "--latency", "0", "--no-panel")
-    done = command(*run, "--scene", scene, *TINY, "--warp", "none", "--fill", "none")
-    assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.err.split())
-
-
-def test_a_study_plan_hints_at_the_notes(command, scene, tmp_path):
-    from study.tiny import STUDY
-
-    path = tmp_path / "tiny.toml"
-    path.write_text(STUDY.replace('scene = "planes"', f'scene = "{scene.name}"\nscene_scale = 0.01'), encoding="utf-8")
-    done = command("study", "plan", path).done()
-    assert "far.glb: seen from" in " ".join(done.out.split())

@@ -110,15 +110,6 @@ def test_killed_at_once_leaves_no_orphans_and_no_final_names(replaying):
     assert sorted(p.name for p in out.iterdir() if not p.name.startswith(".partial-")) == ["images", "summary.json"]
 
 
-def test_the_next_run_is_not_disturbed_by_what_a_killed_one_left(replaying, command):
-    process, out = replaying
-    process.kill()
-    process.communicate(timeout=TIMEOUT_S)
-    quick = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--quiet"]
-    command("replay", "still", *quick, "--out", out).done()
-    assert {"summary.json", "frames.csv", "report.html"} <= {p.name for p in out.iterdir()}
-
-
 ASK = "_signals.end_if_asked()"
 
 

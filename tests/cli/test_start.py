@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.scenes import Scene, SceneSource, load_scene, scenes
+from hmdwarp.scenes import Scene, SceneSource, scenes
 
 # Each of these takes a third of a second to load, or more.
 HEAVY = ("scipy", "matplotlib", "skimage", "trimesh", "statsmodels", "pingouin")
@@ -31,10 +31,6 @@ def test_a_command_that_draws_nothing_loads_no_heavy_library_and_paints_no_textu
         [sys.executable, "-c", AFTER, *arguments], check=False, capture_output=True, text=True, encoding="utf-8"
     )
     assert done.stdout.splitlines()[-3:] == ["status 0", "loaded []", "painted []"], done.stderr
-
-
-def test_a_shipped_scene_is_built_once():
-    assert load_scene("room") is load_scene("room")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
-"""Light-only frames: light and albedo apart and together again.
-
-Known lights, the product's float64 twin, exactness, and what is sent.
-"""
+"""Light-only frames: light and albedo apart and together again. Known lights, the product's float64
+twin, exactness, and what is sent."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import Emission, Material, Quad, Scene, Texture, load_scene, only_light, unlit
+from hmdwarp.scenes import Emission, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.sources.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
@@ -108,28 +106,10 @@ def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
     server.close()
 
 
-def test_a_fence_of_alpha_is_in_the_light(gpu):
-    laths = np.zeros((8, 8, 4), np.uint8)
-    laths[:, 4:] = 255
-    rows = Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), 0, (1, 1, 1)).mesh("fence")
-    fence = attrs.evolve(rows, material=Material(see_through=True))
-    server = Server(gpu, Scene("fence", "", (fence,), (Texture("laths", laths, repeat=False),)))
-    depths = []
-    for needs in (Needs(), Needs(light=True)):
-        frame = server.draw_frame((VIEW,), 0, SIZE, needs=needs)
-        depths.append(read(frame.eyes[0].inverse_depth))
-        server.recycle(frame)
-    assert (depths[0] > 0).any() and np.array_equal(*depths)
-    server.close()
-
-
 @pytest.mark.parametrize("scene", ["planes", "room", "lantern", "doorway"])
 def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
-    """At no latency nothing is lost.
-
-    Light, albedo and product are half floats; light that varies over a triangle beside an albedo
-    that does too is not, but no scene here has such a triangle.
-    """
+    """At no latency nothing is lost. Light, albedo and product are half floats; light that varies
+    over a triangle beside an albedo that does too is not, but no scene here has such a triangle."""
     server = Server(gpu, load_scene(scene))
     view = View(server.scene.viewpoint, VIEW.fov)
     truth, bare = server.draw(view, SIZE), Server(gpu, unlit(load_scene(scene)))
@@ -169,11 +149,6 @@ def test_it_is_sent_instead_of_the_colour_and_keeps_textures_sharp():
     (error, sent), (plain_error, plain_sent) = shown_by(effects=NAME, **late), shown_by(**late)
     assert sent == plain_sent
     assert error < 0.75 * plain_error
-
-
-def test_without_latency_the_replay_is_the_truth():
-    error, _ = shown_by(effects=NAME, latency_ms=0.0, size=SIZE)
-    assert error <= 3 * HALF
 
 
 @pytest.mark.parametrize(

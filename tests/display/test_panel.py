@@ -55,7 +55,6 @@ def test_its_packages_leave_the_environment_alone():
 
 
 def test_the_doctor_tells_of_it(monkeypatch):
-
     (check,) = (check for check in doctor.CHECKS if check.name == "extra panel")
     monkeypatch.setattr(doctor, "CHECKS", [check])
     monkeypatch.setattr(doctor, "run_probe", lambda question: {})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -76,14 +75,5 @@ def test_a_repeated_update_changes_nothing_and_takes_no_memory():
     for _ in range(3):
         assert not list(inbox.take(update.content))
     assert inbox._begun == {} and inbox.bytes == 4 * len(update.content)
-
-
-def test_an_update_is_written_over_by_the_link():
-    content = Outbox([b"abc"]).update([0], 100, 0).content
-    content[...] = content.copy()
-    assert content.dtype == np.uint8 and content.ndim == 1
-
-
-@pytest.mark.parametrize("order", [[], [0]])
-def test_no_updates_make_no_message(order):
-    assert len(Outbox([b"abc"][: len(order)]).update([], 100, 0).content) == 0
+    update.content[...] = update.content.copy()  # the link writes over it
+    assert len(outbox.update([], 100, 0).content) == len(Outbox([]).update([], 100, 0).content) == 0

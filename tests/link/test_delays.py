@@ -10,8 +10,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import GilbertElliott, delay_models
@@ -51,32 +49,6 @@ def test_every_model(name, latency_ms, tmp_path):
         assert (drawn(model, latency_ms * MS, 100, seed=2) != delays[:100]).any()
 
 
-def test_uniform_jitter_is_even():
-    """A tenth of the samples in each tenth of the range, within 5 standard deviations."""
-    counts, _ = np.histogram(drawn(UniformJitter(20), 200 * MS), bins=10, range=(180 * MS, 220 * MS))
-    assert counts.sum() == MANY
-    assert np.abs(counts - MANY / 10).max() < 5 * math.sqrt(MANY / 10)
-
-
-def test_normal_jitter_has_its_deviation_and_its_shape():
-    delays = (drawn(NormalJitter(15), 200 * MS) / MS - 200) / 15
-    # The deviation of n samples of a normal distribution is known to 1/sqrt(2n); 5 of those.
-    assert abs(delays.std() - 1) < 5 / math.sqrt(2 * MANY)
-    assert abs((np.abs(delays) < 1).mean() - 0.6827) < 5 * math.sqrt(0.6827 * 0.3173 / MANY)
-
-
-def test_truncated_means_that_none_gathers_at_zero():
-    delays = drawn(NormalJitter(30), 10 * MS)
-    assert delays.min() >= 0
-    assert (delays == 0).mean() < 1e-3
-
-
-def test_no_jitter_is_a_constant_delay():
-    for model in (UniformJitter(0), NormalJitter(0)):
-        assert set(drawn(model, 200 * MS, 50).tolist()) == {200 * MS}
-    assert set(drawn(NormalJitter(0), 0, 50).tolist()) == {0}
-
-
 def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
     path = tmp_path / "delays.csv"
     path.write_bytes("\ufeff# measured on a Sunday\r\ndelay_ms\r\n\r\n12.5\r\n  40 # a burst\r\n1e1\r\n".encode())
@@ -86,85 +58,59 @@ def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
     assert (model.longest_ns(0), model.typical_ns(0)) == (40 * MS, 20_833_333)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("1\n2\n-3\n", "line 3: '-3'"),
-        ("ms\n1\nnan\n", "line 3: 'nan'"),
-        ("nan\n", "line 1: 'nan'"),
-        ("1\ninf\n", "line 2: 'inf'"),
-        ("1\n2,3\n", "line 2: '2,3'"),
-        ("ms\nms\n1\n", "line 2: 'ms'"),
-        ("1\n60001\n", "line 2: '60001'"),
-        ("1\n" + "x" * 100, "line 2: '" + "x" * 37 + "...'"),
-        ("", "holds no delay"),
-        ("# nothing\nms\n", "holds no delay"),
-    ],
-)
-def test_traces_that_cannot_be_meant(text, message, tmp_path):
-    path = tmp_path / "delays.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match="expected") as caught:
-        read_delays(path)
-    assert str(caught.value).startswith(str(path))
-    assert message in str(caught.value)
-
-
-def test_traces_that_cannot_be_read(tmp_path):
-    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\xff\xfe")
-    for name, said in (("none.csv", "no such file"), (".", "is a directory"), ("picture.png", "not a text file")):
-        with pytest.raises(InputError, match=said):
-            DelayTrace.parse(str(tmp_path / name))
-
-
 def lost(model: GilbertElliott, count: int = 50_000) -> np.ndarray:
     return np.array(list(itertools.islice(model.samples(np.random.default_rng(3)), count)))
 
 
-def bursts(losses: np.ndarray) -> np.ndarray:
-    """The lengths of the runs of losses that have both ends."""
-    edges = np.flatnonzero(np.diff(losses.astype(int)))
-    if losses[0]:
-        edges = edges[1:]
-    return np.diff(edges)[::2] if len(edges) > 1 else np.array([])
+def test_jitter_has_the_shape_that_it_is_named_for():
+    """Counts and deviations of n samples are within 5 of their own standard deviations."""
+    even, _ = np.histogram(drawn(UniformJitter(20), 200 * MS), bins=10, range=(180 * MS, 220 * MS))
+    assert even.sum() == MANY and np.abs(even - MANY / 10).max() < 5 * math.sqrt(MANY / 10)
+    delays = (drawn(NormalJitter(15), 200 * MS) / MS - 200) / 15
+    assert abs(delays.std() - 1) < 5 / math.sqrt(2 * MANY)
+    assert abs((np.abs(delays) < 1).mean() - 0.6827) < 5 * math.sqrt(0.6827 * 0.3173 / MANY)
+    truncated = drawn(NormalJitter(30), 10 * MS)
+    assert truncated.min() >= 0 and (truncated == 0).mean() < 1e-3, "none gathers at zero"
+    for model, latency_ns in ((UniformJitter(0), 200 * MS), (NormalJitter(0), 200 * MS), (NormalJitter(0), 0)):
+        assert set(drawn(model, latency_ns, 50).tolist()) == {latency_ns}
 
 
-def test_losses_come_in_bursts_of_the_stated_length():
-    """Mean share p/(p+r); bursts last 1/r frames.
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1\n2\n-3\n", "line 3: '-3'"), ("ms\n1\nnan\n", "line 3: 'nan'"), ("nan\n", "line 1: 'nan'"),
+        ("1\ninf\n", "line 2: 'inf'"), ("1\n2,3\n", "line 2: '2,3'"), ("ms\nms\n1\n", "line 2: 'ms'"),
+        ("1\n60001\n", "line 2: '60001'"), ("1\n" + "x" * 100, "line 2: '" + "x" * 37 + "...'"),
+        ("", "holds no delay"), ("# nothing\nms\n", "holds no delay"), (b"\x89PNG\r\n\xff\xfe", "not a text file"),
+        (None, "no such file"),
+    ],
+)  # fmt: skip
+def test_traces_that_cannot_be_meant(text, message, tmp_path):
+    path = tmp_path / "delays.csv"
+    if text is not None:
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError) as caught:
+        DelayTrace.parse(str(path))
+    assert str(path) in str(caught.value) and message in str(caught.value)
 
-    Both within 5 standard deviations, of about 3000 bursts.
-    """
-    model = GilbertElliott(0.07, 0.3)
+
+# By model: the share that is lost, how long a burst lasts, and by how much of it either may be off:
+# five standard deviations, each sqrt(2 / n) of it where 50,000 frames have n bursts.
+LOSSES = [
+    (GilbertElliott(0.07, 0.3), 0.07 / 0.37, 1 / 0.3, 0.14),
+    (GilbertElliott(0.1, 0.1, good=0.05, bad=0.5), 0.275, None, 0.11),
+    (GilbertElliott(0.2, 0.8), 0.2, 1.25, 0.06),  # without memory
+    (GilbertElliott(0, 0), 0, None, 0),
+    (GilbertElliott(0, 1, good=1), 1, None, 0),
+    (GilbertElliott(1, 0), 1, None, 1e-4),  # but for the first
+]
+
+
+@pytest.mark.parametrize(("model", "share", "lasts", "within"), LOSSES, ids=str)
+def test_losses_are_as_many_and_as_long_as_stated(model, share, lasts, within):
     losses = lost(model)
-    lengths = bursts(losses)
-    assert model.mean == pytest.approx(0.07 / 0.37)
-    assert abs(lengths.mean() - 1 / 0.3) < 5 * math.sqrt(0.7) / 0.3 / math.sqrt(len(lengths))
-    # Bursts and the gaps between them both vary by about their own length: the share by about
-    # sqrt(2/n) of itself.
-    assert abs(losses.mean() / model.mean - 1) < 5 * math.sqrt(2 / len(lengths))
-
-
-def test_states_that_lose_only_some():
-    losses = lost(GilbertElliott(0.1, 0.1, good=0.05, bad=0.5))
-    # The states last 10 frames each: 2500 of each kind, 0.225 / sqrt(2500) * 5.
-    assert abs(losses.mean() - 0.275) < 0.03
-
-
-def test_losses_without_memory():
-    losses = lost(GilbertElliott(0.2, 0.8))
-    assert abs(losses[1:][losses[:-1]].mean() - 0.2) < 5 * math.sqrt(0.16 / 10_000)
-
-
-def test_none_and_all():
-    assert not lost(GilbertElliott(0, 0), 1000).any()
-    assert lost(GilbertElliott(1, 0), 1000)[1:].all()
-    assert lost(GilbertElliott(0, 1, good=1), 1000).all()
-
-
-@settings(max_examples=30)
-@given(st.floats(0, 1), st.floats(0, 1), st.integers(0, 99))
-def test_loss_is_the_same_for_the_same_seed(p, r, seed):
-    model = GilbertElliott(p, r)
-    one, two = (list(itertools.islice(model.samples(np.random.default_rng(seed)), 50)) for _ in range(2))
-    assert one == two
-    assert 0 <= model.mean <= 1
+    assert model.mean == pytest.approx(share) and losses.mean() == pytest.approx(share, rel=within)
+    if lasts:
+        edges = np.flatnonzero(np.diff(losses.astype(int)))[int(losses[0]) :]
+        assert np.diff(edges)[::2].mean() == pytest.approx(lasts, rel=within)
+    assert (lost(model, 50) == losses[:50]).all(), "the seed decides"

@@ -1,6 +1,4 @@
-"""From the texts of the command line to a network, and what is said about texts that cannot be
-meant.
-"""
+"""From the texts of the command line to a network, and what texts that cannot be meant are told."""
 
 from __future__ import annotations
 
@@ -13,35 +11,47 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, response_figures
+from hmdwarp.link import (
+    Bandwidth,
+    GilbertElliott,
+    LinkOptions,
+    ResponseTime,
+    StageTimes,
+    TransitStats,
+    response_figures,
+)
 from hmdwarp.link.delays.models import ConstantDelay, NormalJitter, UniformJitter
 
 MS = 1_000_000
 
 
-def test_default_options_delay_by_the_latency_alone():
-    options = LinkOptions.of({})
-    assert options == LinkOptions() == LinkOptions.of({"jitter": "constant", "loss": "none"})
-    assert options.is_plain
-    assert options.longest_ns(7) == options.typical_ns(7) == 7
-
-
 def test_each_text_says_what_it_should(tmp_path):
     trace = tmp_path / "delays.csv"
     trace.write_text("5\n7\n")
-    assert LinkOptions.of({"jitter": "uniform:20"}).delay == UniformJitter(20)
-    assert LinkOptions.of({"jitter": " normal : 1.5 "}).delay == NormalJitter(1.5)
-    assert LinkOptions.of({"jitter": ""}).delay == ConstantDelay()
+    said = [
+        ({"jitter": "uniform:20"}, {"delay": UniformJitter(20)}),
+        ({"jitter": " normal : 1.5 "}, {"delay": NormalJitter(1.5)}),
+        ({"jitter": ""}, {"delay": ConstantDelay()}),
+        ({"loss": "0.25"}, {"loss": GilbertElliott(0, 1, good=0.25)}),
+        ({"bandwidth": "50"}, {"bandwidth": Bandwidth(50, 250)}),
+        ({"bandwidth": "2.5", "queue": 100.0}, {"bandwidth": Bandwidth(2.5, 100)}),
+        ({"response": "fixed"}, {"response": None}),
+        ({"response": "sum"}, {"response": StageTimes(None, None, None)}),
+        ({"response": " sum : decode = measured , render=8"}, {"response": StageTimes(8.0, 0.0, None)}),
+        ({"response": "sum:render=8,encode=5,decode=4"}, {"response": StageTimes(8.0, 5.0, 4.0)}),
+    ]
+    for texts, fields in said:
+        options = LinkOptions.of(texts)
+        assert {name: getattr(options, name) for name in fields} == fields
+        assert options.is_plain == (options == LinkOptions()), texts
+    assert options.longest_ns(7) == options.typical_ns(7) == 17_000_007
+    plain = LinkOptions.of({"jitter": "constant", "loss": "none", "link_seed": 5})
+    assert plain.is_plain and plain.longest_ns(7) == plain.typical_ns(7) == 7
     assert LinkOptions.of({"delay_trace": trace}).delay.delays_ms == (5, 7)
     assert next(LinkOptions.of({"loss": "1"}).loss.samples(np.random.default_rng(0))), "the first frame too"
-    assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0, 1, good=0.25)
-    assert LinkOptions.of({"bandwidth": "50"}).bandwidth == Bandwidth(50, 250)
-    assert LinkOptions.of({"bandwidth": "2.5", "queue": 100.0}).bandwidth == Bandwidth(2.5, 100)
-    assert not any(
-        LinkOptions.of({name: text}).is_plain
-        for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
-    )
-    assert LinkOptions.of({"link_seed": 5}).is_plain
+
+
+RESPONSE = "expected fixed, sum, or sum:render=8"
 
 
 @pytest.mark.parametrize(
@@ -66,6 +76,11 @@ def test_each_text_says_what_it_should(tmp_path):
         ({"bandwidth": "50", "queue": math.nan}, "--queue nan ms: expected"),
         ({"queue": 100.0}, "--queue 100 ms without --bandwidth: expected"), ({"link_seed": -1}, "seed -1"),
         ({"jitter": "normal:5", "delay_trace": "delays.csv"}, "leave one of them out"),
+        ({"overload": "less"}, "overload 'less': expected drop or resolution"),
+        ({"server_rate": 0.0}, "server-rate 0 Hz: expected"),
+        *(({"response": text}, RESPONSE) for text in ("summ", "sum:", "fixed:3", "sum:render", "sum:render=x")),
+        *(({"response": text}, RESPONSE) for text in ("sum:warp=3", "sum:render=1,render=2")),
+        *(({"response": f"sum:render={text}"}, ": expected 0 to 60000 ms") for text in ("-1", "nan", "1e9")),
     ],
 )  # fmt: skip
 def test_texts_that_cannot_be_meant(given, message):
@@ -92,15 +107,16 @@ def test_any_text_is_understood_or_refused_with_a_sentence(text, which):
         assert str(error)
 
 
-def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
+def test_a_latency_that_a_network_cannot_have_is_refused():
     with pytest.raises(InputError, match="uniform:20 around a latency of 10 ms would .* before they were sent"):
         LinkOptions.of({"jitter": "uniform:20"}).link(10 * MS)
+    for latency in (-1, -(10**12), math.nan, math.inf, -math.inf):
+        with pytest.raises(InputError, match=r"latency .* ms: expected 0 or more"):
+            LinkOptions().link(latency)
 
 
 def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
-    """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on
-    whether the losses were drawn.
-    """
+    """Without a limit of bandwidth neither sizes of frames nor losses change their delays."""
 
     def delays(options: LinkOptions, size: int) -> dict[int, int]:
         link, out = options.link(100 * MS), {}
@@ -111,29 +127,25 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
         return out
 
     options = LinkOptions.of({"jitter": "normal:30", "loss": "0.14", "loss_burst": 3.3})
-    assert delays(options, 0) == delays(options, 10**6)
-    assert delays(options, 0) != delays(attrs.evolve(options, seed=1), 0)
-    lossless = delays(attrs.evolve(options, loss=None), 0)
-    both = delays(options, 0).keys() & lossless.keys()
-    assert len(both) > 50
-    assert all(delays(options, 0)[number] == lossless[number] for number in both)
+    found, lossless = delays(options, 0), delays(attrs.evolve(options, loss=None), 0)
+    assert found == delays(options, 10**6) != delays(attrs.evolve(options, seed=1), 0)
+    both = found.keys() & lossless.keys()
+    assert len(both) > 50 and all(found[number] == lossless[number] for number in both)
 
 
 def test_a_response_time_is_the_sum_of_its_parts():
+    """Work at both ends is measured; the rest of the way is the link's, each part once."""
     transit = TransitStats(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
-    time = ResponseTime.of(transit, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
     work = {"render_ms": 6, "encode_ms": 4, "decode_ms": 2, "warp_ms": 1.5}
+    time = ResponseTime.of(transit, **work)
     assert time.parts() == {**work, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40}
-    assert time.total_ms == 63.5
-    # All that the link adds is in it.
-    assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx(
-        (transit.ready_ns - transit.sent_ns) / 1e6
-    )
+    assert time.total_ms == 63.5 == 13.5 + (transit.ready_ns - transit.sent_ns) / 1e6
 
 
-def test_means_of_the_parts_add_up_to_the_mean_of_the_sums():
-    times = [ResponseTime(render_ms=a, warp_ms=b) for a, b in [(1, 9), (2, 2), (9, 1)]]
+def test_figures_are_means_of_the_parts_and_ends_of_the_sums():
+    times = [ResponseTime(render_ms=1.0, warp_ms=float(number)) for number in range(101)]
     found = response_figures(times)
-    assert (found["render_ms"], found["warp_ms"], found["total_ms"]) == (4, 4, 8)
-    assert found["median_ms"] == 10 and found["p95_ms"] == 10  # of 10, 4 and 10
+    assert {name: found[f"{name}_ms"] for name in ("render", "warp", "total", "median", "p95")} == pytest.approx(
+        {"render": 1.0, "warp": 50.0, "total": 51.0, "median": 51.0, "p95": 96.0}
+    )
     assert response_figures([]) is None

@@ -10,7 +10,7 @@ import gc
 import attrs
 import numpy as np
 import pytest
-from replays import contents, rows_of, run, small
+from replays import contents, run, small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.errors import InputError, UnknownNameError
@@ -57,40 +57,6 @@ def test_a_run_that_has_ended_keeps_no_codec(tmp_path):
     finally:
         gc.enable()
     assert left == []
-
-
-HALF_LATE = {"latency_ms": 50.0, "rate_hz": 30.0, "size": (160, 120)}
-
-
-@pytest.mark.parametrize(
-    ("codec", "depth"), [("h264", "exact"), ("hevc", "exact"), ("h264", "sixteenth"), ("h264", "video")]
-)
-def test_the_client_warps_what_has_arrived(codec, depth):
-    """The shown frame's colour is a lossy copy of what the server drew for it, and its depth within
-    the code's own bound.
-    """
-    seen = []
-    with set_up_replay(small(coding=Coding(codec, crf=20, depth=depth), **HALF_LATE)) as setup:
-        for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            refresh = setup.loop.show(instant_ns) if number >= 0 else None
-            if refresh is None:
-                continue
-            eye = refresh.frame.eyes[0]
-            whole = setup.server.draw(eye.view, eye.size)
-            before, after = (picture_from_linear(download(x.colour)).astype(float) for x in (whole, eye))
-            depths = download(whole.inverse_depth), download(eye.inverse_depth)
-            setup.server.pool(eye.size).release(whole.colour)
-            seen.append(-10 * np.log10(np.mean((before - after) ** 2) / 255**2))
-            assert not np.array_equal(before, after)
-            wrong = np.abs(depths[0] - depths[1])
-            if depth == "video":  # bounds no single pixel
-                assert (wrong <= eye.depth_error).mean() >= 0.98 and wrong.mean() <= 0.01 * depths[0].max()
-            else:
-                assert wrong.max() <= min(0.01 * depths[0].max(), eye.depth_error)
-            if len(seen) == 4:
-                break
-    assert min(seen) > 28, "crf 20 leaves a picture of planes and checkerboards well above 28 dB"
 
 
 def test_a_codec_costs_bytes_and_quality_and_both_are_told(tmp_path):
@@ -151,6 +117,7 @@ def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
             before = download(setup.loop.compensator.run(attrs.evolve(inputs, rendered=eye)).shown.texture)
             assert ((before[..., 3] > 0) != (after[..., 3] > 0)).mean() < 0.01
             wrong = picture_from_linear(before).astype(float) - picture_from_linear(after)
+            assert wrong.any(), "what has arrived was never coded"
             assert -10 * np.log10(np.mean(wrong**2) / 255**2) > 27
         told = setup.channel.summary(60.0)
         assert told["layers_mbit_s"].keys() == names
@@ -195,41 +162,14 @@ def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_n
     assert losses[0] != losses[1], "the late picture was never coded"
 
 
-def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
-    options = {
-        "network": LinkOptions.of(
-            {"jitter": "normal:20", "loss": "0.17", "loss_burst": 2.0, "bandwidth": "8", "link_seed": 7}
-        ),
-        "coding": Coding("h264"),
-        "latency_ms": 70.0,
-        "images": 3,
-    }
-    both = [contents(run(tmp_path / name, **options).folder) for name in ("a", "b")]
-    pictures = [{name: data for name, data in files.items() if name.endswith(".png")} for files in both]
-    assert pictures[0] == pictures[1] and pictures[0]
-
-
-def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_old(tmp_path):
-    """A network in bursts of seconds: its first frames come through, then none for a while."""
-    network = LinkOptions.of({"loss": "0.75", "loss_burst": 50.0, "link_seed": 2})
-    result = run(tmp_path, network=network, latency_ms=50.0, seconds=2.0)
-    rows = [row for row in rows_of(tmp_path) if row["eye"] == "0"]
-    ages, drawn = ([float(row[name]) for row in rows] for name in ("age_ms", "drawn_ns"))
-    assert max(ages) > 300
-    for earlier, later, frame, next_frame in zip(ages, ages[1:], drawn, drawn[1:], strict=False):
-        assert next_frame >= frame, "never back to an older frame"
-        if next_frame == frame:
-            assert later == pytest.approx(earlier + 1000 / 60, abs=0.01)
-    assert result.summary["link"]["frames"]["lost"] > 10
-
-
-def test_a_network_that_lets_nothing_through_is_refused_in_one_line(tmp_path):
-    with pytest.raises(InputError, match="no frame has arrived in time to be shown .*lost"):
-        run(tmp_path, network=LinkOptions.of({"loss": "1"}))
-    assert contents(tmp_path) == {}
-
-
-def test_an_unknown_codec_is_refused_before_anything_starts(tmp_path):
-    with pytest.raises(UnknownNameError, match="h264"):
-        run(tmp_path, coding=Coding("h265"))
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"network": LinkOptions.of({"loss": "1"})}, InputError, "no frame has arrived in time to be shown .*lost"),
+        ({"coding": Coding("h265")}, UnknownNameError, "h264"),
+    ],
+)
+def test_a_run_without_a_frame_to_show_is_refused_in_one_line(tmp_path, options, error, message):
+    with pytest.raises(error, match=message):
+        run(tmp_path, **options)
     assert contents(tmp_path) == {}

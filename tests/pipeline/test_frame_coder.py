@@ -179,27 +179,6 @@ def plan(warp: str, fill: str = "none", effects: tuple[str, ...] = ()):
     return build_plan(effects, warp, fill, "none", client_geometry=True)
 
 
-@pytest.mark.parametrize(
-    ("plans", "names"),
-    [
-        ([plan("rotation")], {"colour"}),
-        ([plan("environment")], {"cube"}),
-        ([plan("forward")], {"colour", "inverse_depth"}),
-        ([plan("layered")], {"colour", "inverse_depth", "peeled"}),
-        ([plan("rotation", "wide")], {"colour", "wide"}),
-        ([plan("rotation"), plan("environment")], {"colour", "cube"}),
-        ([plan("rotation", effects=("overlay",))], {"colour", "overlay"}),
-    ],
-)
-def test_unread_layers_are_neither_coded_nor_counted(server, plans, names):
-    """Frames carry it all, as where other plans run on them."""
-    reads = Reads.of(plans)
-    frame = server.draw_frame(VIEWS, 0, SIZE, needs=EVERYTHING)
-    coded = Coder(Coding("h264"), 60, 0.2).encode(frame, reads, wants_key=False)
-    assert {name for _, name, _ in coded.packets} == {place[1] for place, _, _ in reads.contents(frame)} == names
-    server.recycle(frame)
-
-
 def test_only_peeled_surfaces_that_are_read_are_coded(server):
     frame = server.draw_frame(VIEWS, 0, SIZE, needs=Needs(peeled=3))
     coder = Coder(Coding("h264"), 60, 0.2)

@@ -106,42 +106,34 @@ def test_counts_at_the_end_of_the_trace(seconds, count):
         assert abs(shown[-1] + 1e9 / 60 - (BEGIN_NS + 2_000_000_000)) <= 1
 
 
+ONE_SAMPLE = PoseTrack(np.array([7]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), name="one")
+
+
 @pytest.mark.parametrize(
-    ("options", "told"),
-    [({"start_s": 2.0}, "start 2 s.*2.000 s long"), ({"start_s": 1e6}, "start"),
-     ({"latency_ms": 2001.0}, "latency 2001 ms is longer"),
-     ({"latency_ms": 1999.0}, "latency 1999 ms is longer"), ({"latency_ms": 1e9}, "latency")],
-)  # fmt: skip
-def test_a_run_without_a_frame_to_show_is_refused(options, told):
-    """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms; the last would be at 2.0167 s."""
+    ("made", "options", "told"),
+    [
+        (track(2.0), {"start_s": 2.0}, "start 2 s.*2.000 s long"),
+        (track(2.0), {"start_s": 1e6}, "start"),
+        (track(2.0), {"latency_ms": 2001.0}, "latency 2001 ms is longer"),
+        # 120 refreshes after drawing at 60 Hz, 2000 ms; the last would be at 2.0167 s.
+        (track(1.9995), {"latency_ms": 1999.0}, "latency 1999 ms is longer"),
+        (track(2.0), {"latency_ms": 1e9}, "latency"),
+        (ONE_SAMPLE, {}, "single sample"),
+    ],
+)
+def test_a_run_without_a_frame_to_show_is_refused(made, options, told):
     with pytest.raises(InputError, match=told):
-        schedule_of(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)
+        schedule_of(made, small(**options), 60.0)
 
 
-def test_a_single_sample_is_no_motion():
-    one = PoseTrack(np.array([7]), np.zeros((1, 3)), np.array([[0.0, 0, 0, 1]]), name="one")
-    with pytest.raises(InputError, match="single sample"):
-        schedule_of(one, small(), 60.0)
-
-
-@pytest.mark.parametrize(("latency_ms", "age_ms"), [(0.0, 0.0), (10.0, 1000 / 60), (50.0, 50.0), (205.0, 13000 / 60)])
-def test_rows_of_a_run_have_that_age(latency_ms, age_ms, tmp_path):
-    rows = run(tmp_path, latency_ms=latency_ms, seconds=0.2).rows
-    assert len(rows) == 24
+@pytest.mark.parametrize(("latency_ms", "age_ms"), [(0.0, 0.0), (10.0, 1000 / 60), (205.0, 13000 / 60)])
+def test_rows_of_a_run_have_that_age_up_to_the_end_of_its_trace(latency_ms, age_ms, tmp_path):
+    path, seconds = tmp_path / "short.txt", 77.0 if latency_ms else None
+    rows = "".join(f"{i / 50} 0 1.6 0 0 0 0 1\n" for i in range(26))
+    path.write_text("# timestamp tx ty tz qx qy qz qw\n" + rows, encoding="utf-8")
+    rows = run(tmp_path / "out", trace=str(path), latency_ms=latency_ms, seconds=seconds).rows
+    assert [row["frame"] for row in rows[::2]] == list(range(30 - round(age_ms * 60 / 1000)))  # 0.5 s at 60 Hz
     assert rows[0]["time_s"] == pytest.approx(age_ms * 1e-3, abs=2e-9)
-    assert {row["frame"] for row in rows} == set(range(12))
     # The instants are whole nanoseconds.
-    assert all(row["age_ms"] == pytest.approx(age_ms, abs=2e-6) for row in rows)
-    assert all(row["drawn_ns"] >= 0 for row in rows)
-
-
-def test_a_whole_trace_is_shown_to_its_end(tmp_path):
-    path = tmp_path / "short.txt"
-    path.write_text(
-        "# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{i / 50} 0 1.6 0 0 0 0 1\n" for i in range(51)),
-        encoding="utf-8",
-    )
-    for seconds in (None, 77.0):
-        rows = run(tmp_path / "out", trace=str(path), seconds=seconds).rows
-        assert [row["frame"] for row in rows[::2]] == list(range(48))  # 0.8 s at 60 Hz
-        assert {row["pose_origin"] for row in rows} <= {"measured", "interpolated"}
+    assert all(row["age_ms"] == pytest.approx(age_ms, abs=2e-6) and row["drawn_ns"] >= 0 for row in rows)
+    assert {row["pose_origin"] for row in rows} <= {"measured", "interpolated"}

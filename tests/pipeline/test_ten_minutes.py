@@ -8,13 +8,13 @@ import tracemalloc
 
 import moderngl
 import pytest
+from heads import Head
 from replays import CHEAPER, scene_for
 
 from hmdwarp.client.strategies import strategies
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_plan_for
-from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 
@@ -26,20 +26,11 @@ MIDDLE, LAST = 43, 86  # refreshes: 5 and 10 minutes
 GROWTH_BYTES = 40_000
 
 
-class Wandering:
+def wandering(time_ns: int) -> Pose:
     """A head that walks and turns through the scene and comes by again."""
-
-    def start(self) -> None:
-        pass
-
-    def head_at(self, time_ns: int) -> PoseSample:
-        angle = time_ns * 1e-9 * 0.31
-        turn = (0.1 * math.sin(angle / 2), math.sin(angle / 3), 0.0, math.cos(angle / 3))
-        place = (math.sin(angle), 1.6 + 0.1 * math.cos(angle), math.cos(angle / 5))
-        return PoseSample(time_ns, Pose(place, turn), Origin.MEASURED)
-
-    def close(self) -> None:
-        pass
+    angle = time_ns * 1e-9 * 0.31
+    turn = (0.1 * math.sin(angle / 2), math.sin(angle / 3), 0.0, math.cos(angle / 3))
+    return Pose((math.sin(angle), 1.6 + 0.1 * math.cos(angle), math.cos(angle / 5)), turn)
 
 
 @pytest.mark.slow(15)
@@ -52,7 +43,7 @@ def test_memory_stops_growing_once_the_head_has_been_everywhere(gpu, name):
     options = PipelineOptions.of({**said, "predict": "none", "samples": 1, "loss": "0.1", "link_seed": 3})
     scene = load_scene(options.scene)
     plan = build_plan_for(options, headset, scene)
-    request = PoseRequest(Wandering(), None, (32, 24), options.guard_band, plan.needs)
+    request = PoseRequest(Head(wandering), None, (32, 24), options.guard_band, plan.needs)
     run = Run(options, Source(options, scene), None, [plan], plan.needs)
     with run.build(Target(gpu, headset, 100.0, 20_000_000), request) as made:
         tracemalloc.start()

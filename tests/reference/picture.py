@@ -1,7 +1,5 @@
-"""What a twin hands back.
-
-The picture, how far a shader may be off, and where rounding alone may decide otherwise.
-"""
+"""What a twin hands back. The picture, how far a shader may be off, and where rounding alone may
+decide otherwise."""
 
 from __future__ import annotations
 
@@ -35,8 +33,7 @@ def _with_none_as_minus_one(inverse_depth: Array) -> Array:
 @attrs.frozen(eq=False)
 class RenderedPicture:
     """colour (h, w, 4) premultiplied linear with coverage in alpha, inverse_depth (h, w) in 1/m, -1
-    for none, and their view.
-    """
+    for none, and their view."""
 
     colour: Array
     inverse_depth: Array = attrs.field(converter=_with_none_as_minus_one)
@@ -68,13 +65,6 @@ class TwinInputs:
     settings: Any = None
     sampler_pixels: float = GPU_SAMPLER_PIXELS
     places: Places | None = None
-
-    @property
-    def snap_pixels(self) -> float:
-        """How far a rasteriser may move a corner in each axis before it interpolates from it: half
-        of GL's 1/256 pixel on GPUs, nothing on llvmpipe, which interpolates unsnapped.
-        """
-        return 0.5 / 256 if self.sampler_pixels >= GPU_SAMPLER_PIXELS else 0.0
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -114,10 +104,8 @@ class TwinInputs:
         return attrs.evolve(self, places=attrs.evolve(self.places, pixels=np.floor(self.places.pixels) + 0.5))
 
     def near_another_pixel(self) -> Array:
-        """(h, w).
-
-        Whether a place lies within its error of another pixel, whose depth a shader may then take.
-        """
+        """(h, w). Whether a place lies within its error of another pixel, whose depth a shader may
+        then take."""
         if self.places is None:
             return np.zeros(self.shape, bool)
         from_border = np.abs(self.places.pixels - np.round(self.places.pixels)).min(axis=-1)
@@ -258,10 +246,8 @@ def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.
 
 
 def _contrast_near(colour: Array, coords: list[Array]) -> Array:
-    """Largest difference within the 4x4 texels around each place, per channel.
-
-    Bounds the slope a moved look can meet.
-    """
+    """Largest difference within the 4x4 texels around each place, per channel. Bounds the slope a
+    moved look can meet."""
     spread = ndimage.maximum_filter(colour, size=(5, 5, 1), mode="nearest") - ndimage.minimum_filter(
         colour, size=(5, 5, 1), mode="nearest"
     )

@@ -10,48 +10,13 @@ from pathlib import Path
 import pytest
 from commands import hmdwarp
 
+from .plans import text_of
 from .session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 600  # against hanging; nothing here takes a tenth of it on an idle machine
 
-STUDY = """schema = 1
-name = "tiny"
-title = "Little of everything"
-seed = 5
-condition = [
-  { name = "late", latency = 200, warp = "none", fill = "none" },
-  { name = "turned", latency = 200, warp = "rotation", fill = "none" },
-  { name = "warped", latency = 200, warp = "forward", fill = "interpolate" },
-  { name = "reference", latency = 0, warp = "none", fill = "none", reference = true },
-]
-[common]
-scene = "planes"
-samples = 1
-headset = "flat-90"
-lens = "none"
-size = "48x40"
-rate = 20
-[trial]
-seconds = 0.2
-scales = ["grade"]
-[practice]
-seconds = 0.1
-[breaks]
-every = 2
-seconds = 0.5
-[sickness]
-scale = "fms"
-stop_at = 15
-[questionnaires]
-after = ["vrsq"]
-[consent]
-version = "1"
-text = "You may stop at any time."
-[[family]]
-name = "any warp against none"
-pairs = [["late", "turned"], ["late", "warped"]]
-"""
+STUDY = text_of("tiny")
 
 MODEL = """schema = 1
 title = "test people"

@@ -96,14 +96,6 @@ def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu, video):
     assert np.median(off) <= 4 and np.percentile(off, 90) <= 20
 
 
-def test_a_server_that_goes_is_told_and_taken_up_again(page):
-    browser = page("raw&trace=walk&size=128")
-    browser.does("hmdwarp.session.feed.socket.close()")
-    browser.until(says("Connection lost"))
-    browser.does("globalThis.before = hmdwarp.session.shown.number")
-    browser.until("hmdwarp.session.shown.number > before && !document.getElementById('told').textContent")
-
-
 def test_panels_come_once_and_stay(tmp_path, gpu):
     """As hmdwarp lays them; while a server starts anew, and once lost graphics are back."""
     (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
@@ -273,12 +265,6 @@ def test_a_busy_processor_is_not_taken_for_a_slow_link(page):
     browser.does(f"setInterval(() => {{ {blocks} }}, 900), 0")
     browser.does("new Promise((go) => setTimeout(go, 9000))")
     assert browser.does("hmdwarp.session.pace.mbit === Infinity && hmdwarp.session.pace.way > 0")
-
-
-def test_a_lost_context_is_told(page):
-    browser = page("raw&trace=walk&size=128")
-    browser.does("hmdwarp.chain.gl.getExtension('WEBGL_lose_context').loseContext()")
-    browser.until(says("graphics"))
 
 
 def test_nothing_is_wrong_on_the_page(page):

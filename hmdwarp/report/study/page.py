@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from string import Formatter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,30 +33,6 @@ if TYPE_CHECKING:
 
 Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
-Cell = Callable[[Row], str]
-
-# By file.
-_CSV_COLUMNS = {
-    "jod.csv": (
-        "part", "scale", "condition", "reference", "jod", "low", "high", "preferred", "other_preferred", "neither",
-    ),
-    "preferences.csv": (
-        "part", "scale", "family", "condition", "baseline", "people", "for", "against", "neither", "jod", "low", "high",
-        "share", "share_low", "share_high", "p", "holm", "holm_of",
-    ),
-    "conditions.csv": (
-        "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "low", "high", "sd", "q1", "q3",
-        "least", "most",
-    ),
-    "comparisons.csv": (
-        "scale", "part", "family", "condition", "baseline", "n", "better", "equal", "worse", "mean", "sd", "median",
-        "w_plus", "w_minus", "p", "smallest_p", "holm", "holm_of", "holm_all", "holm_all_of",
-        "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
-    ),
-    "ratings.csv": ("scale", "part", "participant", "condition", "value"),
-    "differences.csv": ("scale", "part", "condition", "baseline", "participant", "difference"),
-    "missing.csv": ("scale", "part", "participant", "session", "condition", "why"),
-}  # fmt: skip
 
 
 def condition_text(row: Row) -> str:
@@ -64,90 +41,22 @@ def condition_text(row: Row) -> str:
     return row["condition"] if unmarked else f"{row['condition']} (reference)"
 
 
-def _of(name: str, write: Callable[..., str] = str, *how: Any) -> Cell:
-    return lambda row: write(row.get(name), *how)
-
-
-def _range(low: str, high: str) -> Cell:
-    return lambda row: "–" if row[low] is None else f"{plain(row[low])} .. {plain(row[high])}"
-
-
-def _interval(low: str = "low", high: str = "high", digits: int = 2, level: str = "") -> Cell:
-    """Return the cell of an interval; level: of its true level, as levels come in steps."""
-
-    def text(row: Row) -> str:
-        of = row.get(level)
-        return interval(row.get(low), row.get(high), digits) + ("" if of is None else f" ({100 * of:.1f} %)")
-
-    return text
-
-
-def _pair(row: Row) -> str:
-    return pair_text(row["baseline"], row["condition"])
-
-
-def _pairs(row: Row) -> str:
-    """Return "12 (6/1/5)": pairs, of them rated better, the same, worse."""
-    return f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})"
-
-
-# Every table of an analysis, for page, terminal and papers: head, unit and cell of each column.
-_TABLES: Mapping[str, tuple[tuple[str, str, Cell], ...]] = {
-    "conditions": (
-        ("condition", "", condition_text), ("n", "", _of("n")), ("missing", "", _of("missing")),
-        ("median", "", _of("median", plain)), ("mean", "", _of("mean", plain)), ("95 %", "", _range("low", "high")),
-        ("sd", "", _of("sd", plain)), ("quartiles", "", _range("q1", "q3")),
-    ),
-    "comparisons": (
-        ("compared", "", lambda row: ": ".join([*filter(None, [row["part"]]), _pair(row)])),
-        ("pairs", "+/0/-", lambda row: _pairs(row) if row["n"] else "0"), ("mean", "", _of("mean", signed, 3)),
-        ("BCa 95 %", "", _interval()), ("shift", "", _of("shift", signed)),
-        ("exact interval", "", _interval("shift_low", "shift_high", level="shift_level")),
-        ("W+/W-", "", lambda row: f"{row['w_plus']:g}/{row['w_minus']:g}" if row["n"] else "–"),
-        ("exact p", "", _of("p", p_text)), ("Holm", "family", _of("holm", p_text)),
-        ("Holm", "all", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", signed)),
-    ),
-    "comparisons in 80 columns": (
-        ("compared", "", _pair), ("pairs +/0/-", "", _pairs), ("mean", "", _of("mean", signed, 3)),
-        ("BCa 95 %", "", _interval()), ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
-        ("all", "", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", plain)),
-    ),
-    "without": (
-        ("without them", "", _pair), ("pairs", "", _of("n")), ("mean", "", _of("mean", signed)),
-        ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
-    ),
-    "questionnaires": (
-        ("score", "", lambda row: f"{row['scale']} {row['score']}"), ("pairs", "", _of("n")),
-        ("before", "median", _of("before", plain, 1)), ("after", "median", _of("after", plain, 1)),
-        ("change", "", _of("change", signed, 1)), ("exact interval", "", _interval(digits=1, level="level")),
-        ("exact p", "", _of("p", p_text)),
-    ),
-    "asked once": (
-        ("score", "", lambda row: f"{row['scale']} {row['when']}: {row['score_title']}"), ("answers", "", _of("n")),
-        ("lower quartile", "", _of("low_quartile", plain)), ("median", "", _of("median", plain)),
-        ("upper quartile", "", _of("high_quartile", plain)),
-        ("possible", "", lambda row: "–" if row["least"] is None else f"{row['least']:g} to {row['most']:g}"),
-    ),
-    "scores": (
-        ("condition", "", condition_text), ("score", "JOD", _of("jod", signed)), ("95 %", "", _interval()),
-        ("preferred", "", _of("preferred")), ("other preferred", "", _of("other_preferred")),
-        ("neither", "", _of("neither")),
-    ),
-    "preferences": (
-        ("compared", "", _pair), ("answers +/0/-", "", lambda row: f"{row['for']}/{row['neither']}/{row['against']}"),
-        ("JOD", "", _of("jod", signed)), ("95 %", "", _interval()),
-        ("would choose it", "", lambda row: f"{row['share']:.0%}"), ("exact p", "", _of("p", p_text)),
-        ("Holm", "", _of("holm", p_text)),
-    ),
-    "correlations": (
-        ("metric", "", _of("title")), ("r", "within people", _of("r", signed)), ("95 %", "", _interval()),
-        ("p", "", _of("p", p_text)), ("df", "", _of("dof")),
-    ),
-    "sickness": (
-        ("after trial", "", lambda row: str(row["trial"] or "practice")), ("answers", "", _of("n")),
-        ("median", "", lambda row: f"{row['median']:g}"), ("worst", "", lambda row: f"{row['worst']:g}"),
-    ),
+_WRITERS: Mapping[str, Callable[..., str]] = {
+    "plain": plain, "signed": signed, "p": p_text, "share": lambda share: f"{100 * share:.1f} %",
 }  # fmt: skip
+
+
+def _cell(template: str, row: Row) -> str:
+    """Return a cell of a table; a dash where one of its values is missing."""
+    found = ""
+    for text, name, given, _ in Formatter().parse(template):
+        value, how = row.get(name) if name else "", given or ""
+        if value is None:
+            return "–"
+        writer = how.rstrip("0123456789")
+        write = _WRITERS.get(writer)
+        found += text + (write(value, *map(int, how[len(writer) :])) if write else format(value, how))
+    return found
 
 
 def best_first(conditions: Iterable[Row]) -> list[Row]:
@@ -157,18 +66,27 @@ def best_first(conditions: Iterable[Row]) -> list[Row]:
 
 def study_lines(table: str, rows: Iterable[Row], **heads: str) -> Lines:
     """Return the heads and cells of a table of an analysis. heads: in place of some."""
-    columns = _TABLES[table]
-    named = [(heads.get(head, head), unit) for head, unit, _ in columns]
-    return named, [[cell(row) for _, _, cell in columns] for row in rows]
+    columns, lines = texts("study")["tables"][table], []
+    for row in rows:
+        more = {"trial": row.get("trial") or "practice"}
+        if "baseline" in row:
+            more["pair"] = pair_text(row["baseline"], row["condition"])
+            more["part_pair"] = ": ".join(filter(None, (row.get("part"), more["pair"])))
+            more["pairs"] = "{n} ({better}/{equal}/{worse})".format(**row) if row.get("n") else "0"
+        elif "reference" in row:
+            more["condition"] = condition_text(row)
+        lines.append([_cell(template, {**row, **more}) for _, _, template in columns])
+    return [(heads.get(head, head), unit) for head, unit, _ in columns], lines
 
 
 def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
     """Return (columns, rows) by file name: every number of the analysis, unrounded."""
-    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in _CSV_COLUMNS}
+    columns_of = texts("study")["csv"]
+    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in columns_of}
 
     def add(name: str, *entries: Row) -> None:
         whole = {key: value for entry in entries for key, value in entry.items()}
-        rows[name].append({key: whole.get(key) for key in _CSV_COLUMNS[name]})
+        rows[name].append({key: whole.get(key) for key in columns_of[name]})
 
     for scale in data["scales"]:
         named = {"scale": scale["measure"]["name"]}
@@ -190,7 +108,7 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
         for row in part["comparisons"]:
             add("preferences.csv", part, row)
     absent = () if data["preferences"] else ("jod.csv", "preferences.csv")
-    return {name: (columns, rows[name]) for name, columns in _CSV_COLUMNS.items() if name not in absent}
+    return {name: (columns, rows[name]) for name, columns in columns_of.items() if name not in absent}
 
 
 _WIDTH_IN = 9.6

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.levels import choose, levels_from
+from hmdwarp.pipeline.governor import choose, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
@@ -30,13 +30,6 @@ ROWS = [
     row("forward", "none", 7.0, 0.16), row("mesh:cut=slope", "interpolate", 40.0, 0.02),
     row("mesh", "interpolate", 90.0, 0.021),
 ]  # fmt: skip
-
-
-def test_the_ladder_holds_what_is_worth_its_time():
-    assert [str(level) for level in levels_from(ROWS)] == [
-        "none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate",
-    ]  # fmt: skip
-    assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
 
 
 @given(st.lists(st.tuples(st.floats(0.01, 1e3), st.floats(0, 1)), min_size=1, max_size=40), st.randoms())
@@ -75,18 +68,10 @@ def test_the_largest_of_several_sizes_counts():
     assert (chosen["total_ms"], chosen["sizes"], chosen["cases"]) == (30.0, [(800, 1280), (1280, 800)], 3)
 
 
-def test_rows_that_measured_nothing_are_left_out():
-    assert [
-        r.warp
-        for r in levels_from([row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)])
-    ] == ["c"]
-    with pytest.raises(InputError, match="with a time and a FLIP"):
-        levels_from([row("a", "none", None, 0.1)])
-    with pytest.raises(InputError, match="no common case"):
-        levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")])
-
-
 def test_the_choice_and_the_next_step_up():
+    names = [str(level) for level in levels_from(ROWS)]
+    assert names == ["none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate"]
+    assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
     chosen = choose(ROWS, 10)
     assert chosen == {
         "budget_ms": 10.0, "warp": "forward", "fill": "interpolate", "settings": {}, "total_ms": 8.0, "flip": 0.05,
@@ -99,15 +84,30 @@ def test_the_choice_and_the_next_step_up():
     assert choose(ROWS, 8.0)["warp"] == "forward"  # a budget is met by what takes exactly that long
 
 
-@pytest.mark.parametrize("budget", [0.0, -1.0, math.nan, math.inf])
-def test_a_budget_that_is_no_time(budget):
-    with pytest.raises(InputError, match="expected a time above 0 ms"):
-        choose(ROWS, budget)
-
-
 def test_times_of_two_machines_are_not_mixed():
     """The machine with the most rows counts, however quick the other is."""
     slow = [row("none", "none", 10.0, 0.3), row("rotation", "none", 20.0, 0.1)]
     ours = [{**row, "latency_ms": latency, "machine": {"host": "ours"}} for row in slow for latency in (100.0, 200.0)]
     theirs = [{**row("rotation", "none", 0.1, 0.1), "latency_ms": 300.0, "machine": {"host": "theirs"}}]
     assert levels_from([*theirs, *ours]) == levels_from(ours)
+
+
+def test_rows_that_measured_nothing_are_left_out():
+    rows = [row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)]
+    assert [found.warp for found in levels_from(rows)] == ["c"]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: levels_from([row("a", "none", None, 0.1)]), "with a time and a FLIP"),
+        (
+            lambda: levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")]),
+            "no common case",
+        ),
+        *((lambda bad=bad: choose(ROWS, bad), "expected a time above 0 ms") for bad in (0.0, -1.0, math.nan, math.inf)),
+    ],
+)
+def test_rows_and_budgets_that_say_nothing_are_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()

@@ -10,10 +10,11 @@ from contextlib import contextmanager
 import attrs
 import numpy as np
 
+from hmdwarp.geometry import View
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.listener import Listener
 
-from .test_message import ASK, FRAME
+from .messages import ASK, FRAME
 
 _NUMBERS = itertools.count(1)
 WHENEVER_MS = 600_000  # at most, to wait for what is certain to come: a fail-safe
@@ -91,3 +92,12 @@ def feeder(layers_of=lambda ask: (), views_of=lambda views: views, as_sent=lambd
         done.set()
         thread.join()
         listener.close()
+
+
+def vector_row(before: View, near: float, far: float, scale=(1, 1, 1), offset=(0, 0, 0), seconds=1.0) -> np.ndarray:
+    """What stands beside motion vectors: how they are coded, and the view that they come from."""
+    poses = [
+        number for pose in (before.pose, before.head_from_eye) for number in (*pose.position_m, *pose.orientation_xyzw)
+    ]
+    angles = [before.fov.left, before.fov.right, before.fov.down, before.fov.up]
+    return np.array([[*scale, *offset, near, far, seconds, *poses, *angles]], np.float64)

@@ -26,6 +26,25 @@ BIT_RATES = (0.0, 0.0, 1e-9, 0.5, 1000.0)
 STEPS = (0.0, 0.0, 2**-20, 2**-10, 0.3, 1.0)
 
 
+# ZMTP 3.0, ZeroMQ's RFC 23: a greeting, commands, and the parts of messages.
+
+
+def greeting(*, version: bytes = b"\x03\x00", mechanism: bytes = b"NULL", server: int = 0) -> bytes:
+    return b"\xff" + bytes(8) + b"\x7f" + version + mechanism.ljust(20, b"\0") + bytes([server]) + bytes(31)
+
+
+def command(body: bytes) -> bytes:
+    return (b"\x04" + bytes([len(body)]) if len(body) < 256 else b"\x06" + struct.pack(">Q", len(body))) + body
+
+
+def ready(kind: bytes = b"DEALER", more: bytes = b"") -> bytes:
+    return command(b"\x05READY\x0bSocket-Type" + struct.pack(">I", len(kind)) + kind + more)
+
+
+def part(data: bytes, *, more: bool = False) -> bytes:
+    return bytes([2 + more]) + struct.pack(">Q", len(data)) + data
+
+
 def message(kind: int, body: bytes, *, version: int = VERSION, length: int | None = None) -> bytes:
     """A message of that kind; length: what it says of itself."""
     return struct.pack("<4sHHI", MAGIC, version, kind, 12 + len(body) if length is None else length) + body

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.sources.feed.alignment import MOST_DRIFT, Alignment, Exchange
+from hmdwarp.sources.feed.caller import MOST_DRIFT, Alignment, Exchange
 
 MS = 1_000_000
 

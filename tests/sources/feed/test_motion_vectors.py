@@ -4,12 +4,15 @@ The reference draws the vectors as engines do, with 4x4 matrices and a clip spac
 goes the other way, in tangents and inverse depth.
 """
 
+import attrs
 import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.pipeline.feed_layers import velocity_of
+
+from .exchange import vector_row
 
 WIDE, HIGH, SECONDS = 40, 30, 1 / 90
 NOW = View(Pose((0.3, 1.6, -2.0), (0.05, -0.1, 0.02, 0.99)), Fov(-0.7, 0.8, -0.75, 0.6))
@@ -54,11 +57,8 @@ def scene(near: float, far: float, shape: tuple[int, int] = (HIGH, WIDE)):
     return depth, velocity, vectors
 
 
-def told(near: float, far: float, scale=(1, 1, 1), offset=(0, 0, 0), seconds=SECONDS) -> np.ndarray:
-    pose, head = BEFORE.pose, BEFORE.head_from_eye
-    eye = [*pose.position_m, *pose.orientation_xyzw, *head.position_m, *head.orientation_xyzw]
-    angles = [BEFORE.fov.left, BEFORE.fov.right, BEFORE.fov.down, BEFORE.fov.up]
-    return np.array([[*scale, *offset, near, far, seconds, *eye, *angles]], np.float64)
+def told(near: float, far: float, *coded, before: View = BEFORE) -> np.ndarray:
+    return vector_row(before, near, far, *coded, seconds=SECONDS)
 
 
 def in_eye(velocity: np.ndarray) -> np.ndarray:
@@ -69,10 +69,12 @@ def picture(vectors: np.ndarray, kind=np.float64) -> np.ndarray:
     return np.concatenate([vectors, np.zeros((*vectors.shape[:2], 1))], axis=2).astype(kind)
 
 
+@pytest.mark.parametrize("coded", [((1, 1, 1), (0, 0, 0)), ((2, -1, 1), (0.5, 0, 0))], ids=["plain", "as of OpenGL"])
 @pytest.mark.parametrize(("near", "far"), RANGES)
-def test_exact_vectors_give_exact_velocities(near, far):
+def test_exact_vectors_give_exact_velocities(near, far, coded):
     depth, velocity, vectors = scene(near, far)
-    found = velocity_of((picture(vectors), told(near, far)), NOW, depth)
+    scale, offset = coded
+    found = velocity_of((picture((vectors - offset) / scale), told(near, far, *coded)), NOW, depth)
     np.testing.assert_array_equal(found[..., 3], (velocity != 0).any(axis=2))
     # Rounded to halves once: 2^-11 of at most 2 m/s.
     np.testing.assert_allclose(found[..., :3], in_eye(velocity), atol=2 * 2.0**-11)
@@ -93,13 +95,6 @@ def test_halves_give_velocities_within_their_rounding_and_leave_still_what_stand
     off = np.linalg.norm(found[..., :3].astype(float) - in_eye(velocity), axis=2)
     moving = found[..., 3] == 1
     assert (off[moving] <= bound[moving]).all()
-
-
-def test_scale_and_offset_are_the_extension_s():
-    depth, velocity, vectors = scene(0.1, 100.0)
-    flipped = (vectors - (0.5, 0, 0)) / (2, -1, 1)  # as of OpenGL, and coded
-    found = velocity_of((picture(flipped), told(0.1, 100.0, (2, -1, 1), (0.5, 0, 0))), NOW, depth)
-    np.testing.assert_allclose(found[..., :3], in_eye(velocity), atol=2 * 2.0**-11)
 
 
 def test_vectors_of_two_numbers_keep_the_depth():
@@ -129,11 +124,7 @@ def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of(top, end
     vectors = np.zeros((*low, 3))
     # Of each low pixel the centre lies in the pixel right of and below its middle.
     vectors[moves[1::2, 1::2]] = (0.01, 0, 0)
-    still = told(0.1, np.inf)
-    still[0, 9:] = told(0.1, np.inf)[0, 9:]
-    eye = NOW.pose
-    still[0, 9:23] = [*eye.position_m, *eye.orientation_xyzw, 0, 0, 0, 0, 0, 0, 1]
-    still[0, 23:] = NOW.fov.left, NOW.fov.right, NOW.fov.down, NOW.fov.up
+    still = told(0.1, np.inf, before=attrs.evolve(NOW, head_from_eye=Pose()))
     found = velocity_of((picture(vectors), still), NOW, depth)
     np.testing.assert_array_equal(found[..., 3] == 1, moves)
     # Across by 0.01 of half the field, at the depth of the surface, which its vector's pixel has.
@@ -158,11 +149,7 @@ def test_numbers_that_are_none_are_refused(change):
     for parts in ((picture(vectors),), (picture(vectors)[..., 0], told(0.1, 1)), (picture(vectors), np.zeros((1, 4)))):
         with pytest.raises(InputError):
             velocity_of(parts, NOW, depth)
-
-
-def test_velocities_are_finite_for_any_vectors():
-    depth, _, vectors = scene(0.1, 100.0)
-    rng = np.random.default_rng(1)
-    wild = picture(vectors)
+    # But vectors may be anything.
+    wild, rng = picture(vectors), np.random.default_rng(1)
     wild[rng.random(wild.shape) < 0.3] = rng.choice([np.nan, np.inf, -np.inf, 6e4, -6e4])
     assert np.isfinite(velocity_of((wild, told(0.1, 100.0)), NOW, depth)).all()

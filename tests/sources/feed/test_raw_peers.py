@@ -13,14 +13,15 @@ import struct
 import termios
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 import pytest
 from serving import Serving
 
-from . import foreign
 from .exchange import port_of
+from .foreign import command, greeting, part, ready, request
 from .test_any_request import memory
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
@@ -28,154 +29,98 @@ zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[
 MIB = 1 << 20
 
 
-def greeting(*, version: bytes = b"\x03\x00", mechanism: bytes = b"NULL", server: int = 0) -> bytes:
-    return b"\xff" + bytes(8) + b"\x7f" + version + mechanism.ljust(20, b"\0") + bytes([server]) + bytes(31)
+RESET = struct.pack("ii", 1, 0)  # of SO_LINGER: what closes drops all that is not sent, and says so
+VERSIONS_1_AND_2 = (b"\x01\x00", b"\xff" + bytes(7) + b"\x01\x7f\x01\x05\x00\x00")  # no handshake, an identity
+ROLES = (b"PUB", b"SUB", b"REQ", b"ROUTER", b"PAIR", b"STREAM", b"X" * 200, b"")
+COMMANDS = (b"SUBSCRIBE", b"CANCEL", b"ERROR", b"READY", b"PONG", b"JOIN", b"\xff" * 50)
+IDS = (0, 1, 2**64 - 1, 2**63, *range(10**18, 2 * 10**18, 5 * 10**15))
+ASKED = part(request(1))
+Connections = list[list[bytes]]
 
 
-def command(body: bytes) -> bytes:
-    return (b"\x04" + bytes([len(body)]) if len(body) < 256 else b"\x06" + struct.pack(">Q", len(body))) + body
+def named(name: bytes, rng: random.Random) -> bytes:
+    return command(bytes([len(name)]) + name + rng.randbytes(100))
 
 
-def ready(kind: bytes = b"DEALER", more: bytes = b"") -> bytes:
-    return command(b"\x05READY\x0bSocket-Type" + struct.pack(">I", len(kind)) + kind + more)
+def identity(length: int, rng: random.Random) -> bytes:
+    return ready(more=b"\x08Identity" + struct.pack(">I", length) + rng.randbytes(min(length, 400)))
 
 
-def part(data: bytes, *, more: bool = False) -> bytes:
-    return bytes([2 + more]) + struct.pack(">Q", len(data)) + data
+def ping(context: bytes, rng: random.Random) -> bytes:
+    return command(b"\x04PING" + struct.pack(">H", rng.randrange(2**16)) + context)
 
 
-Attack = Callable[[Callable[[], socket.socket], random.Random], None]
-ATTACKS: dict[str, Attack] = {}
+HELLO = [greeting(), ready()]
+# What the connections of each attack send, one after the other.
+ATTACKS: dict[str, Callable[[random.Random], Connections]] = {
+    "greetings of noise": lambda rng: [[rng.randbytes(rng.randint(1, 200))] for _ in range(60)],
+    "greetings of other versions": lambda rng: [
+        *([greeting(version=bytes([v, rng.randrange(256)])), ready(), ASKED] for v in range(0, 256, 5)),
+        *([start, *[b"\x02\x01x"] * 50_000] for start in VERSIONS_1_AND_2),
+    ],
+    "other mechanisms and roles": lambda rng: [
+        *(
+            [greeting(mechanism=mechanism, server=server), command(b"\x05HELLO" + rng.randbytes(194))]
+            for mechanism, server in product((b"PLAIN", b"CURVE", b"GSSAPI", b"A" * 20, b"\xff" * 20), (0, 1))
+        ),
+        *([greeting(), ready(kind), part(b""), ASKED] for kind in ROLES),
+    ],
+    "properties without end": lambda rng: [
+        *([greeting(), identity(length, rng), ASKED] for length in (0, 1, 255, 256, 2**31, 2**32 - 1)),
+        [greeting(), command(b"\x05READY" + rng.randbytes(100_000))],
+        [greeting(), b"\x06" + struct.pack(">Q", 2**40), *[bytes(60_000)] * 200],
+    ],
+    # With all that a PING may carry, and no PONG is read.
+    "calls that nobody answers": lambda rng: [
+        [*HELLO, *[ping(context, rng) * 200] * 60] for context in (b"", b"x" * 16, b"x" * 200)
+    ],
+    "commands of other sockets": lambda rng: [[*HELLO, named(name, rng) * 20] for name in COMMANDS],
+    "commands without end": lambda rng: [[*HELLO, *[command(b"\x09SUBSCRIBE" + rng.randbytes(200)) * 100] * 400]],
+    "messages of many parts": lambda rng: [
+        [*HELLO, *[part(data, more=True) * 100] * 3000] for data in (b"", request(1), rng.randbytes(800))
+    ],
+    "requests that stop within": lambda rng: [[*HELLO, ASKED[: rng.randrange(len(ASKED))]] for _ in range(60)],
+    "clients that leave without reading": lambda rng: [[*HELLO, part(request(1, size=(512, 512)))]] * 70,
+    "clients that read a byte at a time": lambda rng: (
+        [[*HELLO, *(part(request(number, size=(512, 512), received=number)) for number in range(1, 9))]] * 6
+    ),
+    "requests as fast as they go": lambda rng: [[*HELLO, *[part(request(n)) * 40 for n in range(1, 300)]]],
+    "tokens and ids of all kinds": lambda rng: [[*HELLO, *(part(request(n, token=rng.randbytes(32))) for n in IDS)]],
+}
 
 
-def attack(run: Attack) -> Attack:
-    ATTACKS[run.__name__.replace("_", " ")] = run
-    return run
+def send(one: socket.socket, pieces: list[bytes]) -> None:
+    """Send these, as far as the connection is open, and read what has come."""
+    with contextlib.suppress(OSError):
+        for piece in pieces:
+            one.sendall(piece)
+        # What has not arrived would be lost with the connection.
+        for _ in range(200):
+            if not struct.unpack("i", fcntl.ioctl(one, termios.TIOCOUTQ, bytes(4)))[0]:
+                break
+            time.sleep(0.001)
+        one.setblocking(False)
+        while one.recv(1 << 16):
+            pass
+    one.settimeout(2)
 
 
-@contextlib.contextmanager
-def sent(connect: Callable[[], socket.socket], *pieces: bytes) -> Iterator[socket.socket]:
-    """A connection over which these went, as far as it was open."""
-    with connect() as one, contextlib.suppress(OSError):
-        with contextlib.suppress(OSError):
-            for piece in pieces:
-                one.sendall(piece)
-            # What has not arrived would be lost with the connection.
-            for _ in range(200):
-                if not struct.unpack("i", fcntl.ioctl(one, termios.TIOCOUTQ, bytes(4)))[0]:
-                    break
-                time.sleep(0.001)
-            one.setblocking(False)
-            while one.recv(1 << 16):
-                pass
-        one.settimeout(2)
-        yield one
-        time.sleep(0.01)
-
-
-def throw(connect: Callable[[], socket.socket], *pieces: bytes) -> None:
-    with sent(connect, *pieces):
-        pass
-
-
-@attack
-def greetings_of_noise(connect, rng):
-    for _ in range(60):
-        throw(connect, rng.randbytes(rng.randint(1, 200)))
-
-
-@attack
-def greetings_of_other_versions(connect, rng):
-    for version in range(0, 256, 5):
-        throw(connect, greeting(version=bytes([version, rng.randrange(256)])), ready(), part(foreign.request(1)))
-    # Versions 1 and 2, without a handshake: an identity, and messages.
-    for start in (b"\x01\x00", b"\xff" + bytes(7) + b"\x01\x7f\x01\x05\x00\x00"):
-        throw(connect, start, *[b"\x02\x01x"] * 50_000)
-
-
-@attack
-def other_mechanisms_and_roles(connect, rng):
-    for mechanism in (b"PLAIN", b"CURVE", b"GSSAPI", b"A" * 20, b"\xff" * 20):
-        for server in (0, 1):
-            with sent(
-                connect, greeting(mechanism=mechanism, server=server), command(b"\x05HELLO" + rng.randbytes(194))
-            ):
-                pass
-    for kind in (b"PUB", b"SUB", b"REQ", b"ROUTER", b"PAIR", b"STREAM", b"X" * 200, b""):
-        throw(connect, greeting(), ready(kind), part(b""), part(foreign.request(1)))
-
-
-@attack
-def properties_without_end(connect, rng):
-    for length in (0, 1, 255, 256, 2**31, 2**32 - 1):
-        identity = b"\x08Identity" + struct.pack(">I", length) + rng.randbytes(min(length, 400))
-        throw(connect, greeting(), ready(more=identity), part(foreign.request(1)))
-    throw(connect, greeting(), command(b"\x05READY" + rng.randbytes(100_000)))
-    throw(connect, greeting(), b"\x06" + struct.pack(">Q", 2**40), *[bytes(60_000)] * 200)
-
-
-@attack
-def calls_that_nobody_answers(connect, rng):
-    """PING with all that it may carry, and no PONG is read."""
-    for context in (b"", b"x" * 16, b"x" * 200):
-        ping = command(b"\x04PING" + struct.pack(">H", rng.randrange(2**16)) + context)
-        with sent(connect, greeting(), ready(), *[ping * 200] * 60) as one:
-            one.shutdown(socket.SHUT_WR)
-
-
-@attack
-def commands_of_other_sockets(connect, rng):
-    for name in (b"SUBSCRIBE", b"CANCEL", b"ERROR", b"READY", b"PONG", b"JOIN", b"\xff" * 50):
-        throw(connect, greeting(), ready(), command(bytes([len(name)]) + name + rng.randbytes(100)) * 20)
-
-
-@attack
-def commands_without_end(connect, rng):
-    throw(connect, greeting(), ready(), *[command(b"\x09SUBSCRIBE" + rng.randbytes(200)) * 100] * 400)
-
-
-@attack
-def messages_of_many_parts(connect, rng):
-    for piece in (part(b"", more=True), part(foreign.request(1), more=True), part(rng.randbytes(800), more=True)):
-        throw(connect, greeting(), ready(), *[piece * 100] * 3000)
-
-
-@attack
-def requests_that_stop_within(connect, rng):
-    data = part(foreign.request(1))
-    for _ in range(60):
-        throw(connect, greeting(), ready(), data[: rng.randrange(len(data))])
-
-
-@attack
-def clients_that_leave_without_reading(connect, rng):
-    """Each asks for a large frame, and resets its connection."""
-    for _ in range(70):
-        with sent(connect, greeting(), ready(), part(foreign.request(1, size=(512, 512)))) as one:
-            one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-
-
-@attack
-def clients_that_read_a_byte_at_a_time(connect, rng):
+def attack(name: str, connect: Callable[[], socket.socket], rng: random.Random) -> None:
+    connections = ATTACKS[name](rng)
     with contextlib.ExitStack() as held:
-        readers = [held.enter_context(sent(connect, greeting(), ready())) for _ in range(6)]
-        for number in range(1, 9):
-            for one in readers:
+        if "a byte" in name:
+            readers = [(held.enter_context(connect()), pieces) for pieces in connections]
+            for at, (one, pieces) in product(range(len(connections[0])), readers):
                 with contextlib.suppress(OSError):
-                    one.sendall(part(foreign.request(number, size=(512, 512), received=number)))
+                    one.sendall(pieces[at])
                     one.recv(1)
-
-
-@attack
-def requests_as_fast_as_they_go(connect, rng):
-    throw(connect, greeting(), ready(), *[part(foreign.request(n)) * 40 for n in range(1, 300)])
-
-
-@attack
-def tokens_and_ids_of_all_kinds(connect, rng):
-    numbers = [0, 1, 2**64 - 1, 2**63, *(rng.randrange(2**64) for _ in range(200))]
-    tokens = (part(foreign.request(number, token=rng.randbytes(32))) for number in numbers)
-    throw(connect, greeting(), ready(), *tokens)
+            return
+        for pieces in connections:
+            with connect() as one:
+                send(one, pieces)
+                if "leave" in name:
+                    one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+                time.sleep(0.01)
 
 
 class Honest:
@@ -193,7 +138,7 @@ class Honest:
             begun, number = time.monotonic(), 0
             while not self._ended.is_set():
                 number += 1
-                client.send(foreign.request(number))
+                client.send(request(number))
                 # Asked again after a while, as any client does.
                 if client.poll(500):
                     client.recv()
@@ -231,7 +176,7 @@ def test_a_peer_that_speaks_by_hand_costs_nobody_anything(serving, name):
             time.sleep(0.01)
         Path(f"/proc/{process}/clear_refs").write_text("5")  # VmHWM is VmRSS again, not another attack's
         before, honest.longest_s = memory(process), 0.0
-        ATTACKS[name](connect, random.Random(7))
+        attack(name, connect, random.Random(7))
         served = honest.served
         while honest.served < served + 2:
             time.sleep(0.01)

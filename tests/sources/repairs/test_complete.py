@@ -96,9 +96,9 @@ def test_a_gap_in_a_plane_is_closed_by_the_plane(slope):
 
 def test_the_sky_stays_infinitely_far_and_a_gap_next_to_it_may_join_it():
     """Depth of 0 /m is measured; a gap is neither near nor far until it is known."""
-    inverse = np.zeros((20, 30), np.float32)
-    inverse[10:] = 0.5
-    colour = np.where(np.indices((20, 30))[0][..., None] < 10, 0.9, 0.1).astype(np.float32) * np.ones(3, np.float32)
+    above = np.indices((20, 30))[0] < 10
+    inverse = np.where(above, 0, 0.5).astype(np.float32)
+    colour = np.where(above[..., None], 0.9, 0.1).astype(np.float32) * np.ones(3, np.float32)
     given = inverse.copy()
     given[6:14] = np.nan
     assert same(complete(colour, given).inverse_depth, inverse)
@@ -106,21 +106,14 @@ def test_the_sky_stays_infinitely_far_and_a_gap_next_to_it_may_join_it():
 
 def test_confidence_falls_with_distance_and_between_surfaces():
     """At the reach, 0.075 of the longer side, it is a half of the share; no share is lost here."""
-    inverse = np.full((40, 200), np.nan, np.float32)
+    inverse, colour = np.full((40, 200), np.nan, np.float32), np.full((40, 200, 3), 0.5, np.float32)
     inverse[:, :50] = 0.5
-    found = complete(np.full((40, 200, 3), 0.5, np.float32), inverse).confidence
-    along = found[20, 50:]
-    assert (np.diff(along) <= 0).all()
+    whole, parted = (complete(colour, inverse, text) for text in ("complete", "complete:least=0.5"))
+    found = whole.confidence
+    assert (np.diff(found[20, 50:]) <= 0).all()
     assert found[20, 49 + 15] == pytest.approx(0.5, rel=1e-6)
-    inverse[:, 80:] = 2.0  # another surface, of the same colour: the middle may be either
-    both = complete(np.full((40, 200, 3), 0.5, np.float32), inverse).confidence
-    assert both[20, 64] < found[20, 64] and both[20, 50] > 0.9
-
-
-def test_least_confidence_leaves_holes():
-    inverse = np.full((40, 200), np.nan, np.float32)
-    inverse[:, :50] = 0.5
-    whole = complete(np.full((40, 200, 3), 0.5, np.float32), inverse)
-    parted = complete(np.full((40, 200, 3), 0.5, np.float32), inverse, "complete:least=0.5")
     assert not np.isnan(whole.inverse_depth).any()
-    assert np.array_equal(np.isnan(parted.inverse_depth), whole.confidence < 0.5)
+    assert np.array_equal(np.isnan(parted.inverse_depth), found < 0.5), "least confidence leaves holes"
+    inverse[:, 80:] = 2.0  # another surface, of the same colour: the middle may be either
+    both = complete(colour, inverse).confidence
+    assert both[20, 64] < found[20, 64] and both[20, 50] > 0.9

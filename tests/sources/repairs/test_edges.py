@@ -31,26 +31,20 @@ def test_moved_depth_is_moved_back(down, right):
     assert np.array_equal(known, ~np.isnan(moved(given, -down, -right)))
 
 
-def test_depth_that_lies_farther_off_is_not_moved():
-    """A best offset at the very end of the search may not be the best there is."""
+def test_nothing_is_moved_without_evidence():
+    """Too far off, a best offset at the very end of the search may not be the best there is.
+
+    Of noise alone, or one colour, no offset stands out; and a setting may ask for more, or none.
+    """
     colour, inverse = two_surfaces()
     for right in (6, 8):
         assert depth_offset(colour, moved(inverse, 0, right), SETTINGS) == (0, 0)
-
-
-def test_colour_without_edges_moves_nothing():
-    """Noise alone, or one colour: no offset stands out."""
-    _, inverse = two_surfaces()
     noise = np.random.default_rng(3).random((*inverse.shape, 3)).astype(np.float32)
-    for colour in (noise, np.full_like(noise, 0.5), 0.01 * noise):
-        assert depth_offset(colour, inverse, SETTINGS) == (0, 0)
-
-
-def test_it_is_not_moved_where_told_so():
-    colour, inverse = two_surfaces()
+    for plain in (noise, np.full_like(noise, 0.5), 0.01 * noise):
+        assert depth_offset(plain, inverse, SETTINGS) == (0, 0)
     given = moved(inverse, 0, 3)
-    assert same(edges(colour, given, "edges:most=0").inverse_depth, given)
-    assert same(edges(colour, given, "edges:evidence=1000").inverse_depth, given)
+    for text in ("edges:most=0", "edges:evidence=1000"):
+        assert same(edges(colour, given, text).inverse_depth, given)
 
 
 @pytest.mark.parametrize("mixture", [(0.6,), (0.8, 0.5), (0.85, 0.6), (0.4, 0.3)])

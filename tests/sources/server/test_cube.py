@@ -9,22 +9,18 @@ import numpy as np
 import pytest
 from worlds import pixels
 
-from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
 from hmdwarp.geometry.cube import FACES
-from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server
 
 VIEW = View(Pose((0.3, 1.5, -0.2), (0.1, 0.2, -0.05, 0.9)), Fov(-0.7, 0.8, -0.6, 0.75))
 SIZE = (61, 47)
 
 
 @pytest.fixture
-def server(gpu):
-    made = Server(gpu, load_scene("room"))
+def server(serve):
+    made = serve("room")
     yield made
-    made.close()
 
 
 def test_each_face_is_the_picture_of_its_view(server):
@@ -43,38 +39,9 @@ def test_each_face_is_the_picture_of_its_view(server):
         server.pool((side, side)).release(alone.colour)
 
 
-def test_the_picture_itself_is_the_same_with_a_cube(server):
-    alone, beside = server.draw_frame([VIEW], 0, SIZE), server.draw_frame([VIEW], 0, SIZE, needs=Needs(cube=True))
-    assert alone.eyes[0].get("cube") is None
-    assert alone.eyes[0].colour.read() == beside.eyes[0].colour.read()
-    assert alone.eyes[0].inverse_depth.read() == beside.eyes[0].inverse_depth.read()
-
-
 def test_a_guard_band_does_not_change_the_cube(server):
     """It is as dense with it as without, and all around anyway."""
     sizes = {
         server.draw_frame([VIEW], 0, SIZE, guard, Needs(cube=True)).eyes[0]["cube"].size for guard in (1.0, (1.3, 1.1))
     }
     assert len(sizes) == 1
-
-
-def test_recycled_cubes_are_used_again(server):
-    needs = Needs(cube=True)
-    first = server.draw_frame([VIEW, VIEW], 0, SIZE, needs=needs)
-    pool = server.pool(first.eyes[0]["cube"].size, depth=False)
-    assert (pool.live, pool.made) == (2, 2)
-    held = {eye["cube"] for eye in first.eyes}
-    server.recycle(first)
-    again = server.draw_frame([VIEW, VIEW], 1, SIZE, needs=needs)
-    assert {eye["cube"] for eye in again.eyes} == held
-    server.recycle(again)
-    assert (pool.live, pool.made) == (0, 2)
-
-
-def test_a_cube_beyond_the_gpu_is_refused_with_what_to_do(server):
-    narrow = View(Pose(), Fov.symmetric(0.02, 0.02))
-    with pytest.raises(
-        InputError,
-        match=r"a cube map as sharp as a picture of 640x640 would have \d+x\d+ pixels: .* use a smaller size",
-    ):
-        server.draw_frame([narrow], 0, (640, 640), needs=Needs(cube=True))

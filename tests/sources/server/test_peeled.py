@@ -13,7 +13,6 @@ from worlds import pixels
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
-from hmdwarp.sources.server import Server
 
 SIZE = (61, 47)
 FOV = Fov(-0.6, 0.7, -0.5, 0.55)
@@ -41,14 +40,12 @@ def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facin
     return Scene("walls", "", tuple(meshes), background=Background.uniform(SKY))
 
 
-def peeled(gpu, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:
+def peeled(serve, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.ndarray, np.ndarray]]:
     """(colour, inverse depth) of the visible layer and `count` behind it."""
-    server = Server(gpu, scene)
+    server = serve(scene)
     eye = server.draw_frame([view], 0, SIZE, needs=Needs(peeled=count)).eyes[0]
     assert len(eye["peeled"]) == count
-    out = [(pixels(each.colour), pixels(each.inverse_depth)) for each in (eye, *eye["peeled"])]
-    server.close()
-    return out
+    return [(pixels(each.colour), pixels(each.inverse_depth)) for each in (eye, *eye["peeled"])]
 
 
 def middle() -> np.ndarray:
@@ -62,8 +59,8 @@ def outside() -> np.ndarray:
     return (np.abs(rays[..., :2] / rays[..., 2:]) > 0.33).any(axis=-1)
 
 
-def test_walls_one_behind_the_other_then_the_sky_then_nothing(gpu):
-    layers = peeled(gpu, walls(1, 2, 5), 4)
+def test_walls_one_behind_the_other_then_the_sky_then_nothing(serve):
+    layers = peeled(serve, walls(1, 2, 5), 4)
     for k, (colour, depth) in enumerate(layers[:3]):
         assert depth[middle()] == pytest.approx(1 / (1, 2, 5)[k], rel=1e-6)
         assert (colour[middle()] == (k + 1, k + 1, k + 1, 1)).all()
@@ -75,12 +72,12 @@ def test_walls_one_behind_the_other_then_the_sky_then_nothing(gpu):
     assert (nothing_colour == 0).all()
 
 
-def test_the_sky_belongs_to_the_last_layer_that_holds_anything(gpu):
+def test_the_sky_belongs_to_the_last_layer_that_holds_anything(serve):
     """Beside the wall the sky is visible, so behind it is nothing.
 
     Behind the wall it is the next layer.
     """
-    (_, first), (colour, second), (_, third) = peeled(gpu, walls(3), 2)
+    (_, first), (colour, second), (_, third) = peeled(serve, walls(3), 2)
     assert (first[outside()] == 0).all()
     assert (second[outside()] == -1).all()
     assert (colour[outside()] == 0).all()
@@ -88,22 +85,22 @@ def test_the_sky_belongs_to_the_last_layer_that_holds_anything(gpu):
     assert (third == -1).all()
 
 
-def test_close_behind_is_behind_and_a_surface_is_not_behind_itself(gpu):
+def test_close_behind_is_behind_and_a_surface_is_not_behind_itself(serve):
     """1 mm at 2 m: a picture on a wall."""
-    layers = peeled(gpu, walls(2, 2.001), 2)
+    layers = peeled(serve, walls(2, 2.001), 2)
     assert layers[1][1][middle()] == pytest.approx(1 / 2.001, rel=1e-6)
     assert (layers[2][1][middle()] == 0).all()
 
 
 @pytest.mark.parametrize("double_sided", [False, True])
-def test_backs_are_left_out_as_in_the_picture_itself(gpu, double_sided):
-    layers = peeled(gpu, walls(1, 2, double_sided=double_sided, facing=-1), 1)
+def test_backs_are_left_out_as_in_the_picture_itself(serve, double_sided):
+    layers = peeled(serve, walls(1, 2, double_sided=double_sided, facing=-1), 1)
     assert layers[0][1][middle()] == pytest.approx(1.0 if double_sided else 0)
     assert layers[1][1][middle()] == pytest.approx(0.5 if double_sided else -1)
 
 
-def test_each_layer_of_the_room_lies_behind_the_one_before(gpu):
-    layers = peeled(gpu, load_scene("room"), 3, View(Pose((0, 1.6, 0), (0.1, 0.2, 0, 1)), FOV))
+def test_each_layer_of_the_room_lies_behind_the_one_before(serve):
+    layers = peeled(serve, load_scene("room"), 3, View(Pose((0, 1.6, 0), (0.1, 0.2, 0, 1)), FOV))
     for (_, front), (colour, behind) in zip(layers, layers[1:], strict=False):
         there = behind >= 0
         assert there.any()
@@ -113,21 +110,3 @@ def test_each_layer_of_the_room_lies_behind_the_one_before(gpu):
         assert (colour[~there] == 0).all()
     hidden = layers[1][1] > 0
     assert hidden.mean() > 0.05, "furniture hides walls"
-
-
-def test_the_picture_itself_is_the_same_with_layers_and_they_are_used_again(gpu):
-    server, view = Server(gpu, load_scene("planes")), View(Pose((0, 1.6, 0)), FOV)
-    alone = server.draw_frame([view], 0, SIZE).eyes[0]
-    frame = server.draw_frame([view, view], 0, SIZE, needs=Needs(peeled=2))
-    assert "peeled" not in alone
-    assert frame.eyes[0].colour.read() == alone.colour.read()
-    assert frame.eyes[0]["peeled"][0].colour.read() == frame.eyes[1]["peeled"][0].colour.read()
-    pool = server.pool(SIZE)
-    assert pool.live == 1 + 2 * 3
-    held = {layer.colour for eye in frame.eyes for layer in (eye, *eye["peeled"])}
-    server.recycle(frame)
-    again = server.draw_frame([view, view], 1, SIZE, needs=Needs(peeled=2))
-    assert {layer.colour for eye in again.eyes for layer in (eye, *eye["peeled"])} == held
-    server.recycle(again)
-    assert (pool.live, pool.made) == (1, 7)
-    server.close()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from itertools import pairwise
+from itertools import pairwise, product
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import Condition, Design, Part, allot, rows_for
@@ -21,7 +22,7 @@ def design(count: int, *, order: str = WILLIAMS, repeats: int = 1, seed: int = 0
     return Design("s", "s", (Part(part, conditions),), (), order=order, repeats=repeats, seed=seed)
 
 
-@pytest.mark.parametrize("n", range(1, 31))
+@together("n", range(1, 31))
 def test_every_place_and_every_neighbour_equally_often(n):
     rows = williams(n)
     assert len(rows) == (1 if n == 1 else 2 * n if n % 2 else n)
@@ -38,13 +39,7 @@ def test_the_square_of_six_as_published():
     assert " / ".join(" ".join(str(number + 1) for number in row) for row in williams(6)) == published
 
 
-def test_zero_conditions_are_refused():
-    with pytest.raises(InputError, match="0 conditions: expected 1 or more"):
-        williams(0)
-
-
-@pytest.mark.parametrize("n", range(1, 13))
-@pytest.mark.parametrize("repeats", [1, 2, 3, 7, 13])
+@together("n, repeats", product(range(1, 13), [1, 2, 3, 7, 13]))
 def test_each_repeat_is_balanced_by_itself_and_seams_are_spread(n, repeats):
     rows = rows_for(design(n, repeats=repeats), "p")
     assert len(rows) == len(williams(n)) and all(len(order) == repeats for order in rows)
@@ -60,7 +55,7 @@ def test_each_repeat_is_balanced_by_itself_and_seams_are_spread(n, repeats):
         assert not any(seams[name, name] for name in names)
 
 
-@pytest.mark.parametrize("n", [4, 5, 6, 9])
+@together("n", [4, 5, 6, 9])
 def test_seams_are_balanced_exactly_where_that_is_possible(n):
     """A seam gives all pairs of one distance (or of two, n odd).
 
@@ -98,7 +93,7 @@ KNOWN_RANDOM = (
 )
 
 
-@pytest.mark.parametrize("n", [2, 3, 5])
+@together("n", [2, 3, 5])
 def test_random_orders_are_uniform_and_do_not_repeat_at_a_seam(n):
     rows = rows_for(design(n, order=RANDOM, repeats=3), "p")
     assert len(rows) == RANDOM_ROWS
@@ -111,11 +106,8 @@ def test_random_orders_are_uniform_and_do_not_repeat_at_a_seam(n):
     assert all(abs(first[f"c{number}"] - RANDOM_ROWS / n) < spread for number in range(n))
 
 
-def test_fixed_is_as_in_the_file():
+def test_fixed_is_as_in_the_file_and_one_condition_has_one_order():
     assert rows_for(design(3, order=FIXED, repeats=2), "p") == ((("c0", "c1", "c2"), ("c0", "c1", "c2")),)
-
-
-def test_one_condition_has_one_order():
     assert rows_for(design(1, order=FIXED), "p") == ((("c0",),),)
     assert rows_for(design(1, order=RANDOM, repeats=2), "p")[0] == (("c0",), ("c0",))
 
@@ -164,6 +156,8 @@ def test_the_next_row_cannot_be_guessed_from_the_number():
     assert sorted(taken) == list(range(6)) and taken != sorted(taken)
 
 
-def test_no_rows_is_refused():
+def test_nothing_to_order_is_refused():
+    with pytest.raises(InputError, match="0 conditions: expected 1 or more"):
+        williams(0)
     with pytest.raises(InputError, match="no order to allot"):
         allot([], 0)

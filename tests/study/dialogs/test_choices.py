@@ -6,9 +6,9 @@ Nothing by a slip, nothing lost, and every way the hands have leads there.
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.study.dialogs.choice_dialogs import (
     AGAIN,
@@ -24,33 +24,28 @@ from hmdwarp.study.dialogs.choice_dialogs import (
 from .made_scales import place_of, said
 
 LONG = "This study asks how good pictures are that come late. " * 40
-commands = st.lists(
-    st.one_of(
-        st.sampled_from(said("left", "right", "up", "down", "confirm", "menu", "erase", ("digit", "3"), "quit")),
-        st.tuples(st.sampled_from(["point", "press"]), st.tuples(st.floats(0, 1), st.floats(0, 1))).map(
-            lambda one: said(one)[0]
-        ),
-    ),
-    max_size=30,
-)
+KEYS = said("left", "right", "up", "down", "confirm", "menu", "erase", ("digit", "3"), "quit")
+POINTED = st.tuples(st.sampled_from(["point", "press"]), st.tuples(st.floats(0, 1), st.floats(0, 1)))
+commands = st.lists(st.one_of(st.sampled_from(KEYS), POINTED.map(lambda one: said(one)[0])), max_size=30)
+
+CHOSEN = [  # what is asked for, what is chosen
+    ("confirm", CONTINUE),
+    ("right confirm", BREAK),
+    ("down right confirm", AGAIN),
+    ("right right right right right confirm", ""),  # the last is the end, which is asked for twice
+    ("down down down confirm right confirm", STOP),
+    ("right right right confirm confirm", ""),  # a second slip goes back
+    ("right menu", CONTINUE),
+    *((name, name) for name in (CONTINUE, BREAK, AGAIN, STOP)),  # of the experimenter
+    (SKIP, ""),  # is not offered
+]
 
 
-@pytest.mark.parametrize(("steps", "chosen"), [(0, CONTINUE), (1, BREAK), (2, AGAIN), (9, "")])
-def test_steps_and_confirm_choose(steps, chosen):
-    for forward in ("right", "down"):
-        menu = MenuDialog()
-        menu.handle(said(*[forward] * steps, "confirm"))
-        assert menu.chosen == chosen  # the last is the end, which is asked for twice
-
-
-def test_the_end_is_confirmed_twice():
+@together("asked, chosen", CHOSEN)
+def test_the_menu_chooses(asked, chosen):
     menu = MenuDialog()
-    menu.handle(said("left", *["right"] * 3, "confirm"))
-    assert menu.chosen == "" and menu.panel().title == "End the session now?"
-    menu.handle(said("confirm"))
-    assert menu.chosen == "" and menu.panel().title == "Menu"  # a second slip goes back
-    menu.handle(said(*["down"] * 3, "confirm", "right", "confirm"))
-    assert menu.chosen == STOP
+    menu.handle(said(*asked.split()))
+    assert menu.chosen == chosen
 
 
 def test_the_mouse_chooses():
@@ -64,22 +59,6 @@ def test_the_mouse_chooses():
     assert menu.chosen == STOP
 
 
-@pytest.mark.parametrize("name", [CONTINUE, BREAK, AGAIN, STOP])
-def test_the_experimenter_chooses_at_once_and_escape_continues(name):
-    menu = MenuDialog()
-    menu.handle(said(name))
-    assert menu.chosen == name
-    menu = MenuDialog()
-    menu.handle(said("right", "menu"))
-    assert menu.chosen == CONTINUE
-
-
-def test_only_offered_choices_can_be_chosen():
-    menu = MenuDialog((CONTINUE, STOP))
-    menu.handle(said(AGAIN, "right", "right", "left"))
-    assert menu.chosen == "" and menu.panel().marked == 0
-
-
 @given(commands)
 def test_any_input_leaves_the_menu_consistent(sent):
     menu = MenuDialog()
@@ -90,26 +69,25 @@ def test_any_input_leaves_the_menu_consistent(sent):
         assert 0 <= menu.panel().marked < len(menu.panel().choices)
 
 
-def test_agreement_is_not_preselected():
-    reading = ConsentDialog("A short text.")
-    assert reading.panel().marked is None
-    reading.handle(said("confirm"))
-    assert not reading.agreed and not reading.refused and "Choose one first" in reading.panel().note
-    reading.handle(said("right", "confirm"))  # the button on the right
-    assert reading.agreed and not reading.refused
+def is_last(reading: ConsentDialog) -> bool:
+    return "agree" in dict(reading.panel().choices)
 
 
-def test_the_arrows_choose_the_button_on_their_side():
+def test_agreement_is_not_preselected_and_the_arrows_choose_the_button_on_their_side():
     for text in ("A short text.", LONG):
         for key, place in (("left", 0), ("right", -1)):
             reading = ConsentDialog(text)
-            while "agree" not in dict(reading.panel().choices):
+            while not is_last(reading):
                 reading.handle(said("confirm"))
             assert reading.panel().marked is None
+            reading.handle(said("confirm"))
+            assert not reading.agreed and not reading.refused and "Choose one first" in reading.panel().note
             reading.handle(said(key))
             panel = reading.panel()
             assert panel.choices[panel.marked] == panel.choices[place]
             assert panel.choices[-1][0] == "agree"
+            reading.handle(said("confirm"))
+            assert reading.agreed == (key == "right") and not reading.refused
 
 
 def test_not_agreeing_is_as_easy_and_confirmed_once():
@@ -118,7 +96,7 @@ def test_not_agreeing_is_as_easy_and_confirmed_once():
     reading.handle(said("left", "confirm"))
     assert not reading.over and reading.panel().title == "End without taking part?"
     reading.handle(said("confirm"))  # a second slip goes back to the text
-    assert not reading.over and reading.panel().marked is None and "agree" in dict(reading.panel().choices)
+    assert not reading.over and reading.panel().marked is None and is_last(reading)
     reading.handle(said("left", "confirm", "right", "confirm"))
     assert reading.refused and not reading.agreed
     reading = ConsentDialog("A short text.")
@@ -129,7 +107,7 @@ def test_not_agreeing_is_as_easy_and_confirmed_once():
 
 def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     reading, seen, pages = ConsentDialog(LONG), "", 0
-    while "agree" not in dict(reading.panel().choices):
+    while not is_last(reading):
         seen += "".join(reading.panel().lines)
         pages += 1
         assert reading.panel().ink().shape == ConsentDialog(LONG).panel().ink().shape  # no page jumps
@@ -138,12 +116,12 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     assert "".join(seen.split()) == "".join(LONG.split()) and pages >= 3
     assert reading.panel().title == f"Before we begin ({pages + 1} of {pages + 1})"
     reading.handle(said(("press", place_of(reading.panel(), "back")), "confirm"))
-    assert not reading.agreed and "agree" in dict(reading.panel().choices)  # back, and on again
+    assert not reading.agreed and is_last(reading)  # back, and on again
     reading.handle(said("right", "confirm"))
     assert reading.agreed
 
 
-@pytest.mark.parametrize(("command", "agrees"), [("agree", True), ("decline", False)])
+@together("command, agrees", [("agree", True), ("decline", False)])
 def test_the_experimenter_agrees_or_declines_for_the_participant(command, agrees):
     reading = ConsentDialog(LONG)
     reading.handle(said(command))
@@ -154,7 +132,7 @@ def test_the_experimenter_agrees_or_declines_for_the_participant(command, agrees
 def test_no_input_but_an_agreement_agrees(sent):
     reading = ConsentDialog(LONG)
     for command in sent:
-        last_page = "agree" in dict(reading.panel().choices) or reading.panel().title == "End without taking part?"
+        last_page = is_last(reading) or reading.panel().title == "End without taking part?"
         was = reading.agreed or reading.refused
         reading.handle([command])
         assert not (reading.agreed and reading.refused)
@@ -178,10 +156,7 @@ def test_a_break_lasts_as_long_as_it_is_to():
     assert not resting.over
     resting.handle(said("confirm"))
     assert resting.over
-
-
-def test_a_pause_without_a_time_ends_by_a_command():
-    resting = BreakDialog(0, lambda: 5.0)
-    assert not resting.over
-    resting.handle(said("continue"))
-    assert resting.over
+    pause = BreakDialog(0, lambda: 5.0)  # without a time
+    assert not pause.over
+    pause.handle(said("continue"))
+    assert pause.over

@@ -10,14 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.study.design import Ask, Show, Sickness, load_design, steps_of
-from hmdwarp.study.respondents import Population, RatingModel, Simulated, load_model
-from hmdwarp.study.respondents.simulated import SicknessModel
+from hmdwarp.study.design import Ask, Sickness, load_design, steps_of
+from hmdwarp.study.respondents import Population, SicknessModel, Simulated, load_model
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session.runner import why_sick
 from hmdwarp.study.store import Answer
 
-from ..made_up import per_condition, simulate_study, unlimited
+from ..made_up import unlimited
 
 DESIGN, MODEL = load_design("quick"), load_model("quick")
 PART = DESIGN.parts[0].name
@@ -126,18 +125,6 @@ def answer_of(rule: Sickness, trial: int, value: float) -> Answer:
     return Answer(trial + 1, 1, key, 1, "trial", trial, rule.scale.name, "x", value, 1.0, "simulated", "")
 
 
-def test_made_up_ratings_are_those_of_the_cohort():
-    made, found = cohort(9, seed=4), simulate_study(DESIGN, MODEL, 9, 4)
-    assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sessions) == 9
-    table = found.table(PART, "grade")
-    wanted = per_condition(made, "grade")[
-        :, [[condition.name for condition in DESIGN.parts[0].conditions].index(name) for name in table.columns]
-    ]
-    np.testing.assert_array_equal(table.to_numpy(), wanted)
-    assert (found.rows["value"].isna() == (found.rows["why_missing"] != "")).all()
-    assert (found.rows.loc[found.rows["place"] == 1, "previous"] == "").all()
-
-
 def test_a_simulated_session_answers_as_a_simulated_study():
     model = attrs.evolve(MODEL, dropout=0.0, ratings=rating(missing=0.3))
     made = Population(model, DESIGN, PART).of([77], DESIGN.seed, orders=[ORDER])
@@ -148,65 +135,3 @@ def test_a_simulated_session_answers_as_a_simulated_study():
                 made.answers["grade"][0, step.trial - 1] if step.scale.name == "grade" else made.sickness[0, step.trial]
             )
             assert somebody.answer(step, step.trial) == (None if np.isnan(wanted) else wanted)
-
-
-def visit(somebody: Simulated, step, shown=None, seconds=20.0) -> list[str]:
-    """What is asked for in a visit of a step, at 20 refreshes a second, until it is answered."""
-    out = []
-    for refresh in range(int(seconds * 20)):
-        for command in somebody.commands(step, shown, refresh / 20):
-            out.append(command.control)
-            if command.control != "again":
-                return out
-    return out
-
-
-def test_commands_come_once_and_again_where_they_had_no_effect():
-    model = attrs.evolve(MODEL, dropout=0.0, again=0.0, pause=0.0, ratings={"grade": RatingModel(means=GRADE.means)})
-    somebody = Simulated(model, DESIGN, PART, 1, 5, ORDER)
-    ask = next(step for step in steps_of(DESIGN, ORDER, PART) if isinstance(step, Ask) and step.trial == 1)
-    times = [refresh / 20 for refresh in range(400) if somebody.commands(ask, None, refresh / 20)]
-    assert len(times) > 2 and np.diff(times) == pytest.approx(0.5, abs=0.051)  # nobody listens
-    assert visit(somebody, ask) == ["answer"]  # the question comes again, and so does the answer
-
-
-def test_a_repeated_question_is_requested_once_in_the_next_step():
-    model = attrs.evolve(MODEL, dropout=0.0, again=1.0, pause=1.0)
-    somebody = Simulated(model, DESIGN, PART, 1, 5, ORDER)
-    steps = steps_of(DESIGN, ORDER, PART)
-    ask = next(step for step in steps if isinstance(step, Ask) and step.phase == "practice")
-    show = next(step for step in steps if isinstance(step, Show) and step.trial == 1)
-    assert visit(somebody, ask) == ["answer"]
-    assert visit(somebody, show) == ["again", "pause"]
-    assert visit(somebody, ask) == ["answer"]
-    assert visit(somebody, show, seconds=3.0) == []  # neither twice
-
-
-def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
-    model = attrs.evolve(MODEL, dropout=0.0, again=0.0, pause=0.0, look_median_s=12.0, look_spread_s=0.5)
-    design = attrs.evolve(DESIGN, seconds=600.0, until_done=True)
-    shows = [step for step in steps_of(design, ORDER, PART) if isinstance(step, Show) and step.trial]
-    times = []
-    for show in shows:
-        somebody = Simulated(model, design, PART, 1, 5, ORDER)
-        ((first, command), *_) = (
-            (k / 20, command) for k in range(2000) for command in somebody.commands(show, None, k / 20)
-        )
-        assert command.control == "continue"
-        times.append(first)
-    assert len(set(times)) == len(times) and min(times) > 3 and max(times) < 50
-    assert model.look_seconds(0.5) == pytest.approx(12.0)
-    with_time = next(step for step in steps_of(DESIGN, ORDER, PART) if isinstance(step, Show) and step.trial)
-    assert visit(Simulated(model, DESIGN, PART, 1, 5, ORDER), with_time, seconds=60.0) == []
-
-
-def test_a_dropout_stops_before_the_next_trial():
-    population = Population(attrs.evolve(MODEL, dropout=0.5, sickness=SicknessModel()), DESIGN, PART)
-    made = population.of(range(20), 3)
-    person = next(k for k in range(20) if made.trials[k] == 2)
-    order = (tuple(DESIGN.parts[0].conditions[k].name for k in made.order[person]),)
-    somebody = Simulated(population.model, DESIGN, PART, 3, person, order)
-    shows = [step for step in steps_of(DESIGN, order, PART) if isinstance(step, Show)]
-    for show in shows[:3]:  # the practice and two trials
-        assert "stop" not in visit(somebody, show, seconds=show.seconds)
-    assert visit(somebody, shows[3]) == ["stop"]

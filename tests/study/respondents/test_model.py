@@ -10,38 +10,30 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import kstest, norm
+from together import together
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import load_design, write_new_plan
-from hmdwarp.study.respondents import Population, RatingModel, load_model, model_names, person_of
-from hmdwarp.study.respondents.simulated import (
+from hmdwarp.study.respondents import (
+    Population,
+    RatingModel,
     SicknessModel,
     draw_for,
+    load_model,
     model_from_text,
+    model_names,
     normal,
     of_share,
     on_scale,
+    person_of,
     table_of,
 )
 from hmdwarp.study.scales import RATING, load_scale, scale_names
 
 from ..made_up import per_condition
-from ..refusals import check_refused, table
+from ..plans import text_of
 
-TEXT = """schema = 1
-title = "two"
-[rating.grade]
-noise_sd = 0.5
-[rating.grade.means]
-a = 2
-b = 3.5
-[sickness]
-start = 0.1
-[sessions]
-dropout = 0.02
-"""
-
-
+TEXT = text_of("two-people")
 SCALES = [name for name in scale_names() if load_scale(name).has_answers]
 
 
@@ -117,25 +109,6 @@ def test_a_file_is_read_with_its_defaults():
     assert (model.sickness.start, model.dropout, model.pause, model.median_s) == (0.1, 0.02, 0.0, 2.0)
 
 
-WRONG = r"""
-schema = 1 -> schema = 2 => schema is 2: expected 1
-noise_sd = 0.5 -> noise_sd = -1 => rating.grade.noise_sd is -1: expected a number of at least 0
-noise_sd = 0.5 -> missing = 1.5 => rating.grade.missing is 1.5: expected a number of at least 0 and at most 1
-noise_sd = 0.5 -> noise = 0.5 => unknown key rating.grade.noise: did you mean rating.grade.noise_sd
-b = 3.5 -> b = "late" => rating.grade.means.b is 'late': expected a finite number
-b = 3.5 -> b = nan => expected a finite number
-start = 0.1 -> start = 3 => sickness.start is 3
-dropout = 0.02 -> dropout = true => sessions.dropout is True
-[sessions] -> [sessions => no TOML
-title = "two" ->  => the key title is missing @ schema
-"""
-
-
-@pytest.mark.parametrize("entry", table(WRONG))
-def test_a_wrong_model_is_refused_with_its_line(entry):
-    check_refused(entry, TEXT, lambda wrong: model_from_text(wrong, "people.toml"), "people.toml")
-
-
 @given(st.text(max_size=200))
 def test_no_text_gives_another_error(text):
     with pytest.raises(InputError):
@@ -144,21 +117,23 @@ def test_no_text_gives_another_error(text):
 
 def test_a_lack_of_the_model_is_named():
     design, model = load_design("quick"), model_from_text(TEXT, "people.toml")
-    with pytest.raises(
-        InputError, match=r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"
-    ):
+    told = r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"
+    with pytest.raises(InputError, match=told):
         Population(model, design, design.parts[0].name)
     with pytest.raises(InputError, match=r"no \[rating.acr\]"):
         model.rating(load_scale("acr"))
+    # Of a shipped one the remedy is named, and no file of the package.
+    with pytest.raises(InputError, match=r"^model thesis: no \[rating.acr\].*add it, or use the model quick"):
+        load_model("thesis").rating(load_scale("acr"))
+    for name, says in (("thesiss", "thesis"), ("nowhere.toml", "no such file")):
+        with pytest.raises(InputError, match=says):
+            load_model(name)
 
 
-RATING_SCALES = [name for name in scale_names() if load_scale(name).kind == RATING]
-
-
-@pytest.mark.parametrize("name", RATING_SCALES)
+@together("name", [name for name in scale_names() if load_scale(name).kind == RATING])
 def test_the_model_quick_rehearses_a_new_plan_on_every_rating_scale(tmp_path, name):
     """The reference is rated better than the rest, whichever way the scale goes."""
-    plan, scale = write_new_plan("mine", tmp_path), load_scale(name)
+    plan, scale = write_new_plan(f"mine-{name}", tmp_path), load_scale(name)
     asked = f'["{name}"]' + ('\nshows = "reference first"' if scale.beside_reference else "")
     plan.write_text(plan.read_text(encoding="utf-8").replace('["acr"]', asked), encoding="utf-8")
     design = load_design(str(plan))
@@ -168,18 +143,6 @@ def test_the_model_quick_rehearses_a_new_plan_on_every_rating_scale(tmp_path, na
     assert design.parts[0].conditions[-1].reference
     assert max(badness[:-1]) - min(badness[:-1]) < 0.1 * (scale.most - scale.least)
     assert badness[-1] < min(badness[:-1]) - 0.2 * (scale.most - scale.least)
-
-
-def test_a_shipped_model_that_lacks_a_scale_names_the_remedy_and_no_file_of_the_package():
-    with pytest.raises(InputError, match=r"^model thesis: no \[rating.acr\].*add it, or use the model quick"):
-        load_model("thesis").rating(load_scale("acr"))
-
-
-def test_an_unknown_model_is_refused():
-    with pytest.raises(InputError, match="thesis"):
-        load_model("thesiss")
-    with pytest.raises(InputError, match="no such file"):
-        load_model("nowhere.toml")
 
 
 def test_parts_may_have_their_own_means():

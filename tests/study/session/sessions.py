@@ -8,42 +8,22 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import attrs
+import numpy as np
+from PIL import Image
 from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
-from hmdwarp.study.console.line_console import ConsoleState
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.line_console import ConsoleState
 from hmdwarp.study.session import program
 from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Contents, Session, Store
 
+from ..plans import text_of
+
+RED, BLUE = (220, 40, 40), (30, 60, 200)
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
-TEXT = """
-schema = 1
-name = "small"
-title = "Is it better?"
-seed = 5
-{more}
-[common]
-scene = "planes"
-samples = 1
-size = "96x120"
-reconnect = 0.05
-gc_between = false
-[trial]
-seconds = 0.1
-scales = ["grade"]
-[[condition]]
-name = "plainly-late"
-latency = 130
-warp = "none"
-fill = "none"
-[[condition]]
-name = "spun-about"
-latency = 170
-warp = "rotation"
-fill = "none"
-"""
+TEXT = text_of("small")
 WHOLE = """
 blind = "{blind}"
 [consent]
@@ -58,7 +38,6 @@ seconds = 0.2
 scale = "fms"
 stop_at = 15
 [questionnaires]
-before = ["fms"]
 after = ["acr"]
 """
 
@@ -66,15 +45,13 @@ after = ["acr"]
 def study(folder: Path, more: str = "") -> Path:
     """A study's file."""
     path = folder / "small.toml"
-    path.write_text(TEXT.format(more=more), encoding="utf-8")
+    path.write_text(TEXT.replace("[common]", f"{more}\n[common]"), encoding="utf-8")
     return path
 
 
 def whole(folder: Path, blind: str = "both") -> Path:
     """One with everything in it that may come between trials."""
-    return study(
-        folder, WHOLE.format(blind=blind).replace('[questionnaires]\nbefore = ["fms"]\n', "[questionnaires]\n")
-    )
+    return study(folder, WHOLE.format(blind=blind))
 
 
 def press(panel: MessagePanel, name: str) -> Command:
@@ -246,3 +223,10 @@ def closing() -> Closed:
 def losing() -> Lost:
     """The headset goes."""
     return Lost("the headset went away")
+
+
+def picture(path: Path, size: tuple[int, int] = (900, 600)) -> None:
+    """Red on the left, blue on the right."""
+    half = np.zeros((size[1], size[0], 3), np.uint8)
+    half[:, : size[0] // 2], half[:, size[0] // 2 :] = RED, BLUE
+    Image.fromarray(half).save(path)

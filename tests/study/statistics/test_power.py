@@ -19,7 +19,7 @@ from hmdwarp.study.statistics import (
     signed_rank_power,
 )
 
-from ..analysis.test_preferences import design_of
+from ..analysis.tables import pairs_of
 
 DOCS = (Path(__file__).parents[3] / "docs" / "study-analysis.md").read_text(encoding="utf-8")
 
@@ -66,7 +66,7 @@ def test_the_plan_says_the_power_of_its_test_and_what_it_assumes():
 
 
 def test_a_plan_of_pairs_has_that_of_the_sign_test():
-    (found,) = power_as_json(design_of(), 30)
+    (found,) = power_as_json(pairs_of(), 30)
     expected = [sign_power(30, ndtr(jod / JOD_SPREAD), 0.05 / 2) for jod in (0.5, 1, 1.5)]
     assert [row["power"] for row in found["effects"]] == pytest.approx(expected, rel=1e-12)
     said = dict(power_rows(found))

@@ -13,36 +13,10 @@ from pathlib import Path
 from hmdwarp.study.design import Ask, Design, Show, Step, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, Session, Showing, Store
 
+from ..plans import text_of
+
 ROOT = Path(__file__).resolve().parents[3]
-TEXT = """schema = 1
-name = "late"
-title = "How late is too late?"
-seed = 5
-[trial]
-seconds = 2
-scales = ["grade"]
-[practice]
-seconds = 1
-[consent]
-version = "1"
-text = "You may stop at any time."
-[breaks]
-every = 2
-seconds = 1
-[sickness]
-scale = "fms"
-every = 1
-stop_at = 15
-[[part]]
-name = "one"
-condition = [
-  { name = "a", latency = 0 }, { name = "b", latency = 200 },
-  { name = "c", latency = 400 }, { name = "d", latency = 800 },
-]
-[[part]]
-name = "two"
-condition = [{ name = "a", latency = 0 }, { name = "b", latency = 200 }]
-"""
+TEXT = text_of("late")
 
 
 @functools.cache
