@@ -193,12 +193,12 @@ ROOMS = {
     "report": (5311, 4200),
     "experiments": (4028, 3200),
     "metrics options": (3454, 2600),
-    "cli": (2925, 2400),
+    "cli": (2920, 2400),
     "display web": (5011, 4000),
     "study": (11645, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (72701, 58000)
+TEST_LINES = (71483, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
