@@ -212,6 +212,17 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     assert (remembered.coverage == 0).mean() < 0.02
 
 
+def test_by_default_unrelated_pictures_know_nothing_of_each_other(gpu):
+    """The fill of runs shows an earlier one in the holes of the next: see the test before."""
+    bright, dark = (np.full((30, 40, 3), light, np.float32) for light in (1.0, 0.25))
+    depth, aside = np.full((30, 40), np.inf), view(yaw=25.0)
+    with Warper(SIZE, gpu=gpu) as warper:
+        warper.warp(bright, depth, aside, aside)
+        after = warper.warp(dark, depth, view(), aside)
+    alone = warp_image(dark, depth, view(), aside, gpu=gpu)
+    assert after.hole_share > 0.2 and (after.colour == alone.colour).all()
+
+
 @pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
 def test_times_name_each_fill_and_sum_up_pictures(gpu, fill):
     """What has taken as long before is counted, not replaced by what comes after it."""
