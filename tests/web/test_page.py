@@ -54,18 +54,6 @@ def in_time(browser: Browser) -> dict:
     return browser.does(look_after(6))
 
 
-def test_what_is_shown_is_the_late_frame_warped_to_the_newest_head(page, gpu):
-    looked = in_time(page("raw&trace=walk&latency=200&warp=iterative&size=200", script=CLOCK))
-    assert looked["age"] >= 200 and looked["chain"] == "iterative"
-    with Own(gpu, SAMPLES) as own:
-        here = own.warped(looked)
-    seen = here.coverage > 0
-    off = np.abs(pictures_of(looked)[0].astype(int) - here.colour).max(axis=-1)
-    # A byte of rounding at the canvas, and one of the half floats in between; where a comparison
-    # stands on the brink, another surface.
-    assert seen.mean() > 0.3 and np.mean(off[seen] > 2) <= 0.01
-
-
 def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
     """As a replay measures it: PSNR of all pixels, of frames that were coded.
 
@@ -115,7 +103,10 @@ def test_panels_come_once_and_stay(tmp_path, gpu):
         with Own(gpu, SAMPLES, "reading") as own:
             here = own.warped(looked)
         off = np.abs(pictures_of(looked)[0].astype(int) - here.colour).max(axis=-1)
-        assert np.mean((here.coverage > 0) & (off > 2)) <= 0.01  # as above
+        # A byte of rounding at the canvas, and one of the half floats in between; where a
+        # comparison stands on the brink, another surface.
+        assert looked["age"] >= 100 and looked["chain"] == "iterative"
+        assert (here.coverage > 0).mean() > 0.3 and np.mean((here.coverage > 0) & (off > 2)) <= 0.01
         browser.does("globalThis.least = 2")
         browser.does("setInterval(() => (least = Math.min(least, hmdwarp.session.panels.laid.length)), 4)")
         browser.until(says("Connection lost"))
