@@ -514,7 +514,7 @@ def _scenes() -> Iterator[tuple[str, Target]]:
 
     def draco(folder: Path) -> None:
         from scenes.glb import SQUARE
-        from scenes.test_scene_files_whole import packed
+        from scenes.test_gltf_rules import packed
 
         data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
         (folder / "scene.glb").write_bytes(data)

@@ -12,6 +12,7 @@ import typer
 from .. import geometry
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..pipeline.proxy_options import SINGLE_FILL
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import JSON, Said, as_json, takes
@@ -52,7 +53,7 @@ class WarpOptions(Declared):
     force: bool = force_field()
     warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER, added=False)}.")
     fill: str = same_as(
-        _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
+        _PIPELINE.fill, SINGLE_FILL, help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
     repair: str = repair_field()
     no_depth: str = same_as(attrs.fields(SequenceOptions).no_depth)

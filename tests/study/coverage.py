@@ -68,9 +68,8 @@ def true_values(design: Design, model: Model) -> dict[Comparison, tuple[float, f
 
 
 def pseudomedian(values: np.ndarray) -> float:
-    """Of so many values that their pairs are too many.
-
-    The pairs of each with 50 others, drawn, tell it to 0.005 of the spread.
+    """Of so many values that their pairs are too many. The pairs of each with 50 others, drawn,
+    tell it to 0.005 of the spread.
     """
     others = np.random.default_rng(0).integers(0, len(values), (50, len(values)))
     return float(np.median((values + values[others]) / 2))
@@ -115,11 +114,9 @@ def without_effect(design: Design, model: Model, n: int, studies: int, seed: int
 
 def expected_bca(pairs: np.ndarray) -> float:
     """What the bootstrap's interval of a mean covers when ratings are normal, to the order that n =
-    12 calls for.
-
-    The bootstrap takes the standard deviation over n, not n - 1, and the normal's quantiles, not
-    Student's: mean +- z s sqrt((n - 1)/n) / sqrt(n) covers with P(|t| < z sqrt((n - 1)/n)). BCa
-    mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
+    12 calls for. The bootstrap takes the standard deviation over n, not n - 1, and the normal's
+    quantiles, not Student's: mean +- z s sqrt((n - 1)/n) / sqrt(n) covers with P(|t| < z sqrt((n -
+    1)/n)). BCa mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
     """
     z = 1.959964
     return float((1 - 2 * t.sf(z * np.sqrt((pairs - 1) / pairs), pairs - 1)).mean())
@@ -150,9 +147,8 @@ def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
 
 
 def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
-    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t.
-
-    None is left with many people.
+    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t. None is left
+    with many people.
     """
     assert expected_bca(np.array([12])) == pytest.approx(0.913, abs=0.001)
     assert expected_bca(np.array([24])) == pytest.approx(0.932, abs=0.001)

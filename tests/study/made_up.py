@@ -13,10 +13,9 @@ from hmdwarp.study.store import SIMULATED
 
 
 def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
-    """n people in each part, who are all other people.
-
-    The same numbers give the same ratings; study: another one of the same seed.
-    Errors: InputError where the model lacks a scale or a condition of the study.
+    """n people in each part, who are all other people. The same numbers give the same ratings;
+    study: another one of the same seed. Errors: InputError where the model lacks a scale or a
+    condition of the study.
     """
     rows: list[dict] = []
     for part in design.parts:

@@ -6,7 +6,7 @@ row by row.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Protocol
+from typing import Any, ClassVar, Literal
 
 import attrs
 import moderngl
@@ -167,18 +167,8 @@ DEPTH_TOLERANCE = 0.03
 DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
 
 
-class _Limits(Protocol):
-    """Settings of a warp that compares depths."""
-
-    @property
-    def tolerance(self) -> float: ...
-
-    @property
-    def floor(self) -> float: ...
-
-
-def depth_limits(settings: _Limits, rendered: EyeImage) -> dict[str, object]:
-    """Return the uniforms of the comparison: a tolerance, and a floor under it.
+def depth_limits(settings: Any, rendered: EyeImage) -> dict[str, object]:
+    """Return the uniforms of the comparison: the settings' tolerance, and a floor under it.
 
     Coded depth is off by depth_error, which the floor takes in: tolerance * floor is the part that
     does not grow with inverse depth. A tolerance of 0 stays 0.

@@ -40,16 +40,11 @@ class OlderFrames:
             compare, join = (
                 gpu.shaders.compute(f"warps/older_{name}.comp", OLDER=count, **ways) for name in ("compare", "join")
             )
-            depths, colours = (
-                tuple(range(first, first + count)) if count > 1 else first for first in (_DEPTHS, _COLOURS)
-            )
-            looks: dict[str, object] = {
-                "shown_colour": _SHOWN,
-                "shown_inverse_depth": _SHOWN_DEPTH,
-                "shown_size": shown_size,
-            }
-            looks |= {"older_inverse_depth": depths, "older_colour": colours, "rendered_size": rendered_size}
-            every: dict[str, object] = {"sums": _SUMS, "told": _TOLD, "blocks": blocks, "frames": count, **looks}
+            every: dict[str, object] = {"shown_colour": _SHOWN, "shown_inverse_depth": _SHOWN_DEPTH, "sums": _SUMS}
+            every |= {"told": _TOLD, "blocks": blocks, "shown_size": shown_size, "rendered_size": rendered_size}
+            every["frames"] = count
+            for name, first in (("older_inverse_depth", _DEPTHS), ("older_colour", _COLOURS)):
+                every[name] = tuple(range(first, first + count)) if count > 1 else first
             runs = compare.over(*blocks), agree.over(wide, count * high), join.over(wide, shown_size[1])
             self._passes.append((every, tuple(zip((compare, agree, join), runs, strict=True))))
         self._told = allocate(gpu.gl, (wide, most * high), COLOUR)
@@ -77,9 +72,7 @@ class OlderFrames:
         into.texture.bind_to_image(_SHOWN, read=True, write=True)
         self._sums.bind_to_image(_SUMS, read=True, write=True)
         self._told.bind_to_image(_TOLD, read=True, write=True)
-        places = {}
-        for name in maps[0]:
-            places[f"older_{name}"] = np.array([each[name] for each in maps])
+        places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
         every, passes = self._passes[len(older) - 1]
         for program, run in passes:
             self._gpu.barrier()

@@ -125,12 +125,11 @@ class Iterative(GatherWarp):
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
         surface |= {"last_centre": (wide - 0.5, high - 0.5)}
-        cells = {}
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
-            cells["cells"] = self._seeds.cells
-        limits = {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
-        maps = self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
+            surface["cells"] = self._seeds.cells
+        surface |= {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
+        maps = self.run_gather(self._program, inputs, into, **surface)
         older = inputs.recent[: self.settings.frames - 1]
         if self._older is None or self.depth_into is None or not older:
             return
@@ -154,10 +153,9 @@ class Iterative(GatherWarp):
         which = image is inputs.rendered and seen == now  # strips are those of its view
         image.inverse_depth.bind_to_image(1, read=True, write=False)
         texture.bind_to_image(2, read=False, write=True)
-        limits = depth_limits(self.settings, image)
-        self._fringes[which].uniforms.set(
-            rendered_inverse_depth=1, fringed_inverse_depth=2, rendered_size=self.rendered_size, **limits
-        )
+        of_it = depth_limits(self.settings, image)
+        surface = {"rendered_inverse_depth": 1, "fringed_inverse_depth": 2, "rendered_size": self.rendered_size}
+        self._fringes[which].uniforms.set(**surface, **of_it)
         self._run_fringe[which]()
         self.gpu.barrier()
         return texture

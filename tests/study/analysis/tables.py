@@ -36,9 +36,8 @@ def ratings_of(
 def in_order(
     effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
 ) -> pd.DataFrame:
-    """Ratings of four conditions in the orders of a Williams square.
-
-    Effect per trial, carry times what the condition before is worth.
+    """Ratings of four conditions in the orders of a Williams square. Effect per trial, carry times
+    what the condition before is worth.
     """
     random, rows = np.random.default_rng(seed), []
     square = williams(4)

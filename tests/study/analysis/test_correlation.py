@@ -35,9 +35,8 @@ def row(participant, condition, value, measures):
 
 
 def made_up(seed, effects, people=12, conditions=8, noise=0.5):
-    """Rows of a study.
-
-    Measures are drawn for each condition, tremble with each person, and move the grade.
+    """Rows of a study. Measures are drawn for each condition, tremble with each person, and move
+    the grade.
     """
     rng = np.random.default_rng(seed)
     levels = {name: rng.normal(size=conditions) for name in effects}

@@ -84,9 +84,8 @@ def test_conditions_stand_in_the_order_of_the_plan(contents, design):
 
 
 def test_one_person_is_one_person(contents, design):
-    """In the words of the page too.
-
-    And of one difference no interval is printed, neither of ratings nor of questionnaires.
+    """In the words of the page too. And of one difference no interval is printed, neither of
+    ratings nor of questionnaires.
     """
     sub = next(session.sub for session in contents.sessions if session.status == COMPLETE)
     alone = attrs.evolve(contents, sessions=tuple(session for session in contents.sessions if session.sub == sub))

@@ -21,9 +21,8 @@ PLAYED = [sys.executable, str(Path(__file__).with_name("played.py"))]
 
 
 class Terminal:
-    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte).
-
-    size: (columns, rows). more: of the environment.
+    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte). size:
+    (columns, rows). more: of the environment.
     """
 
     def __init__(self, argv: list[str], size: tuple[int, int] = (80, 24), **more: str) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from itertools import product
 
-from together import together
-
 from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
 from hmdwarp.study.design.orders import presented
 from hmdwarp.study.design.plan_text import balance, least_participants, session_phases
@@ -32,9 +30,8 @@ def test_trials_until_done_take_at_most_their_longest_time():
 
 
 def by_enumeration(n: int) -> float:
-    """By going through all 2^n ways n differences can turn out.
-
-    How many are as extreme as all in one direction.
+    """By going through all 2^n ways n differences can turn out. How many are as extreme as all in
+    one direction.
     """
     sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
     most = n * (n + 1) // 2
@@ -47,31 +44,6 @@ def test_with_fewer_people_nothing_can_be_found():
     for comparisons in (1, 3, 6, 20):
         need = least_participants(comparisons)
         assert comparisons * smallest_p(need) <= 0.05 < comparisons * smallest_p(need - 1)
-
-
-HINTS = [  # what is changed in the plan, what is said of it
-    ([('order = "williams"', 'order = "fixed"')], "the order is the same for all participants"),
-    ([('order = "williams"', 'order = "random"')], "random orders are balanced only on average"),
-    ([], "part run-1: 3 conditions, an odd number, need 6 orders; 4 would need 4"),
-    ([], "part run-2: no condition is a hidden reference"),
-    ([("latency = 0\nreference", "latency = 20\nreference")], "the reference 'reference' has a latency of its own"),
-    ([], "the reference 'reference' is warped"),
-    ([], "the scales go different ways (grade: low, acr: high is good)"),
-    ([("loss = 0.02\n", ""), ("jitter = 'uniform:20'\n", "")], "part run-2: 'b' has the settings of 'a'"),
-    ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
-    ([], "part run-2: no [[family]] plans a comparison"),
-    ([("stop_at = 15\nrise = 8\n", "")], "sickness has no stop rule"),
-    ([('[sickness]\nscale = "fms"\nevery = 1\nstop_at = 15\nrise = 8\n', "")], "no question about sickness"),
-    ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
-    ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
-    ([("loss = 0.02", 'lens = "radial"')], "'a' applies a lens, which a headset's runtime does by itself"),
-    ([("repeats = 2", "repeats = 40")], "minutes are long in a headset"),
-]
-
-
-@together("changes, says", HINTS)
-def test_hints_before_a_study(changes, says):
-    assert any(says in note for note in notes(design(*changes)))
 
 
 SAME_FRAMES = ("[trial]", 'guard = 1.2\npredict = "cautious"\n[trial]')  # [common] stands before it

@@ -101,9 +101,8 @@ def test_the_shipped_ones_are_sound(name):
 
 
 def test_the_thesis_is_the_thesis():
-    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades.
-
-    A family of three comparisons for each run.
+    """Two runs of other people; 200, 400 and 800 ms, each without a warp and with; grades. A family
+    of three comparisons for each run.
     """
     design = load_design("thesis")
     assert [scale.name for scale in design.scales] == ["grade"]
@@ -126,9 +125,8 @@ def test_the_thesis_is_the_thesis():
 
 
 def test_the_thesis_differs_from_how_it_was_only_in_what_its_head_lists():
-    """A point of the head for each field of the plan that differs, and no point without one.
-
-    The point "Picture" is of both.
+    """A point of the head for each field of the plan that differs, and no point without one. The
+    point "Picture" is of both.
     """
     now, was = load_design("thesis"), load_design("thesis-as-was")
     point_of = {"order": "Order", "seconds": "Time", "until_done": "Time", "blind": "Blinding"}

@@ -48,9 +48,8 @@ def panel_of(scale, value=None, hints=KEYS) -> QuestionPanel:
 
 
 def marker_of(scale, value) -> tuple[float, float]:
-    """(x, y) of where the marker is in the panel's picture, from the picture alone.
-
-    What is there that is not there without a value.
+    """(x, y) of where the marker is in the panel's picture, from the picture alone. What is there
+    that is not there without a value.
     """
     plain, marked = (panel_of(scale, at).ink().astype(int) for at in (None, value))
     assert plain.shape == marked.shape

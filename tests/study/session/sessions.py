@@ -23,23 +23,7 @@ from ..plans import text_of
 
 RED, BLUE = (220, 40, 40), (30, 60, 200)
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
-TEXT = text_of("small")
-WHOLE = """
-blind = "{blind}"
-[consent]
-version = "1"
-text = "You will see pictures."
-[practice]
-seconds = 0.1
-[breaks]
-every = 1
-seconds = 0.2
-[sickness]
-scale = "fms"
-stop_at = 15
-[questionnaires]
-after = ["acr"]
-"""
+TEXT, MORE = text_of("small"), text_of("small-more")
 
 
 def study(folder: Path, more: str = "") -> Path:
@@ -49,9 +33,9 @@ def study(folder: Path, more: str = "") -> Path:
     return path
 
 
-def whole(folder: Path, blind: str = "both") -> Path:
+def whole(folder: Path) -> Path:
     """One with everything in it that may come between trials."""
-    return study(folder, WHOLE.format(blind=blind))
+    return study(folder, MORE)
 
 
 def press(panel: MessagePanel, name: str) -> Command:
@@ -68,10 +52,9 @@ Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the panels and goes through the session as it is asked to.
-
-    grade: answered to every question. own: what is done instead, asked first with each panel; None
-    from it for nothing of one's own.
+    """Reads the panels and goes through the session as it is asked to. grade: answered to every
+    question. own: what is done instead, asked first with each panel; None from it for nothing of
+    one's own.
     """
 
     def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
@@ -101,10 +84,9 @@ class Person:
 
 
 class SeatedDisplay(OffscreenDisplay):
-    """A display with somebody before it.
-
-    events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
-    from 1), what happens right before the next: an exception is raised, anything else called.
+    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's;
+    at: by the n-th picture shown (counted from 1), what happens right before the next: an exception
+    is raised, anything else called.
     """
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
@@ -188,10 +170,8 @@ def run(
     at=None,
     **options,
 ) -> Ran:
-    """One run of the program.
-
-    at: of SeatedDisplay. options: of SessionOptions, participant P1 and a desktop where nothing
-    else is said; back_after: of the display.
+    """One run of the program. at: of SeatedDisplay. options: of SessionOptions, participant P1 and
+    a desktop where nothing else is said; back_after: of the display.
     """
     back_after = options.pop("back_after", 0)
     ran = Ran(SeatedDisplay(gpu, person or Person(), at, back_after=back_after), console or ScriptedConsole(), [])

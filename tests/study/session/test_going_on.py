@@ -71,9 +71,8 @@ def check_complete(path) -> None:
 
 @pytest.mark.slow(20)
 def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_path):
-    """A fault of ours at each of them: before it is written, or after, in turn.
-
-    What was answered before stays, and the session is gone on with to its end.
+    """A fault of ours at each of them: before it is written, or after, in turn. What was answered
+    before stays, and the session is gone on with to its end.
     """
     short = sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
     monkeypatch.setattr(sessions, "TEXT", short)

@@ -5,22 +5,7 @@ an intended change look at the difference that
 
     HMDWARP_GOLDEN=write python -m pytest tests/study/session/test_transcripts.py
 
-makes of them. Its keys, from `change` on of a run:
-
-    study       small (the default) or whole
-    more, end   lines for the small study's file: before its tables, and after them
-    runs        of the program, one after the other, on one store
-    change      pairs: what is replaced in the study's file by what; before all runs, or before one
-    files       contents of files beside it, likewise
-    hands       "PANEL: COMMANDS" of the participant, each done once, in order; all else as usual
-    idle        panels at which the participant does nothing, * for all
-    console     "PHASE, STEP: COMMANDS" of the experimenter, each done once, in order
-    at          "PICTURES WHAT": after so many pictures the display is closed, lost or gone
-    options     of the command
-    fails       whether an error ends the run
-
-A panel is named by its title or heading, or by words of its question; `answer 3`, `remark TEXT`,
-`press BUTTON`, `digits 16` and `type WORDS` are commands with a value, `close` closes the window.
+makes of them.
 """
 
 from __future__ import annotations
@@ -116,7 +101,7 @@ def display_events(at: str) -> tuple[dict[int, object], int]:
 
 def study_of(script: dict) -> Path:
     """The study's file, in the working folder."""
-    kinds = {"small": script.get("more", ""), "whole": sessions.WHOLE.format(blind="both")}
+    kinds = {"small": script.get("more", ""), "whole": sessions.MORE}
     path = sessions.study(Path(), kinds[script.get("study", "small")])
     path.write_text(path.read_text(encoding="utf-8") + script.get("end", ""), encoding="utf-8")
     picture(Path("instructions.png"))

@@ -61,9 +61,8 @@ def test_nothing_and_zeros_have_p_1_and_no_shift():
 
 
 def by_enumeration(differences) -> Fraction:
-    """The two-sided p with exact numbers.
-
-    Of all 2^n signs, those whose larger sum is at least the one found.
+    """The two-sided p with exact numbers. Of all 2^n signs, those whose larger sum is at least the
+    one found.
     """
     steps = [round(4 * d) for d in differences if d]
     # Doubled midranks.

@@ -27,9 +27,8 @@ from .sessions import SetClock, answered, asks, begun, child, sql, whole
 
 @functools.cache
 def own_mounts() -> tuple[str, ...]:
-    """What a program with mounts of its own is started by.
-
-    Nothing of them is seen outside, and they go with it.
+    """What a program with mounts of its own is started by. Nothing of them is seen outside, and
+    they go with it.
     """
     way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
@@ -39,9 +38,8 @@ def own_mounts() -> tuple[str, ...]:
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A disk of 600 kB, filled by somebody else's file in the middle of a session.
-
-    Then that one goes away again.
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session. Then that one
+    goes away again.
     """
     code = """
 import subprocess, errno
@@ -127,9 +125,8 @@ def test_a_folder_that_may_only_be_read_is_read(tmp_path):
 
 
 def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
-    """What is in the log beside the file would be missed.
-
-    A copy is asked for, and the copy has it all.
+    """What is in the log beside the file would be missed. A copy is asked for, and the copy has it
+    all.
     """
     code = """
 with Store(Path(sys.argv[1]) / "data", create=True) as store:
@@ -280,9 +277,8 @@ def test_what_passed_counts_by_the_steady_clock_within_a_run_and_never_backwards
 
 @needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
-    """Seen by what the program asks the system for.
-
-    Between any two lines it prints there is a sync of the log.
+    """Seen by what the program asks the system for. Between any two lines it prints there is a sync
+    of the log.
     """
     trace = tmp_path / "calls"
     code = """

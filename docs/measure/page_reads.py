@@ -1,21 +1,20 @@
-"""What a refresh of the page costs: reads and bytes a pixel, its script, and what it allocates."""
+"""Texture reads and bytes for each pixel of a refresh of the page, in a table.
+
+Counted by twins of its shaders, at the size of the page's own window, in a headless Chromium.
+"""
 
 from __future__ import annotations
 
 import json
 import re
+import tempfile
 from pathlib import Path
 
-import needs
-from serving import Serving
+from apparatus import markdown, options
+from web.browser import Browser, page
 
 from hmdwarp.web.door import shaders
 
-from .browser import Browser
-
-pytestmark = needs.programs("chromium")
-
-DOCS = Path(__file__).parents[2] / "docs" / "web.md"
 COUNTS = """
 int reads = 0;
 ivec2 noted(ivec2 at) { reads += 1; return at; }
@@ -156,52 +155,19 @@ async (twins, side, size) => {
 SIZE = (640, 400)
 
 
-def test_the_page_says_what_each_chain_reads_and_moves(browser):
-    """Counted by twins of the shaders, at the size of the page's own window."""
+def table() -> str:
+    """Return it as Markdown."""
     texts = shaders()
     twins = {name: twin(name, text) for name, text in texts.items()} | {"points": POINTS}
-    found = browser.does(f"({COUNTED})({json.dumps(twins)}, {SIDE}, {json.dumps(SIZE)})")
-    told = DOCS.read_text(encoding="utf-8")
-    for name, tally in found.items():
-        reads, moved = (tally[key] / (SIZE[0] * SIZE[1]) for key in ("reads", "bytes"))
-        line = f"| {name} | {reads:.1f} | {moved:.0f} |"
-        assert line in told, f"docs/web.md should say: {line}"
+    with tempfile.TemporaryDirectory() as profile, Browser(Path(profile)) as browser, page(texts) as address:
+        browser.open(address)
+        browser.until("globalThis.chain")
+        found = browser.does(f"({COUNTED})({json.dumps(twins)}, {SIDE}, {json.dumps(SIZE)})")
+    count = SIZE[0] * SIZE[1]
+    rows = [(name, f"{tally['reads'] / count:.1f}", f"{tally['bytes'] / count:.0f}") for name, tally in found.items()]
+    return markdown(("passes", "reads a pixel", "bytes a pixel"), rows)
 
 
-# Before a page's own scripts: counts what it makes on the GPU.
-MADE = """
-globalThis.made = {};
-for (const name of Object.getOwnPropertyNames(WebGL2RenderingContext.prototype)) {
-  if (!/^(create|texStorage|texImage|renderbufferStorage|bufferData|compileShader|linkProgram)/.test(name)) continue;
-  const own = WebGL2RenderingContext.prototype[name];
-  WebGL2RenderingContext.prototype[name] = function (...values) {
-    made[name] = (made[name] ?? 0) + 1;
-    return own.apply(this, values);
-  };
-}
-"""
-REFRESHES = 60
-WAITS = """(count) => new Promise((done) => {
-  const { figures } = hmdwarp, begun = figures.all;
-  const look = () => (figures.all - begun < count ? requestAnimationFrame(look) : done());
-  look();
-})"""
-
-
-def test_the_script_of_a_refresh_and_what_it_makes(tmp_path, record_property, capsys):
-    """Nothing is made on the GPU once a session goes on; the time is Chromium's own."""
-    with Serving("--scene", "room", "--web", "127.0.0.1:*") as server, Browser(tmp_path, (400, 300)) as browser:
-        browser.send("Page.addScriptToEvaluateOnNewDocument", source=MADE)
-        browser.open(f"{server.line('for a browser').split()[-1]}&trace=walk&size=96&warp=iterative&crf=18&latency=100")
-        browser.until("hmdwarp.session.shown && hmdwarp.session.costs.iterative !== undefined")
-        browser.does(f"({WAITS})({REFRESHES})")
-        browser.does("made = {}, hmdwarp.session.shown.number")
-        with browser.traced() as events:
-            browser.does(f"({WAITS})({REFRESHES})")
-        assert browser.does("made") == {}
-    refreshes = [event for event in events if event["name"] == "FireAnimationFrame"]
-    script_ms = sum(event["tdur"] for event in refreshes) / len(refreshes) * 1e-3
-    assert len(refreshes) >= REFRESHES
-    record_property("script_ms", script_ms)
-    with capsys.disabled():
-        print(f"\nthe page's script: {script_ms:.2f} ms of a core a refresh")
+if __name__ == "__main__":
+    options(__doc__)
+    print(table())
