@@ -335,11 +335,3 @@ def test_a_bit_rate_is_that_of_an_eye_however_many_videos_it_has(server):
 
 def plan(warp: str, fill: str = "none", effects: tuple[str, ...] = ()):
     return build_plan(effects, warp, fill, "none", client_geometry=True)
-
-
-def test_only_peeled_surfaces_that_are_read_are_coded(server):
-    frame = server.draw_frame(VIEWS, 0, SIZE, needs=Needs(peeled=3))
-    coder = Coder(Coding("h264"), 60, 0.2)
-    coded = coder.encode(frame, Reads.of([plan("layered:layers=2")]), wants_key=False)
-    assert sum(name == "peeled" for _, name, _ in coded.packets) == 2 * 2
-    server.recycle(frame)

@@ -33,7 +33,7 @@ SPECIAL = st.sampled_from([0.0, -1.0, STEP, STEP / 2, 64.0, 2.0**-149, 1.0, 20.0
 VALUES = st.one_of(SPECIAL, st.floats(0, 70, width=32), st.floats(0, 2.0**-8, width=32))
 ANYTHING = hnp.arrays(np.float32, SHAPES, elements=VALUES)
 NEAR = hnp.arrays(np.float32, SHAPES, elements=st.one_of(st.sampled_from([0.0, -1.0]), st.floats(0, 20, width=32)))
-HALVES = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0]), st.floats(-40, 40, width=16))
+HALVES = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0, 32.0]), st.floats(-40, 40, width=16))
 VECTORS = hnp.arrays(np.float16, (7, 5, 3), elements=HALVES)
 TYPES = (np.uint8, np.uint16, np.uint32, np.float16, np.float32)
 RNG = np.random.default_rng(1)

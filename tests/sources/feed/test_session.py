@@ -53,22 +53,6 @@ def test_a_request_that_comes_again_is_left_out():
     ]
 
 
-def test_a_frame_that_was_not_requested_is_left_out():
-    with closing(Listener("127.0.0.1:*")) as listener, closing(Caller(listener.address)) as caller:
-        exchanged(caller, listener)
-        caller.ask(attrs.evolve(ASK, number=10**9, token=bytes(32)))
-        while (asked := next_asked(listener)).ask.number < 10**9:
-            pass
-        caller.take()
-        for number in (10**9 + 1, 10**9):
-            while not listener.answer(asked, attrs.evolve(FRAME, number=number)):
-                listener.next(1)  # on a busy machine the frames before are still under way
-        found = []
-        while not any(arrival.frame.number == 10**9 for arrival in found):
-            found += caller.take()
-        assert max(arrival.frame.number for arrival in found) == 10**9 and caller.malformed == 1
-
-
 class Session:
     """A client's session and the server's end of it: what one asks, and answers by hand."""
 
