@@ -6,7 +6,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import pytest
-from gl_clock import counting_made
+from made import counting_made
 from reference.motion import MotionAsked, moved_picture
 from worlds import read
 

@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from gl_clock import counting_made
 from lit_rooms import Fixed, cube, placed, plain, scene_of
+from made import counting_made
 from reference.photons import photons, received, seen
 from replays import run
 from worlds import read, shown_by

@@ -14,7 +14,7 @@ import mirror_wall
 import moderngl
 import numpy as np
 import pytest
-from gl_clock import counting_made
+from made import counting_made
 from scipy.spatial.transform import Rotation
 
 from hmdwarp import DepthLayer, Fov, InputError, Pose, View, Warper, warp_image
@@ -210,6 +210,17 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     forgotten = warp_image(colour, depth, view(), aside, "iterative", "memory", gpu=gpu)
     assert forgotten.hole_share > 0.2 and (forgotten.coverage == 0).mean() > 0.2
     assert (remembered.coverage == 0).mean() < 0.02
+
+
+def test_by_default_unrelated_pictures_know_nothing_of_each_other(gpu):
+    """The fill of runs shows an earlier one in the holes of the next: see the test before."""
+    bright, dark = (np.full((30, 40, 3), light, np.float32) for light in (1.0, 0.25))
+    depth, aside = np.full((30, 40), np.inf), view(yaw=25.0)
+    with Warper(SIZE, gpu=gpu) as warper:
+        warper.warp(bright, depth, aside, aside)
+        after = warper.warp(dark, depth, view(), aside)
+    alone = warp_image(dark, depth, view(), aside, gpu=gpu)
+    assert after.hole_share > 0.2 and (after.colour == alone.colour).all()
 
 
 @pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
