@@ -69,10 +69,11 @@ WITHOUT_TWIN = [name for name in [*CHOICES, *SETTINGS] if not has_twin(name)]
 
 
 def steep_world(gpu) -> World:
-    """Surfaces that curve away: from column to column more of each row's step than of the last."""
+    """Floors to the horizon again and again, in each column curved more than in the last."""
     world = World(gpu, 4, (45, 37))
     y, x = np.mgrid[:37, :45]
-    depth = 0.005 * (1.1 + 0.5 * x / 45) ** (y % 18)
+    steeper = 1.1 + 0.5 * x / 45
+    depth = 1e-4 + 0.05 * (steeper ** (y % 9) - 1) / (steeper - 1)
     world.inverse_depth = np.where(world.inverse_depth < 0, -1, depth).astype(np.float32).astype(np.float64)
     world.upload(gpu)
     return world

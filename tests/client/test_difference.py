@@ -7,7 +7,6 @@ from contextlib import closing
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from commands import hmdwarp
 from golden_pictures import assert_golden, sheet
 from replays import run
 from run.gl_objects import living
@@ -178,9 +177,3 @@ def test_clients_need_as_much_of_the_scene_as_is_drawn():
     assert "the scene's geometry" in lacking(reduced, classes["class-1"])
     assert not lacking(reduced, classes["class-2"]) and "whole scene" in lacking(whole, classes["class-2"])
     assert not lacking(whole, classes["class-3"])
-
-
-def test_the_plan_reads_no_picture():
-    done = hmdwarp("plan", "--strategy", "difference", "--json")
-    assert '"rendered.colour"' not in done.stdout and '"rendered.inverse_depth"' not in done.stdout
-    assert '"rendered.difference"' in done.stdout

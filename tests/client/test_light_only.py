@@ -146,14 +146,6 @@ def test_what_cannot_be_beside_it_is_refused(beside, fill, geometry, why):
         build_plan(names, "backward", fill, "none", client_geometry=geometry, named=names, forced=names)
 
 
-def test_no_scene_asks_for_it_and_its_reason_is_the_name():
-    assert effects.get(NAME).by_name_only
-    plan = build_plan((NAME,), "backward", "pyramid", "none", client_geometry=True, named=(NAME,), forced=(NAME,))
-    (step,) = [step for step in plan.steps if step.stage == "effects"]
-    assert step.reason.startswith("requested by name")
-    assert plan.needs == Needs(light=True)
-
-
 def test_a_codec_keeps_light_beyond_1():
     """The albedo takes from it again: what a display would clip is half of what is seen."""
     late = {"trace": "walk", "latency_ms": 50.0, "effects": NAME}

@@ -111,17 +111,6 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     assert dark.sum() <= 0.02 * wall.sum()
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_each_effect_is_an_entry_of_the_one_pass(name):
-    effect = effects.get(name)
-    assert effect.made_by.name == "reflections"
-    assert effect.needs["reflection"] in (Mirrored.PLANE, Mirrored.CURVED)
-    plan = build_plan((effect.name,), "iterative", "none", "none", client_geometry=False)
-    passes = [step for step in plan.steps if step.stage == "effects"]
-    assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
-    assert ("rendered.reflection" in plan.layers) == bool(passes)
-
-
 # --- from pictures alone --------------------------------------------------------------------------
 
 

@@ -152,12 +152,6 @@ def test_only_scenes_where_something_deforms_plan_it():
     assert NAME not in effects.of(load_scene("parade"))
 
 
-def test_a_warp_that_shows_other_pictures_leaves_it_out():
-    """A cube map would still show the late body."""
-    plan = build_plan((NAME,), "environment", "none", "none", client_geometry=True, named=(NAME,))
-    assert plan.effects == () and "carries nothing along" in dict(plan.left_out)[NAME]
-
-
 def test_a_client_needs_some_of_the_scene():
     plan = build_plan_for(PipelineOptions.of({"strategy": NAME, "fill": "pyramid"}), None, load_scene("parade"))
     assert "scene's geometry" in lacking(plan, load_client("class-1"))

@@ -300,6 +300,11 @@ def test_depth_that_is_hardly_in_metres_is_said(unit, name):
         UserWarning, match=f"{2 * unit} m away.*0.08 m.*depth_scale={1 / unit:g} takes it as {name}: 2 m"
     ):
         warp_image(colour, metres * unit, view(), near)
+    drawn = np.dstack([colour, np.ones((12, 16))])
+    drawn[5, 6, 3], nearest = 0, metres * unit
+    nearest[5, 6] = 0.5
+    with pytest.warns(UserWarning, match="depth_scale="):
+        warp_image(drawn, nearest, view(), near)  # what is nearer was not drawn
     warp_image(colour, metres, view(), near)
     warp_image(colour, metres * unit, view(), near, depth_scale=1 / unit)
     warp_image(colour, metres * unit, view(), view())
