@@ -390,8 +390,7 @@ def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
 def _traces() -> Iterator[tuple[str, Target]]:
     from poses import layouts
     from poses.traces import head, rows, save, write
-    from published_folders import write_colmap
-    from recorded_folders import taken
+    from recorded_folders import taken, write_colmap
     from ros_bags import BEGINS_NS
 
     from hmdwarp import resources

@@ -72,6 +72,8 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
         assert (data["coverage"] == 1).all()
         assert json.loads(str(data["time_ms"]))["warp"] > 0
+    told = json.loads(warp(None, None, "--json", "--force").done().out)
+    assert told["hole_share"] == 0 < told["time_ms"]["warp"] and told["notes"] == [] and "out.npz" in told["out"]
 
 
 def test_the_input_is_never_overwritten(command, tmp_path):

@@ -14,7 +14,6 @@ from worlds import read
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects.mirrors import PLANES, MirroredPass
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Mirrored, Needs, Others
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, allocate
@@ -121,15 +120,6 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     passes = [step for step in plan.steps if step.stage == "effects"]
     assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
     assert ("rendered.reflection" in plan.layers) == bool(passes)
-
-
-def test_a_frame_without_the_layer_is_told(gpu, server):
-    plan = build_plan(EVERY, "iterative", "none", "none", client_geometry=False)
-    compensator = Compensator(gpu, plan, None, LARGE, LARGE)
-    eye = server.draw_frame([VIEW], 0, LARGE, needs=plan.needs).eyes[0]
-    with pytest.raises(PlanError, match="no layer of them"):
-        compensator.run(PassInputs(eye.having(reflection=None), VIEW))
-    compensator.close()
 
 
 # --- from pictures alone --------------------------------------------------------------------------

@@ -112,7 +112,7 @@ def test_the_body_stands_where_it_is_now_in_the_light_of_the_late_picture(gpu, t
         assert (np.abs(shown.out_depth - shown.truth_depth) <= 1e-5 * (1 + shown.truth_depth)).mean() > 0.99
         assert np.array_equal(shown.out[~body], shown.before[~body])
         pictures.append((shown.out, shown.out_depth))
-    assert_golden("effects/soft_bodies", sheet(*pictures), tmp_path, share=1 / 200)
+    assert_golden("effects/soft_bodies", sheet(*pictures), tmp_path)
 
 
 def test_in_the_scenes_own_light_it_is_what_the_server_draws(gpu):

@@ -274,16 +274,6 @@ def test_the_depth_of_the_shown_view_comes_on_request(gpu):
     assert warp_image(colour, np.full((30, 40), 4.0), view(), view(), gpu=gpu).depth_m is None
 
 
-def test_other_pictures_show_what_the_first_does_not(gpu):
-    colour, depth = picture(4)
-    depth[:] = 4.0
-    aside = view((0.8, 0, 0))
-    alone = warp_image(colour, depth, view(), aside, "iterative", "none", gpu=gpu)
-    with Warper(SIZE, warp="multi", fill="none", gpu=gpu) as warper:
-        both = warper.warp(colour, depth, view(), aside, others=[(colour, depth, aside)])
-    assert alone.hole_share > 0.05 and both.hole_share == 0
-
-
 def test_the_depth_that_the_client_has_is_read(gpu):
     """The exact depth of a plane in the shown view: every pixel finds its own, as in a plane."""
     colour = picture(5)[0]

@@ -406,17 +406,6 @@ def test_names_are_checked():
 # --- several contexts and threads ---------------------------------------------------------------
 
 
-def test_a_replay_before_and_after_changes_nothing(tmp_path):
-    """Each has a context of its own; GL calls that went to the other's gave black pictures."""
-    from replays import run
-
-    colour = halves(np.random.default_rng(16), (9, 7))
-    before = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
-    run(tmp_path, seconds=0.05)
-    after = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
-    assert np.array_equal(before.colour, colour) and np.array_equal(after.colour, colour)
-
-
 def test_threads_take_turns():
     colours = [halves(np.random.default_rng(seed), (9, 7)) for seed in range(4)]
     wrong: list[object] = []

@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from published_folders import write_colmap
-from recorded_folders import taken
+from recorded_folders import taken, write_colmap
 from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 from scipy.spatial.transform import Rotation

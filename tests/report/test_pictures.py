@@ -14,13 +14,10 @@ from .samples import a_scene
 
 def find(strip: np.ndarray, panel: np.ndarray) -> tuple[int, int] | None:
     """Where (row, column) a panel lies in a strip, pixel for pixel."""
-    height, width = panel.shape[:2]
-    starts = np.argwhere(
-        (strip[: strip.shape[0] - height + 1, : strip.shape[1] - width + 1] == panel[0, 0]).all(axis=-1)
-    )
-    for row, column in starts:
-        if np.array_equal(strip[row : row + height, column : column + width], panel):
-            return int(row), int(column)
+    windows = np.lib.stride_tricks.sliding_window_view(strip, panel.shape)[:, :, 0]
+    for row, column in np.argwhere((windows[:, :, 0, 0] == panel[0, 0]).all(axis=-1)).tolist():
+        if np.array_equal(windows[row, column], panel):
+            return row, column
     return None
 
 
@@ -68,15 +65,10 @@ def test_magma_rises_from_black_to_bright_and_takes_bytes_or_floats():
 
 
 @pytest.mark.parametrize("picture", [a_scene(), a_scene()[::-1, ::-1], a_scene()[..., 0]])
-def test_png_keeps_every_byte(picture):
+def test_png_keeps_every_byte_and_jpeg_is_close_and_small(picture):
     with Image.open(io.BytesIO(png_bytes(picture))) as image:
         assert np.array_equal(np.asarray(image), picture)
-
-
-def test_jpeg_is_close_and_small():
-    picture = a_scene(size=(640, 400))
-    with Image.open(io.BytesIO(jpeg_bytes(picture))) as image:
-        assert (
-            np.abs(np.asarray(image).astype(int) - picture).mean() < 3
-        )  # steps of the quantiser at quality 90 are 2 to 10
-    assert len(jpeg_bytes(picture)) < picture.size / 4
+    if picture.ndim == 3:
+        with Image.open(io.BytesIO(jpeg := jpeg_bytes(picture))) as image:
+            # Steps of the quantiser at quality 90 are 2 to 10.
+            assert np.abs(np.asarray(image).astype(int) - picture).mean() < 3 and len(jpeg) < picture.size / 4
