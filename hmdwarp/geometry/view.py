@@ -295,8 +295,6 @@ class Hidden:
         """Return (w, 2), read-only: each column's first seen row, and the one after its last."""
         if (known := self._known.get((fov, size))) is not None:
             return known
-        from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
         seen = self._inside(fov, size)
         any_seen = seen.any(axis=0)
         first = np.where(any_seen, seen.argmax(axis=0), size[1])
@@ -305,18 +303,18 @@ class Hidden:
         per = size[0] / (right - left), size[1] / (up - down)
         # 1e-9: margins of whole pixels must not gain one by rounding.
         pads = [math.ceil(margin * per[side // 2] - 1e-9) for side, margin in enumerate(self.margins)]
-        reach = pads[0] + pads[1] + 1  # columns that are needed if one of these is seen
-        origin = pads[1] - reach // 2
-        first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
-        last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
+        if (reach := pads[0] + pads[1] + 1) > 1:  # columns that are needed if one of these is seen
+            from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+            origin = pads[1] - reach // 2
+            first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
+            last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
         found = np.stack([np.maximum(first - pads[2], 0), np.minimum(last + pads[3], size[1])], axis=1)
         made = self._known[fov, size] = np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
         made.flags.writeable = False
         return made
 
     def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
-        from scipy.ndimage import binary_opening
-
         to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
         columns, rows = (np.arange(count) + 0.5 for count in size)
         for points in self.polygons:
@@ -328,6 +326,8 @@ class Hidden:
                 inside[crossed] ^= columns < at[:, None]
             seen &= ~inside
         if any(len(points) == 3 for points in self.polygons):
+            from scipy.ndimage import binary_opening
+
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
         ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])

@@ -16,9 +16,9 @@ import needs
 import pytest
 from commands import hmdwarp
 
-import hmdwarp.gpu.context
 from hmdwarp.cli._app import entries, options_of_commands
 from hmdwarp.errors import InputError
+from hmdwarp.gpu import context
 from hmdwarp.scenes import Scene, SceneSource, scenes
 
 # --- files that cannot be used
@@ -235,7 +235,7 @@ def test_a_command_line_is_refused_in_one_line(begin, typed, command, quick, tmp
     if begin == "replay still QUICK":
         request.getfixturevalue("kept")
     if words[0] in ("bench", "plan"):
-        monkeypatch.setattr(hmdwarp.gpu.context, "create_context", lambda: pytest.fail("the GPU was started"))
+        monkeypatch.setattr(context, "create_context", lambda: pytest.fail("the GPU was started"))
     done = command(*words)
     done.refused()
     for told in TABLE[begin][typed]:

@@ -16,8 +16,9 @@ from hmdwarp.report import StoredRun
 def stored(tmp_path_factory):
     """Options of a tiny replay, and its folder, recorded as a baseline."""
     folder = tmp_path_factory.mktemp("stored")
-    options = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against", "none"]
-    options += ["--metrics-every", "2", "--images", "2", "--quiet", "--headset", "rift-dk1"]
+    options = ["--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.1", "--workers", "0"]
+    options += ["--against", "none"]
+    options += ["--metrics-every", "2", "--images", "2", "--quiet"]
     store = ["--out", folder / "first", "--baseline", folder / "run", "--update-baseline"]
     assert not hmdwarp("replay", "look-around", *options, *store).returncode
     return options, folder / "run"

@@ -1,6 +1,6 @@
 """Draw a sequence with Mitsuba 3, a path tracer that shares nothing with this project.
 
-    python tests/mitsuba_frames.py FOLDER
+    python docs/measure/mitsuba_frames.py FOLDER
 
 A head slides past a railing and a ball of glass, over a glossy floor, under a lamp; every picture
 is antialiased and has noise, depth is that of a pixel's centre. FOLDER is as `--frames` takes it.
