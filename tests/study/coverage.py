@@ -147,15 +147,6 @@ def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
         assert least <= found.mean[:, k].mean() <= most
 
 
-def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
-    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t. None is left
-    with many people.
-    """
-    assert expected_bca(np.array([12])) == pytest.approx(0.913, abs=0.001)
-    assert expected_bca(np.array([24])) == pytest.approx(0.932, abs=0.001)
-    assert expected_bca(np.array([10_000])) == pytest.approx(LEVEL, abs=1e-4)
-
-
 @pytest.mark.parametrize("n", [12, 24])
 def test_no_effect_is_found_where_there_is_none(n):
     ps, share = without_effect(*designed(), n, STUDIES, seed=2)

@@ -26,26 +26,26 @@ class Fault(Exception):
     """Something nobody foresaw."""
 
 
-class Faults:
-    """Counts what is written, and raises at the n-th: before it is written, or after."""
+def faulty(patch: pytest.MonkeyPatch, at: int | None, after: bool) -> list[str]:
+    """Raise at the n-th thing that is written, before or after it; what was written is listed."""
+    written: list[str] = []
 
-    def __init__(self, monkeypatch, at: int | None, after: bool) -> None:
-        self.count, self._at, self._after = 0, at, after
-        for name in WRITING:
-            monkeypatch.setattr(Store, name, self._around(getattr(Store, name)))
-
-    def _around(self, write):
+    def around(name, write):
         def writes(store, *args, **more):
-            self.count += 1
-            due = self.count == self._at
-            if due and not self._after:
+            written.append(name)
+            due = len(written) == at
+            if due and not after:
                 raise Fault
             result = write(store, *args, **more)
             if due:
                 raise Fault
             return result
 
-        return writes
+        patch.setattr(Store, name, writes)
+
+    for name in WRITING:
+        around(name, getattr(Store, name))
+    return written
 
 
 def check_complete(path) -> None:
@@ -77,17 +77,17 @@ def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_pat
     short = sessions.TEXT.replace("= 130", "= 30").replace("= 170", "= 40").replace("0.1", "0.05")
     monkeypatch.setattr(sessions, "TEXT", short)
     with pytest.MonkeyPatch.context() as patch:
-        faults = Faults(patch, None, False)
+        count = faulty(patch, None, False)
         (tmp_path / "all").mkdir()
         assert run(patch, gpu, whole(tmp_path / "all")).error is None
-    assert faults.count == 16
-    for at in range(1, faults.count + 1):
+    assert len(count) == 16
+    for at in range(1, len(count) + 1):
         after = at % 2 == 0
         folder = tmp_path / str(at)
         folder.mkdir()
         path = whole(folder)
         with pytest.MonkeyPatch.context() as patch:
-            Faults(patch, at, after)
+            faulty(patch, at, after)
             broken = run(patch, gpu, path)
         assert isinstance(broken.error, Fault), at
         stored = contents(path) if (folder / "small-data").exists() else None
@@ -95,7 +95,7 @@ def test_a_fault_at_every_single_thing_that_is_written(monkeypatch, gpu, tmp_pat
             assert at == 1
             assert run(monkeypatch, gpu, path).error is None
         elif stored.sessions[0].status == COMPLETE:
-            assert (at, after) == (faults.count, True)
+            assert (at, after) == (len(count), True)
         else:
             assert stored.sessions[0].status == (RUNNING if at == 1 else INTERRUPTED), at
             assert run(monkeypatch, gpu, path, resume=True).error is None, at

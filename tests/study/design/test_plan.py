@@ -1,15 +1,38 @@
-"""What a plan comes to: time, balance, and what to think of. How it is printed: golden/."""
+"""What a plan comes to: time, balance, what to think of; and what the settings of a condition are.
+
+They are the options of hmdwarp live, no more, no less. How a plan is printed: golden/.
+"""
 
 from __future__ import annotations
 
+import inspect
+import sys
+import tomllib
 from itertools import product
+from pathlib import Path
 
-from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
+import attrs
+import pytest
+
+from hmdwarp.cli import runs as live_command
+from hmdwarp.options.named_files import OUTSIDE
+from hmdwarp.run import LiveOptions
+from hmdwarp.study.design import (
+    DISPLAY,
+    KINDS,
+    design_as_json,
+    design_from_text,
+    live_options,
+    load_design,
+    notes,
+    rows_for,
+)
+from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE, check_settings, resolve_paths
 from hmdwarp.study.design.orders import presented
 from hmdwarp.study.design.plan_text import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
 
-from ..plans import text_of
+from ..plans import PLANS, text_of
 
 
 def design(*changes: tuple[str, str]):
@@ -86,3 +109,65 @@ def test_balance_is_counted():
     assert found.places == found.pairs == (4, 4)
     found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
     assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))
+
+
+def test_every_option_of_live_is_a_setting_or_says_why_not():
+    options = set(inspect.signature(live_command.live).parameters)
+    options -= {OUTSIDE.name}  # of every command: a file grants itself nothing
+    assert options == set(KINDS) | set(_NOT_SETTINGS) and not set(KINDS) & set(_NOT_SETTINGS)
+    assert set(DISPLAY) < set(PICTURE) < set(KINDS)
+
+
+def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
+    """What `hmdwarp live` would run."""
+    from hmdwarp.cli import main
+
+    caught: list[LiveOptions] = []
+
+    def ran(options: LiveOptions, *_: object) -> None:
+        caught.append(options)
+        raise SystemExit(0)
+
+    monkeypatch.setattr("hmdwarp.run.live", ran)
+    monkeypatch.setattr("hmdwarp.cli.end_cleanly", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["hmdwarp", "live", *arguments])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 0
+    return caught[0]
+
+
+def test_a_setting_means_what_the_option_means(monkeypatch):
+    for line in (PLANS / "settings.txt").read_text(encoding="utf-8").splitlines():
+        settings, _, arguments = line.partition("=> ")
+        wanted = by_command_line(monkeypatch, *arguments.split())
+        found = live_options(tomllib.loads(f"s = {{ {settings} }}")["s"])
+        assert found == attrs.evolve(wanted, panel=False, command=""), line
+
+
+def test_options_of_the_run_are_added(tmp_path):
+    options = live_options({"latency": 100}, source="offscreen", trace="walk", record=tmp_path / "x.csv", seconds=3)
+    found = (options.source, options.trace, options.record, options.seconds)
+    assert found == ("offscreen", "walk", tmp_path / "x.csv", 3)
+
+
+def test_a_scene_is_loaded_once():
+    scenes: dict = {}
+    options = check_settings({"scene": "planes", "latency": 0}, scenes)
+    first = scenes[options.scene_key]
+    check_settings({"scene": "planes", "latency": 100}, scenes)
+    assert scenes == {options.scene_key: first}
+
+
+def test_files_are_found_from_the_study_file(tmp_path):
+    settings = {"scene": "mine.glb", "headset": "mine.toml", "delay-trace": "d.csv", "bench": "b.json", "warp": "mesh"}
+    folder = tmp_path / "studies"
+    assert resolve_paths(folder, settings) == {
+        "scene": str(folder / "mine.glb"), "headset": str(folder / "mine.toml"), "delay_trace": str(folder / "d.csv"),
+        "bench": str(folder / "b.json"), "warp": "mesh",
+    }  # fmt: skip
+    here = str(Path.cwd() / "beside" / "mine.glb")  # wherever one works later
+    assert resolve_paths(Path("beside"), {"scene": "mine.glb"}) == {"scene": here}
+    for name, value in (("scene", "mine.xml"), ("scene", "MINE.OBJ"), ("headset", "mine.json")):
+        assert resolve_paths(folder, {name: value}) == {name: str(folder / value)}
+    assert resolve_paths(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}
