@@ -33,6 +33,7 @@ import real_frames
 from pages import DOCS, ROOT, lines_of, markdown, replace, rows_of, text_of
 
 RECORDINGS = ("look-around", "walk")
+DK1 = "--headset rift-dk1"  # of every figure in docs/ that names no other
 REPLAYS = tomllib.loads((DOCS / "tables.toml").read_text(encoding="utf-8"))
 COLUMNS = REPLAYS.pop("columns")
 BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512,ring=0.002", "cv2.warpFrame")
@@ -46,6 +47,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "refresh calls": ("docs/measure/refresh_calls.py", False),
     "foveation": ("docs/measure/foveated.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
+    "page reads": ("docs/measure/page_reads.py", True),
 }
 
 
@@ -84,7 +86,7 @@ def replays(name: str, folder: Path) -> None:
         for label in across:
             options = " ".join([label, table["options"], *(options for _, options in choice)])
             out = folder / f"{name}-{number}-{label}".replace(" ", "-")
-            runs.append(hmdwarp(f"replay {options} --images 0 --against ''", out, "summary.json"))
+            runs.append(hmdwarp(f"replay {DK1} {options} --images 0 --against ''", out, "summary.json"))
         cells = [label for label, _ in choice]
         for column in first:  # the mean of what stands beside each other
             mean = sum(float(figure(column, each)) for each in runs) / len(runs)
@@ -118,7 +120,7 @@ def read(paths: Iterable[str]) -> list[dict[str, Any]]:
 def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
     later = "--latency 400,600,800 --instants 3 --rounds 1"
-    plain = "bench --predict none --size 800x500"
+    plain = f"bench {DK1} --predict none --size 800x500"
     runs = {"200": plain, "later": f"{plain} {later}"}
     made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
     rows = [row for data in made for row in data["rows"]]
@@ -150,7 +152,7 @@ def averaging(folder: Path, *ready: str) -> None:
     """Time the default warp by steps: cubic samples, then each older frame."""
     steps = ("iterative:frames=1,resample=bilinear", *(f"iterative:frames={count}" for count in (1, 2, 3)))
     asked = " ".join(f"--warp {warp}" for warp in steps)
-    plain = f"bench walk --scene room --latency 200 --size 1280x800 --instants 4 --rounds 2 {asked}"
+    plain = f"bench walk {DK1} --scene room --latency 200 --size 1280x800 --instants 4 --rounds 2 {asked}"
     fills = ("none", "memory+pyramid")
     made = read(ready) or [hmdwarp(f"{plain} --fill {fill}", folder / fill, "bench.json") for fill in fills]
     alone, filled = ([row["time_ms"]["total"]["median"] for row in _in_order(data["rows"])] for data in made)
@@ -317,7 +319,7 @@ def strategies(folder: Path, *ready: str) -> None:
     from hmdwarp.client.strategies import strategies as every
     from hmdwarp.report.compare_page import ran_text
 
-    command = "compare --client class-1,class-2,class-3,picture --seconds 0.6 --rate 30 --metrics-every 6"
+    command = f"compare {DK1} --client class-1,class-2,class-3,picture --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     told = "{0.crosses}. The client {0.client}. Late: {0.late}."
     replace(

@@ -10,7 +10,15 @@ import hmdwarp
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/compare_warps")
 
-run = {"trace": "walk", "start_s": 4, "seconds": 0.6, "size": (96, 120), "images": 0, "against": ""}
+run = {
+    "trace": "walk",
+    "start_s": 4,
+    "seconds": 0.6,
+    "headset": "rift-dk1",
+    "size": (96, 120),
+    "images": 0,
+    "against": "",
+}
 run["workers"] = 0  # so few pictures are measured sooner here than in processes of their own
 
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")

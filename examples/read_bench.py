@@ -17,6 +17,7 @@ hmdwarp.bench.bench(
         warps=("rotation", "iterative"),
         fills=("none", "pyramid"),
         latencies_ms=(100.0, 200.0),
+        headset="rift-dk1",
         sizes=((64, 80),),
         seconds=0.5,
         instants=2,

@@ -12,6 +12,7 @@ options = hmdwarp.RunOptions(
     trace="look-around",  # a shipped recording, or the path of a file
     scene="room",
     latency_ms=200,
+    headset="rift-dk1",  # by default today's: quest-3
     size=(96, 120),  # pixels of one eye; without it, those of the headset
     seconds=0.6,  # without it, all of the recording
     out=out,

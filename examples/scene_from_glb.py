@@ -30,7 +30,13 @@ scene = trimesh.Scene(
 scene.export(out / "scene.glb")
 
 options = hmdwarp.RunOptions(
-    trace="look-around", scene=str(out / "scene.glb"), as_recorded=True, size=(96, 120), seconds=0.5, out=out / "replay"
+    trace="look-around",
+    scene=str(out / "scene.glb"),
+    as_recorded=True,
+    headset="rift-dk1",
+    size=(96, 120),
+    seconds=0.5,
+    out=out / "replay",
 )
 summary = hmdwarp.replay(options).summary
 print(f"{summary['scene']}: FLIP {summary['quality']['flip']['mean']:.3f}")

@@ -9,7 +9,7 @@ STUDY = """
 schema = 1
 name = "study"
 title = "Does a warp help at half a second?"
-common = {scene = "planes", size = "96x80", guard = 1.5, predict = "cautious"}
+common = {scene = "planes", headset = "rift-dk1", size = "96x80", guard = 1.5, predict = "cautious"}
 trial = {seconds = 0.3, scales = ["grade"]}
 [[condition]]
 name = "late"

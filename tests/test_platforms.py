@@ -24,7 +24,7 @@ _THEIRS = ("pexpect", "ptyprocess")  # Other libraries that have no Windows, or 
 
 
 _PROGRAM = "from hmdwarp.cli import main; main()"
-_SMALL = ("walk", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0")
+_SMALL = ("walk", "--headset", "rift-dk1", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0")
 
 
 def start(taken: tuple[str, ...], script: str, *arguments: str) -> subprocess.CompletedProcess[str]:

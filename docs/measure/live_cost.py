@@ -78,7 +78,7 @@ def drive(gpu: Gpu, frames: int, begin: Callable[[], None], end: Callable[[], No
     """Run live for that many refreshes."""
     display = TimedDisplay(gpu, frames, begin, end)
     run.open_display = lambda *_: display
-    run.live(LiveOptions(latency_ms=LATENCY_MS, **chosen))
+    run.live(LiveOptions(headset="rift-dk1", latency_ms=LATENCY_MS, **chosen))
 
 
 def probe_ns() -> int:

@@ -34,7 +34,16 @@ def main() -> None:
         __doc__, trace=("walk", "the head"), scene=("room", "the scene"), refreshes=(20, "how many are counted"),
         most=(12, "files, and functions, in the table"),
     )  # fmt: skip
-    options = RunOptions.of({"trace": said.trace, "scene": said.scene, "size": "160x200", "start": 4.0, "seconds": 1.0})
+    options = RunOptions.of(
+        {
+            "trace": said.trace,
+            "scene": said.scene,
+            "headset": "rift-dk1",
+            "size": "160x200",
+            "start": 4.0,
+            "seconds": 1.0,
+        }
+    )
     of_set_up, calls, count, skipped = Counter(), Counter(), 0, 6
     sys.setprofile(counted(of_set_up))
     with set_up_replay(options) as run:

@@ -51,7 +51,18 @@ LIMITS = {
     (1280, 800): {"rotation": ("remap", 3.0), "backward": ("remap", 3.0), "forward": ("warpFrame", 1.2)},
     (2064, 2208): {"forward": ("warpFrame", 0.75)},
 }
-REPLAY = ("look-around", "--scene", "room", "--size", "640x400", "--metrics-every", "10", "--quiet")
+REPLAY = (
+    "look-around",
+    "--scene",
+    "room",
+    "--headset",
+    "rift-dk1",
+    "--size",
+    "640x400",
+    "--metrics-every",
+    "10",
+    "--quiet",
+)
 LEAST_FRAMES_PER_S = 10.0
 STARTS = {"import hmdwarp": (0.3, "-c", "import hmdwarp"), "hmdwarp --help": (0.5, "-m", "hmdwarp", "--help")}
 FILLS = ("none", "pyramid", "memory", "memory+pyramid")

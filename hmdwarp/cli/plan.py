@@ -27,14 +27,14 @@ def plan(said: Said) -> None:
 
     With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
-    from ..pipeline.planning import build_plan_for, proxy_plan_for
+    from ..pipeline.sizes import build_plan_for, proxy_plan_for
     from ..pipeline.source import motion_notes
 
     source = said["source"]
-    headsets.load_headset(said["headset"])
+    own = headsets.load_headset(said["headset"]).lens
     kind, told = _driver(source)
-    if said["lens"] is None and told:
-        said["lens"] = "none"
+    if said["lens"] is None:
+        said["lens"] = "none" if told or said["frames"] or own is None else own.model
     options = kind.of(said)
     if options.warp == AUTO:
         raise InputError("plan --warp auto: 'hmdwarp choose' with the same options names warp and fill; plan those")

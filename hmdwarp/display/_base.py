@@ -15,6 +15,8 @@ from ..geometry import Eyes, View
 from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
 from ..headsets import Headset
+from ..options import option_of
+from ..pipeline.options import PipelineOptions
 from ..poses import PoseSource, PoseTrack
 from ..scenes import Panel
 from .controls import CONTROLS, Command, Control, Status
@@ -118,7 +120,7 @@ class Tick:
 class DisplayOptions:
     """Options that a display needs before it is opened."""
 
-    headset: str = "rift-dk1"  # name of the one a window emulates
+    headset: str = option_of(attrs.fields(PipelineOptions).headset).default  # the one a window emulates
     # in place of the one of that name
     emulated: Headset | None = None
     view: str = "both"  # "both" eyes or one "flat" one

@@ -40,7 +40,7 @@ from ..options import (
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from .levels import QualityLevel
+from .governor import QualityLevel
 from .proxy_options import (
     DEFAULT_FILL,
     DEFAULT_WARP,
@@ -230,17 +230,18 @@ class PipelineOptions(Declared):
         study=PICTURE,
         heading=RENDERING,
     )
-    lens: str = option(
-        "radial",
-        f"Lens correction: {names_in('client/lens')}; by default the headset's own.",
-        default=None,
-        study=PICTURE,
-    )
     headset: str = option(
-        "rift-dk1",
+        "quest-3",
         f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
         study=DISPLAY,
         beside=(_IPD,),
+    )
+    lens: str = option(
+        attrs.Factory(lambda self: getattr(headsets.load_headset(self.headset).lens, "model", "none"), takes_self=True),
+        f"Lens correction: {names_in('client/lens')}; by default the headset's own.",
+        kind=str,
+        default=None,
+        study=PICTURE,
     )
     # (w, h) of one eye.
     size: tuple[int, int] | None = option(
@@ -364,10 +365,6 @@ class PipelineOptions(Declared):
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp") or DEFAULT_WARP, said.get("fill"), fused=fused, wide=wide)
-        if "lens" in said and said["lens"] is None:
-            headset = values.get("headset", attrs.fields(cls).headset.default)
-            lens = headsets.load_headset(headset).lens
-            values["lens"] = lens.model if lens is not None else "none"
         return values
 
     @property

@@ -27,6 +27,7 @@ from ..errors import InputError, MachineError
 from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy_options import SERVER_SCENE
+from ..pipeline.sizes import smaller_size
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, load_trace
 from ..poses.synth import RATE_HZ, synthesise
@@ -35,7 +36,7 @@ from ..scenes import InputEvent, check_scene_name
 from .ending import Ending, GarbageControl, Watchdog, come_back
 from .host import CommandHandler, Hand, PipelineHost, checked_source, choices, values
 from .live_log import LiveLog, LiveResult
-from .options import DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
+from .options import BOTH, DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
 from .recorder import LEAST, Recorder
 
 Say = Callable[[str], None]
@@ -189,7 +190,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             say(f"connecting to {options.feed.connect}; {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
-        for note in (*source.notes, *source.scene.notes):
+        slow = smaller_size(display.gpu, options, display.size) if options.view == BOTH else ""
+        for note in filter(None, (slow, *source.notes, *source.scene.notes)):
             say(f"note: {note}")
         stack.callback(log.leave)
         if recorder is not None:
@@ -403,6 +405,7 @@ def _of_window(options: RecordOptions, say: Say) -> None:
         scene_options=options.scene_options,
         warp="none",
         fill="none",
+        size=(688, 747),  # less than a headset's: only the head is kept
         latency_ms=0.0,
         record=options.out,
         force=options.force,

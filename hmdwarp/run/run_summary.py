@@ -36,8 +36,7 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from .answers import ANSWER_COLUMNS, Answers
-from .frame_rows import ReplayLog, Row
+from .frame_rows import ANSWER_COLUMNS, Answers, ReplayLog, Row
 from .replay_setup import ReplayRun
 from .requirements import Verdict
 from .run import Run
@@ -49,11 +48,6 @@ OWNED = (
     *(DIFF_PAGE, "frames.csv", "inputs.csv", "delays.csv", "jod.csv", "report.html", "replay.mp4"),
 )
 EYES = ("left", "right")
-
-
-def eye_names(summary: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the names of the eyes in names of files."""
-    return EYES if summary.get("eyes", 2) == 2 else ("camera",)
 
 
 @attrs.frozen(eq=False)
@@ -297,7 +291,7 @@ def write_results(
         def digested() -> dict[str, Any]:
             return digests([*log.frames_csv()], dict(strip.result() for strip in strips))
 
-        names = eye_names(result.summary)
+        names = EYES if result.summary.get("eyes", 2) == 2 else ("camera",)
         strips = [encoders.submit(write_strip, kept) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
         if log.answers is not None:

@@ -17,7 +17,7 @@ import attrs
 
 from ..errors import InputError
 from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
-from ..headsets import load_headset
+from ..headsets import headset_names, load_headset
 from ..metrics import QUALITY
 from ..options import AUTO, parse_size
 from ..pipeline import PipelineOptions
@@ -112,7 +112,9 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     later adds them.
     Errors: InputError where there is no trace, or warp auto chose by the machine's speed.
     """
-    live = live_options(showing.settings)
+    actual = showing.actual
+    shown_on = str(actual.get("headset", "")).partition(":")[0]  # a default of then, where none is set
+    live = live_options({**({"headset": shown_on} if shown_on in headset_names() else {}), **showing.settings})
     if not live.source_kind.has_head and (not showing.trace or not (traces / showing.trace).is_file()):
         raise InputError("its head motion was not recorded, or the recording is gone")
     if live.source_kind.has_head and session.facts.get("trace"):
@@ -122,14 +124,14 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     if live.warp == AUTO:
         raise InputError("warp auto chose by the machine's speed, which cannot be repeated")
     shared = {name: getattr(live, name) for name in _SHARED}
-    size = options.size or live.size or _size(showing.actual) or load_headset(live.headset).eye_size_px
-    aged_ms = showing.actual.get("latency_ms_median") if live.network.is_plain else None
+    size = options.size or live.size or (parse_size(actual["size"]) if actual.get("size") else None)
+    aged_ms = actual.get("latency_ms_median") if live.network.is_plain else None
     own_head, trace = live.source_kind.has_head, traces / showing.trace  # the truth is what was recorded there
     replayed = {
         "latency_ms": live.latency_ms if aged_ms is None else max(live.latency_ms, round(aged_ms, 3)),
         "lens": "none",
         "fused": False,
-        "size": size,
+        "size": size or load_headset(live.headset).eye_size_px,
         "rate_hz": None if own_head else live.rate_hz or session.facts.get("rate_hz"),
         "trace": "" if own_head else str(trace),
         "as_recorded": not own_head,
@@ -143,10 +145,6 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     if own_head:
         replayed["seconds"] = showing.actual.get("seconds") or None
     return RunOptions(**{**shared, **replayed})
-
-
-def _size(actual: Mapping[str, Any]) -> tuple[int, int] | None:
-    return parse_size(actual["size"]) if actual.get("size") else None
 
 
 def is_known(showing: Showing, run: RunOptions) -> bool:

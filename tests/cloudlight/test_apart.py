@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SMALL = "look-around --scene planes --size 48x40 --seconds 0.1 --metrics-every 9 --workers 0 --images 0 --out"
+SMALL = "look-around --headset rift-dk1 --size 48x40 --seconds 0.1 --metrics-every 9 --workers 0 --images 0"
+SMALL += " --scene planes --out"
 ADDED = tomllib.loads((ROOT / "hmdwarp" / "cloudlight" / "entry_points.toml").read_text(encoding="utf-8"))
 # Command lines that run, and those that are refused with that status and line.
 RUN = ("list strategies", "list warps", "list layers", f"replay {SMALL} default", "plan --scene planes", "warp --help")

@@ -66,7 +66,7 @@ class OffscreenDisplay(offscreen.OffscreenDisplay):
     ) -> None:
         track = track if track is not None else synthesise("look-around", seed=1, seconds=4)
         self.views: list[str] = []
-        super().__init__(DisplayOptions(size=size, view=view, trace=track, rate_hz=RATE_HZ), gpu)
+        super().__init__(DisplayOptions("rift-dk1", size=size, view=view, trace=track, rate_hz=RATE_HZ), gpu)
         self.source = LiveHead(track, self.now_ns)
         self._events, self._asked, self._back_after, self._keeps = events or {}, asked or {}, back_after, keeps
         self._number = -1

@@ -60,7 +60,14 @@ def led(gpu):
 
     def runs(watch: FrameHandler, log: bool = True, **more):
         options = LiveOptions(
-            scene="planes", latency_ms=LATENCY_MS, warp="none", fill="none", size=SIZE, collect=False, reconnect_s=0.05
+            scene="planes",
+            headset="rift-dk1",
+            latency_ms=LATENCY_MS,
+            warp="none",
+            fill="none",
+            size=SIZE,
+            collect=False,
+            reconnect_s=0.05,
         )
         with OffscreenDisplay(gpu=gpu, keeps=True, **more) as display, LiveLog(options) as made:
             host = PipelineHost(display, options)

@@ -17,8 +17,7 @@ from scipy.stats import binom, t
 
 from hmdwarp.study.analysis.findings import Resampling, condition_rows, order_effects, preference_results
 from hmdwarp.study.design import Comparison, Design, design_from_text, load_design
-from hmdwarp.study.respondents import Model, Population, load_model
-from hmdwarp.study.respondents.simulated import SicknessModel, model_from_text
+from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model, model_from_text
 from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
 from .analysis.tables import SCORES, in_order, judges, pairs_of, simulated

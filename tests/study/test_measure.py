@@ -108,8 +108,8 @@ def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_f
 
     late = next(showing for showing in store.contents().showings if showing.complete and showing.condition == "late")
     plain = RunOptions(
-        trace=str(store.traces / late.trace), scene="planes", latency_ms=100, warp="none", fill="none",
-        size=(96, 120), rate_hz=30, metrics_every=3, workers=0, images=0, out=tmp_path / "replay",
+        trace=str(store.traces / late.trace), scene="planes", headset="rift-dk1", latency_ms=100, warp="none",
+        fill="none", size=(96, 120), rate_hz=30, metrics_every=3, workers=0, images=0, out=tmp_path / "replay",
     )  # fmt: skip
     quality = replay(plain).summary["quality"]
     assert {name: of["late"][name] for name in QUALITY} == {name: quality[name]["mean"] for name in QUALITY}
@@ -189,6 +189,10 @@ def test_frames_are_as_old_as_they_were_unless_the_link_says_otherwise(store):
     assert run_options(showing, session, store.traces, OPTIONS).latency_ms == 66.667
     jittery = attrs.evolve(showing, settings={"latency": 50, "jitter": "normal:5"})
     assert run_options(jittery, session, store.traces, OPTIONS).latency_ms == 50
+    actual = {"headset": "rift-cv1", "size": "96x120"}  # by a default that has changed since, unless it is named
+    old, named = (attrs.evolve(showing, settings=said, actual=actual) for said in ({}, {"headset": "index"}))
+    assert run_options(old, session, store.traces, OPTIONS).headset == "rift-cv1"
+    assert run_options(named, session, store.traces, OPTIONS).headset == "index"
     unknown = attrs.evolve(showing, settings={"latency": 50}, actual={"latency_ms_median": None, "size": "96x120"})
     assert run_options(unknown, session, store.traces, OPTIONS).latency_ms == 50
 

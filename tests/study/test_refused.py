@@ -21,7 +21,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import design_from_text, notes
-from hmdwarp.study.respondents.simulated import model_from_text
+from hmdwarp.study.respondents import model_from_text
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
 

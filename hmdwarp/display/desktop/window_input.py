@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import glfw
 
 from ...poses import PoseSample
-from ...poses.walker import Walker
+from ...poses.synth import Walker
 from .. import Command
 from ..controls import MOVING, Control, and_mouse
 from .window_system import WindowHandle

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from typing import TYPE_CHECKING
 
 import attrs
@@ -325,20 +325,15 @@ class OpenXrHead(Connected):
             if time.monotonic() > until:
                 raise MachineError(f"{self._calls.name} did not begin a session within {READY_S:g} s: wake the headset")
             time.sleep(IDLE_S)
-        self.rate_hz = self._reported_rate() or DEFAULT_HZ
+        self.rate_hz = DEFAULT_HZ
+        if RATE_EXTENSION in self._instance.extensions:
+            with suppress(xr.XrException):  # a display without any, if no pictures are submitted
+                rate_hz = xr.get_display_refresh_rate_fb(self._session.handle)
+                self.rate_hz = float(getattr(rate_hz, "value", rate_hz)) or DEFAULT_HZ
 
     def _graphics_for(self, instance: Instance) -> Graphics:
         self._graphics = self._graphics or open_graphics(instance)
         return self._graphics
-
-    def _reported_rate(self) -> float:
-        if RATE_EXTENSION not in self._instance.extensions:
-            return 0.0
-        try:
-            rate_hz = xr.get_display_refresh_rate_fb(self._session.handle)
-            return float(getattr(rate_hz, "value", rate_hz))
-        except xr.XrException:  # a display without any, if no pictures are submitted
-            return 0.0
 
     def now_ns(self) -> int:
         """Return the current time."""

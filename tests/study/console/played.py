@@ -14,7 +14,7 @@ from pathlib import Path
 
 import attrs
 
-from hmdwarp.study.console.line_console import ConsoleState, LineConsole, Question
+from hmdwarp.study.line_console import ConsoleState, LineConsole, Question
 
 GRADE = Question(
     "How good was the picture?", 1.0, 6.0, 0.25,

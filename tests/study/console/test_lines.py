@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from hmdwarp.study.console.line_console import (
+from hmdwarp.study.line_console import (
     LineConsole,
     TypedLine,
     checked_answer,

@@ -15,14 +15,19 @@ from together import together
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import Ask, Sickness, load_design, steps_of, write_new_plan
-from hmdwarp.study.respondents import Population, RatingModel, Simulated, load_model, model_names, person_of
-from hmdwarp.study.respondents.simulated import (
+from hmdwarp.study.respondents import (
+    Population,
+    RatingModel,
     SicknessModel,
+    Simulated,
     draw_for,
+    load_model,
     model_from_text,
+    model_names,
     normal,
     of_share,
     on_scale,
+    person_of,
     table_of,
 )
 from hmdwarp.study.scales import RATING, load_scale, scale_names

@@ -13,8 +13,8 @@ from PIL import Image
 from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
-from hmdwarp.study.console.line_console import ConsoleState
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.line_console import ConsoleState
 from hmdwarp.study.session import program
 from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Contents, Session, Store

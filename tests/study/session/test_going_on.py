@@ -167,7 +167,7 @@ def test_of_a_recorded_head_the_axes_are_kept_and_not_where_it_lies(gpu, tmp_pat
     """Folders are named after people. Axes: which for the world, which for the head, and why."""
     path = tmp_path / "head.csv"
     path.write_text("time,x,y,z,qx,qy,qz,qw\n" + "".join(f"{i / 90},0,{i / 900},0,0,0,0,1\n" for i in range(90)))
-    display = OffscreenDisplay(DisplayOptions(trace=load_trace(path).track, size=(32, 40)), gpu)
+    display = OffscreenDisplay(DisplayOptions("rift-dk1", trace=load_trace(path).track, size=(32, 40)), gpu)
     facts = facts_of(display, load_design(str(study(tmp_path))), "/srv/jane/heads/walk.csv")
     assert facts["trace"] == "walk.csv" and "jane" not in repr(facts)
     assert facts["trace_axes"] == facts["display"]["trace_axes"]

@@ -14,10 +14,10 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
-from hmdwarp.study.console.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.design import Ask, Sickness
 from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
 from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
+from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
 from hmdwarp.study.session.runner import counting, why_sick
