@@ -36,14 +36,12 @@ from hmdwarp.study.dialogs.choice_dialogs import (
 from hmdwarp.study.dialogs.dialog_panels import (
     CONTROLLERS,
     KEYS,
-    PAD,
     TEXT,
     WIDTH,
     Button,
     Canvas,
     LineLayout,
     QuestionPanel,
-    ScaleForm,
     layout_of,
     message_panel,
     trial_panel,
@@ -322,17 +320,6 @@ def test_every_scale_is_drawn_and_pointed_at(scale, u, v):
     assert panel.button_at(u, v) in ("", "skip")
 
 
-def test_numbers_at_the_line_do_not_touch():
-    scales = [(1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1)]
-    for least, most, step in scales:
-        layout = layout_of(ScaleForm(float(least), float(most), float(step)))
-        xs = sorted(width_of(f"{label:g}", 24) / 2 + 36 for label in layout._labels)
-        assert {float(least), float(most)} <= set(layout._labels), "both ends have their numbers"
-        apart = (WIDTH - 2 * PAD - 72) / max(len(layout._labels) - 1, 1)
-        assert apart > 2 * (xs[-1] - 36)
-        assert len(layout._ticks) <= 121
-
-
 def test_words_do_not_overlap():
     for scale in SHIPPED:
         layout = layout_of(panel_of(scale).form)
@@ -369,16 +356,6 @@ def test_a_button_s_text_keeps_clear_of_its_edges():
                 inks.append(canvas.ink().copy())
             at = np.flatnonzero((inks[0] != inks[1]).any(axis=0))
             assert len(at) and at.min() >= 10 + 7 and at.max() <= right - 7
-
-
-def test_a_press_on_the_scale_answers():
-    scale = next(scale for scale in SHIPPED if scale.name == "grade")
-    asked, (x, y) = asked_of(scale), marker_of(scale, 4.25)
-    place = ((x + 0.5) / WIDTH, 1 - (y + 0.5) / asked.panel().height())
-    asked.handle(said(("point", place)))
-    assert (asked.value, asked.confirmed) == (4.25, False)
-    asked.handle(said(("press", place)))
-    assert (asked.value, asked.confirmed) == (4.25, True)
 
 
 def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):

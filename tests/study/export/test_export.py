@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import locale
 import re
 import sys
 from collections.abc import Sequence
@@ -277,20 +276,6 @@ def test_numbers_and_other_texts_stay_as_they_are(text):
 @given(st.text(st.sampled_from("'=+-@ \t\r1a＝"), max_size=6))
 def test_a_text_made_inert_has_one_text_that_it_comes_from(text):
     assert raw_text(inert_text(text)) == text
-
-
-def test_points_are_points_whatever_the_locale():
-    before = locale.setlocale(locale.LC_ALL)
-    try:
-        for name in ("de_DE.UTF-8", "de_DE", "C"):
-            try:
-                locale.setlocale(locale.LC_ALL, name)
-            except locale.Error:
-                continue
-            assert [field_text(value) for value in (1.25, 2.0, -0.5, 1e-9)] == ["1.25", "2", "-0.5", "1e-09"]
-            assert [field_text(value) for value in (None, "", True, False)] == ["n/a", "n/a", "true", "false"]
-    finally:
-        locale.setlocale(locale.LC_ALL, before)
 
 
 def test_only_the_name_of_a_file_is_exported(tmp_path):

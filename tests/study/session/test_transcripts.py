@@ -18,11 +18,11 @@ from pathlib import Path
 
 import pytest
 
-from hmdwarp.display import Command
+from hmdwarp.display import Command, Lost
 from hmdwarp.study.store import Store
 
 from . import sessions
-from .sessions import Person, ScriptedConsole, closing, losing, picture, press, run
+from .sessions import Person, ScriptedConsole, picture, press, run
 
 FOLDER = Path(__file__).with_name("transcripts")
 SCRIPTS = tomllib.loads(FOLDER.joinpath("scripts.toml").read_text(encoding="utf-8"))
@@ -96,7 +96,9 @@ def display_events(at: str) -> tuple[dict[int, object], int]:
     if not at:
         return {}, 0
     number, what = at.split()
-    return {int(number): closing() if what == "closed" else losing()}, NEVER if what == "gone" else 0
+    return {
+        int(number): closing() if what == "closed" else Lost("the headset went away")
+    }, NEVER if what == "gone" else 0
 
 
 def study_of(script: dict) -> Path:
