@@ -22,7 +22,7 @@ from hmdwarp.display import Command, Lost
 from hmdwarp.study.store import Store
 
 from . import sessions
-from .sessions import Person, ScriptedConsole, picture, press, run
+from .sessions import Person, ScriptedConsole, closing, picture, press, run
 
 FOLDER = Path(__file__).with_name("transcripts")
 SCRIPTS = tomllib.loads(FOLDER.joinpath("scripts.toml").read_text(encoding="utf-8"))
