@@ -171,16 +171,6 @@ def test_the_terminal_is_given_back_after_an_error_and_taken_again_after_a_stop(
         assert terminal.modes() == before
 
 
-def test_ctrl_c_ends_the_program_and_the_terminal_is_as_before(log):
-    with Terminal([*PLAYED, str(log), "showing"]) as terminal:
-        before = terminal.modes()
-        terminal.until("trial 3 of 12 | showing")
-        terminal.keys("half a line\x03")
-        assert terminal.ended() == 0
-        assert "the program has ended" in terminal.text()
-        assert terminal.modes() == before
-
-
 @pytest.mark.parametrize(("end", "kind"), [(" | cat", "xterm"), ("", "dumb")], ids=["no terminal", "dumb"])
 def test_what_cannot_place_text_has_plain_lines(log, end, kind):
     with Terminal(["/bin/sh", "-c", f"{' '.join(PLAYED)} {log} showing{end}"], TERM=kind) as terminal:

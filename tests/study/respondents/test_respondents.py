@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
 
 import attrs
 import numpy as np
@@ -24,7 +23,6 @@ from hmdwarp.study.respondents import (
     load_model,
     model_from_text,
     model_names,
-    normal,
     of_share,
     on_scale,
     person_of,
@@ -34,7 +32,7 @@ from hmdwarp.study.scales import RATING, load_scale, scale_names
 from hmdwarp.study.session.runner import why_sick
 from hmdwarp.study.store import Answer
 
-from ..made_up import per_condition, unlimited
+from ..analysis.tables import per_condition, unlimited
 from ..plans import text_of
 
 TEXT = text_of("two-people")
@@ -69,10 +67,6 @@ def test_sickness_grows_with_trials_faster_in_some():
     model = SicknessModel(start=0.1, per_trial=0.02, people_sd=1.0)
     assert model.state([0, 5], 0.5) == pytest.approx([0.1, 0.2])  # the median person
     assert model.state(5, norm.cdf(1)) == pytest.approx(0.1 + 0.1 * np.e)
-
-
-def test_the_least_draw_is_a_number():
-    assert np.isfinite(normal([0.0, np.nextafter(1, 0)])).all()
 
 
 def test_draws_are_uniform_and_belong_to_their_person():
@@ -198,26 +192,6 @@ def test_drift_and_what_was_before_are_in_the_ratings():
     before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
     wanted = 0.75 * means + 0.25 * before + 0.125 * np.arange(4)
     np.testing.assert_allclose(made.answers["grade"], wanted, atol=1e-6)
-
-
-def test_shares_of_missing_ratings_and_dropouts():
-    """2000 people: 4 standard errors of a share p are 4 sqrt(p (1 - p) / 2000)."""
-    made = cohort(2000, ratings=rating(missing=0.1), dropout=0.05, sickness=SicknessModel())
-    assert np.mean([reason == "complete" for reason in made.why]) == pytest.approx(
-        0.95**3, abs=0.032
-    )  # after the last trial nobody leaves
-    for place in range(4):
-        went_on = made.trials > place
-        assert np.mean(went_on) == pytest.approx(0.95**place, abs=0.032)
-        assert np.isnan(made.answers["grade"][went_on, place]).mean() == pytest.approx(0.1, abs=0.03)
-        assert np.isnan(made.answers["grade"][~went_on, place]).all()
-
-
-def test_orders_stay_balanced_after_dropouts():
-    made = cohort(200, dropout=0.2)
-    stayed = [tuple(order) for order, why in zip(made.order.tolist(), made.why, strict=True) if why == "complete"]
-    counts = Counter(stayed)
-    assert len(counts) == 4 and max(counts.values()) - min(counts.values()) <= 1
 
 
 @settings(max_examples=60)

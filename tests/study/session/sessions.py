@@ -52,14 +52,10 @@ Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the panels and goes through the session as it is asked to. grade: answered to every
-    question. own: what is done instead, asked first with each panel; None from it for nothing of
-    one's own.
-    """
+    """Goes through the session as panels ask; own: what is done instead, None for nothing else."""
 
-    def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
-        self._own, self._grade = own, grade
-        self._last: object = None
+    def __init__(self, own: Own = lambda panel: None) -> None:
+        self._own, self._last = own, None
 
     def looks(self, panel: Seen) -> Sequence[Command]:
         """What hands do at a panel. A panel is reacted to once, when it comes."""
@@ -71,7 +67,7 @@ class Person:
 
     def _usual(self, panel: Seen) -> Sequence[Command]:
         if isinstance(panel, QuestionPanel) and panel.value is None and not panel.skipping and not panel.typed:
-            return (*(Command("digit", digit) for digit in self._grade), Command("confirm"))
+            return (Command("digit", "2"), Command("confirm"))
         if isinstance(panel, MessagePanel) and panel.title == "Before we begin":
             return (press(panel, "agree"),)
         if isinstance(panel, MessagePanel) and panel.title == "Menu":
@@ -166,7 +162,6 @@ def run(
     path: Path,
     person: Person | None = None,
     console: ScriptedConsole | None = None,
-    respondent=None,
     at=None,
     **options,
 ) -> Ran:
@@ -179,7 +174,7 @@ def run(
     options = {"participant": "P1", "source": "desktop", **options}
     try:
         ran.session = program.run_session(
-            SessionOptions(study=str(path), **options), ran.said.append, console=ran.console, respondent=respondent
+            SessionOptions(study=str(path), **options), ran.said.append, console=ran.console
         )
     except BaseException as error:
         ran.error = error
@@ -198,11 +193,6 @@ def contents(path: Path, pilot: bool = False) -> Contents:
 def closing() -> Closed:
     """Somebody closes the window."""
     return Closed("the window was closed")
-
-
-def losing() -> Lost:
-    """The headset goes."""
-    return Lost("the headset went away")
 
 
 def picture(path: Path, size: tuple[int, int] = (900, 600)) -> None:

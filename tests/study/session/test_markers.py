@@ -70,35 +70,28 @@ def lsl(tmp_path_factory, monkeypatch) -> None:
     monkeypatch.setenv("LSLAPICFG", str(file))
 
 
-class Receiver:
-    """An inlet in a process."""
-
-    def __init__(self, process: subprocess.Popen[str]) -> None:
-        self._process = process
-
-    def connected(self) -> dict[str, object]:
-        """Wait until the stream is found, and return what it says of itself."""
-        line = self._process.stdout.readline()
-        assert line, self._process.wait()
-        return json.loads(line)
-
-    def markers(self) -> list[dict[str, object]]:
-        """Wait for the last event, and return all markers."""
-        rest = [json.loads(line) for line in self._process.stdout]
-        assert self._process.wait() == 0
-        return rest
-
-
 @contextmanager
-def receiving(name: str, last: str) -> Iterator[Receiver]:
+def receiving(name: str, last: str) -> Iterator[subprocess.Popen[str]]:
     """Start a receiver of a stream by its name and the last event in it."""
     process = subprocess.Popen([sys.executable, "-c", INLET, name, last], stdout=subprocess.PIPE, text=True)
     try:
-        yield Receiver(process)
+        yield process
     finally:
         process.kill()
         process.wait()
         process.stdout.close()
+
+
+def connected(receiver: subprocess.Popen[str]) -> dict[str, object]:
+    """Wait until the stream is found, and return what it says of itself."""
+    return json.loads(receiver.stdout.readline())
+
+
+def markers_of(receiver: subprocess.Popen[str]) -> list[dict[str, object]]:
+    """Wait for the last event, and return all markers."""
+    rest = [json.loads(line) for line in receiver.stdout]
+    assert receiver.wait() == 0
+    return rest
 
 
 @pytest.mark.usefixtures("lsl")
@@ -112,7 +105,7 @@ def test_stamps_are_the_instants_of_the_display_on_lsl_s_clock():
 
     with receiving("clocks", "end") as receiver:
         stream = MarkerStream("clocks", {"study": "none"}, now_ns)
-        told, said = receiver.connected(), stream.describe()
+        told, said = connected(receiver), stream.describe()
         first_error_s = stream.error_s
         instants_ns = [now_ns() + ahead_ns for ahead_ns in (0, 30_000_000, -2_000_000_000)]
         while not stream.are_received:
@@ -121,7 +114,7 @@ def test_stamps_are_the_instants_of_the_display_on_lsl_s_clock():
             stream.send("shown", at_ns, number=number)
         stream.send("end", now_ns())
         stream.close()
-        markers = receiver.markers()
+        markers = markers_of(receiver)
     found = [(marker["event"], marker.get("number")) for marker in markers]
     assert found == [("shown", 0), ("shown", 1), ("shown", 2), ("end", None)]
     assert told["type"] == "Markers"
@@ -151,11 +144,11 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
 
         def waits_for_the_recorder(panel):
             if isinstance(panel, MessagePanel) and panel.title == "Ready?":
-                receiver.connected()
+                connected(receiver)
 
         ran = run(monkeypatch, gpu, path, Person(own=waits_for_the_recorder), lsl=True)
         assert ran.error is None
-        markers = receiver.markers()
+        markers = markers_of(receiver)
     # What came before the recorder was connected is lost to it; the practice makes sure of that.
     markers = markers[[marker.get("step") for marker in markers].index("trial/1") :]
     session = ran.session

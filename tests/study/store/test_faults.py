@@ -5,7 +5,6 @@ For real, and nothing confirmed is lost.
 
 from __future__ import annotations
 
-import fcntl
 import functools
 import json
 import os
@@ -194,26 +193,6 @@ sys.stdin.read()
         with Store(tmp_path / "data", create=True) as two, pytest.raises(MachineError, match="running already"):
             begun(two, "P02")  # in one program as well
     os.kill(helper, signal.SIGKILL)  # it lived on, and held nothing
-
-
-def test_a_lock_whose_words_are_missing_holds_all_the_same(tmp_path):
-    (tmp_path / "lock").touch()
-    with (tmp_path / "lock").open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        with Store(tmp_path, create=True) as store, pytest.raises(MachineError, match="running already: end it"):
-            begun(store)
-
-
-def test_a_file_system_without_locks(tmp_path, monkeypatch):
-    """None such can be mounted here: flock's own answer on one is put in its place."""
-
-    def refuse(*_):
-        raise OSError(38, "Function not implemented")
-
-    monkeypatch.setattr("hmdwarp.platforms.fcntl.flock", refuse)
-    told = "cannot lock files .*network drives"
-    with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError, match=told):
-        begun(store)
 
 
 def test_another_program_in_the_database_is_awaited_then_named(tmp_path, monkeypatch):
