@@ -195,7 +195,7 @@ def test_a_dark_wall_goes_on_beyond_the_border_before_a_bright_hall():
 
 @pytest.mark.parametrize("fill", FILLS)
 def test_a_near_surface_is_as_near_at_the_border_however_little_the_head_has_moved(fill):
-    """4 mm are a third of a pixel there, so that `sheet` joins the wall with any depth beside it."""
+    """4 mm are a third of a pixel there, so `sheet` joins the wall with any depth beside it."""
     rendered, shown = View(Pose(), FOV), View(Pose((0.004, 0.004, 0.0)), FOV)
     (colour, depth), (_, truth) = (drawn(WALL_BEFORE_HALL, view) for view in (rendered, shown))
     found = hmdwarp.warp_image(colour, depth, rendered, shown, warp="iterative", fill=fill, depth=True).depth_m
