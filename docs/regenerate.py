@@ -45,6 +45,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "check rates": ("docs/measure/check_rates.py", True),
     "warper cost": ("docs/measure/warper_cost.py", True),
     "refresh calls": ("docs/measure/refresh_calls.py", False),
+    "averaging": ("docs/measure/averaging_cost.py", True),
     "foveation": ("docs/measure/foveated.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
     "page reads": ("docs/measure/page_reads.py", True),
@@ -146,26 +147,6 @@ def pareto(_: Path) -> None:
         rows.append({"trace": "walk", "latency_ms": 200.0, **named, "quality": quality, "time_ms": times})
     (case,) = cases(rows)
     (DOCS / "pareto.png").write_bytes(paper_bytes(pareto_chart(case, width_in=7.0), "png"))
-
-
-def averaging(folder: Path, *ready: str) -> None:
-    """Time the default warp by steps: cubic samples, then each older frame."""
-    steps = ("iterative:frames=1,resample=bilinear", *(f"iterative:frames={count}" for count in (1, 2, 3)))
-    asked = " ".join(f"--warp {warp}" for warp in steps)
-    plain = f"bench walk {DK1} --scene room --latency 200 --size 1280x800 --instants 4 --rounds 2 {asked}"
-    fills = ("none", "memory+pyramid")
-    made = read(ready) or [hmdwarp(f"{plain} --fill {fill}", folder / fill, "bench.json") for fill in fills]
-    alone, filled = ([row["time_ms"]["total"]["median"] for row in _in_order(data["rows"])] for data in made)
-    rows = [
-        [f"`{warp}`", *(f"{times[at]:.1f} ({times[at] / times[0]:.2f})" for times in (alone, filled))]
-        for at, warp in enumerate(steps)
-    ]
-    replace("averaging", markdown(["", "ms alone", "ms with `memory+pyramid`"], rows))
-
-
-def _in_order(rows: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return rows of one warp from one bilinear frame to the default."""
-    return sorted(rows, key=lambda row: ("resample" not in row["warp"], "frames" not in row["warp"], row["warp"]))
 
 
 def _flip(row: Mapping[str, Any]) -> float:
@@ -480,7 +461,6 @@ def pictures(folder: Path) -> None:
 OWN: Mapping[str, Callable[..., None]] = {
     "bench": bench,
     "pareto": pareto,
-    "averaging": averaging,
     "strategies": strategies,
     "strategies-suite": strategies_suite,
     "rgbd": rgbd,

@@ -304,9 +304,7 @@ def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
 def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device: Client | None = None) -> LevelSet:
     """Return the levels measured at a few instants of this run, at its size.
 
-    device: whose times are modelled instead.
-
-    Errors: as set_up_replay.
+    device: whose times are modelled instead. Errors: as set_up_replay.
     """
     budget_ms, combinations = options.budget_ms or 0.0, candidates(options, source)
     say(
@@ -385,18 +383,19 @@ _PIXEL_BYTES = {SHOWN: 8, PANEL: 8, SHOWN_DEPTH: 4}
 def device_ms(plan: Plan, size: tuple[int, int], client: Client) -> tuple[float, float, float]:
     """Return the least ms, the geometric mean of both ends, and the most, of one eye of (w, h).
 
-    Least: what the passes read and write crosses the memory once, at its maker's rate. Most: as on
+    Least: all that is read and written crosses the memory once, at its maker's rate. Most: as on
     the measured GPU, times how much slower the device's memory or arithmetic is, the worse of both;
     a pass that was not measured counts as the slowest that was, a lens as a warp that only copies.
     """
-    pixels, gpu, layers = math.prod(size), _MEASURED["gpu"], set(plan.layers)
+    pixels, gpu, layers, others = math.prod(size), _MEASURED["gpu"], set(plan.layers), plan.needs.others
     frame = sum(frame_bytes(plan.needs, EyeSizes(size, size), layers, eyes=1).values())
     names = [name for step in plan.steps for name in (*step.reads, *step.writes)]
-    moved = (1 + plan.needs.others.past) * frame + pixels * sum(_PIXEL_BYTES.get(name, 0) for name in names)
+    moved = (1 + others.past + others.recent) * frame + pixels * sum(_PIXEL_BYTES.get(name, 0) for name in names)
     least = moved / client.memory_gb_s * 1e-6
     passes = [("warps", plan.warp.name), *(("fills", fill.entry.name) for fill in plan.fills)]
     passes += [("warps", "none")] if plan.lens.is_pass else []
     there = sum(_MEASURED[kind].get(name, max(_MEASURED[kind].values())) for kind, name in passes)
+    there += others.recent * _MEASURED["older_frame"] * _MEASURED["warps"]["iterative"]
     slower = max(gpu["memory_gb_s"] / client.memory_gb_s, gpu["compute_tflops"] / client.compute_tflops)
     most = max(least, there * slower * pixels / math.prod(gpu["size"]))
     return least, math.sqrt(least * most), most

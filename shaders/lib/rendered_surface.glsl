@@ -31,8 +31,7 @@ ivec2 texel_at(vec2 p) {
 // cheaper on llvmpipe than a gather of four and its selections. The texel across the corner is not
 // loaded (a fourth load costs `iterative` a third of its time): where it alone is of another
 // surface, at the inner corners of silhouettes, it contributes up to a quarter of the colour.
-// Beyond the border an image reads 0: a sky there is connected with that, without a slope, and the
-// sampler clamps its colour.
+// Beyond the border the outermost texels go on, as their colours do.
 Surface surface_at(vec2 p, float joined) {
     ivec2 texel = texel_at(p);
     Surface found;
@@ -40,8 +39,9 @@ Surface surface_at(vec2 p, float joined) {
     vec2 off = p - found.centre;
     ivec2 side = ivec2(off.x < 0.0 ? -1 : 1, off.y < 0.0 ? -1 : 1);
     float own = imageLoad(rendered_inverse_depth, texel).r;
-    float beside = imageLoad(rendered_inverse_depth, texel + ivec2(side.x, 0)).r;
-    float above = imageLoad(rendered_inverse_depth, texel + ivec2(0, side.y)).r;
+    ivec2 other = texel_at(found.centre + vec2(side));
+    float beside = imageLoad(rendered_inverse_depth, ivec2(other.x, texel.y)).r;
+    float above = imageLoad(rendered_inverse_depth, ivec2(texel.x, other.y)).r;
     found.known = is_depth(own);
     found.connected = bvec2(are_connected(own, beside, joined), are_connected(own, above, joined));
     found.slope = vec2(found.connected.x ? (beside - own) * float(side.x) : 0.0, found.connected.y ? (above - own) * float(side.y) : 0.0);

@@ -113,10 +113,9 @@ class RenderedSurface:
         return np.floor(np.clip(np.nan_to_num(place), 0, [wide - 0.5, high - 0.5])).astype(int)
 
     def held(self, texel: NDArray[np.int64]) -> Array:
-        """Inverse depth of texels; 0 beyond the border."""
-        most = np.array(self.inverse_depth.shape[::-1]) - 1
-        clipped = np.clip(texel, 0, most)
-        return np.where((texel == clipped).all(axis=-1), self.inverse_depth[clipped[..., 1], clipped[..., 0]], 0.0)
+        """Inverse depth of texels; beyond the border the outermost ones go on."""
+        texel = np.clip(texel, 0, np.array(self.inverse_depth.shape[::-1]) - 1)
+        return self.inverse_depth[texel[..., 1], texel[..., 0]]
 
     def near_other_texel(self, place: Array, error: Array) -> Bools:
         """Whether a place lies within its error of a border between texels."""

@@ -360,13 +360,28 @@ def test_the_least_is_what_crosses_the_memory_once_and_all_grows_with_pixels(dev
 
 
 def test_a_choice_for_a_device_goes_by_its_model_whatever_this_machine_took(tmp_path):
-    levels = (("rotation", 1e6, 0.3), ("iterative", 1.0, 0.2), ("splat", 1e-3, 0.1))
+    levels = (("rotation", 1e6, 0.3), ("iterative:frames=1", 1.0, 0.2), ("splat", 1e-3, 0.1))
     path = a_bench(tmp_path / "b.json", [a_row(warp, "none", ms, flip) for warp, ms, flip in levels])
-    least, middle, most = device_ms(plan("iterative"), (96, 80), load_client("quest-3"))
+    least, middle, most = device_ms(plan("iterative:frames=1"), (96, 80), load_client("quest-3"))
     choice = choose(small(warp="auto", client="quest-3", budget_ms=1.01 * middle, bench=path))
-    assert (choice.options.warp, choice.level.total_ms, choice.range_ms) == ("iterative", middle, (least, most))
+    assert (choice.options.warp, choice.level.total_ms, choice.range_ms) == (
+        "iterative:frames=1",
+        middle,
+        (least, most),
+    )
     assert choice.following.warp == "splat" and choice.following.total_ms > 1.01 * middle
     assert f"{least:.1f} to {most:.1f} ms on 'quest-3'" in choice.notes[1] and "&bench" in choice.notes[1]
+
+
+def test_a_choice_knows_one_frame_one_older_and_two_older_ones(tmp_path):
+    chains = ("iterative:frames=1", "iterative:frames=2", "iterative")
+    path = a_bench(tmp_path / "b.json", [a_row(warp, "none", 1.0, 0.3 - k / 10) for k, warp in enumerate(chains)])
+    times = [device_ms(plan(warp), (96, 80), load_client("quest-3"))[1] for warp in chains]
+    assert times == sorted(set(times)), "each older frame takes time"
+    for warp, time_ms in zip(chains, times, strict=True):
+        choice = choose(small(warp="auto", client="quest-3", budget_ms=1.001 * time_ms, bench=path))
+        assert choice.options.warp == warp and choice.notes[0].startswith(warp)
+        assert all(more in choice.notes[2] for more in chains[chains.index(warp) + 1 :][:1])
 
 
 FLAT = load_headset("flat-90")  # 45 degrees to every side

@@ -119,12 +119,11 @@ class Iterative(GatherWarp):
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        wide, high = self.rendered_size
         surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
-        surface |= {"last_centre": (wide - 0.5, high - 0.5)}
+        surface |= {"last_centre": (self.rendered_size[0] - 0.5, self.rendered_size[1] - 0.5)}
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
             surface["cells"] = self._seeds.cells
