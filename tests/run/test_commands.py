@@ -9,7 +9,8 @@ import pytest
 from replays import suited
 
 from hmdwarp.client import parse_warp
-from hmdwarp.display import Command
+from hmdwarp.display import CONTROLS, Command
+from hmdwarp.headsets import load_headset
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
 from hmdwarp.run import host as handling
 from hmdwarp.run.host import choices
@@ -84,3 +85,24 @@ def test_in_a_run_the_refusal_stands_over_the_pictures_which_go_on(monkeypatch):
     assert status.values["warp"] == "backward"
     assert ONE_EYE in status.notice
     assert all(picture.any() for picture in display.pictures)
+
+
+@pytest.mark.parametrize(
+    "scene, headset, has",
+    [
+        ("planes", "rift-dk1", {"lens", "scenes"}),
+        ("planes", "quest-3", {"scenes"}),
+        ("playroom", "rift-dk1", {"lens", "scenes", "push", "switch", "grab", "release"}),
+    ],
+)
+def test_controls_are_offered_that_scene_and_headset_can_follow(monkeypatch, gpu, scene, headset, has):
+    """And another scene's after it was chosen."""
+    first, then = ("planes", "playroom") if scene == "playroom" else (scene, scene)
+    monkeypatch.setattr("hmdwarp.display.offscreen.load_headset", lambda _: load_headset(headset))
+    display = OffscreenDisplay(gpu=gpu, asked={2: [Command("scene", then)]})
+    options = LiveOptions(scene=first, headset=headset, latency_ms=0, warp="none", fill="none", samples=1, pictures=4)
+    run_on(monkeypatch, display, options)
+    assert display.statuses[-1].has == has
+    assert [one.name for one in CONTROLS if one.needs and not display.statuses[-1].offers(one)] == [
+        one.name for one in CONTROLS if one.needs and one.needs not in has
+    ]
