@@ -169,7 +169,7 @@ class ControlPanel:
         imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch)
         draws = {"choice": self._choice, "number": self._number, "switch": self._switch}
         for control in self._controls:
-            if _acts(control) or control.name not in status.values:
+            if _acts(control) or control.name not in status.values or not status.offers(control):
                 continue
             imgui.table_next_column()
             imgui.align_text_to_frame_padding()
@@ -217,7 +217,7 @@ class ControlPanel:
     def _draw_actions(self, status: Status) -> None:
         """Draw buttons for controls without a value and the display's own; what is on is lit."""
         width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / 2
-        for number, control in enumerate(filter(_acts, self._controls)):
+        for number, control in enumerate(filter(status.offers, filter(_acts, self._controls))):
             if number % 2:
                 imgui.same_line()
             lit = status.values.get(control.name) is True
