@@ -181,24 +181,24 @@ def test_every_part_has_its_place():
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
     "sources": (10497, 8500),
-    "run": (6927, 5400),
-    "client": (7908, 6500),
+    "run": (6926, 5400),
+    "client": (7907, 6500),
     "cloudlight": (3600, 3600),  # done
     "scenes": (5380, 4600),
     "poses": (5995, 4500),
-    "pipeline": (5052, 3700),
+    "pipeline": (5051, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),
     "gpu geometry headsets": (3744, 3100),
     "report": (5202, 4200),
     "experiments": (4028, 3200),
     "metrics options": (3454, 2600),
-    "cli": (2920, 2400),
+    "cli": (2916, 2400),
     "display web": (5002, 4000),
     "study": (11645, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (71483, 58000)
+TEST_LINES = (70928, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
