@@ -47,6 +47,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "refresh calls": ("docs/measure/refresh_calls.py", False),
     "foveation": ("docs/measure/foveated.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
+    "page reads": ("docs/measure/page_reads.py", True),
 }
 
 

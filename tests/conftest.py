@@ -31,12 +31,11 @@ COUNT_FROZEN = gc.get_freeze_count
 USUALLY_SLOW_S = 10.0  # of a test that is marked slow without a number
 # What `make test-quick` runs: what needs no other process, and of the GPU's passes the contracts.
 QUICK = (
-    "client/classes", "client/test_contract", "client/test_forward.py", "client/test_iterative.py",
-    "client/test_plan", "client/test_pyramid.py", "client/test_variants.py", "experiments/bench/test_cases.py",
+    "client/classes", "client/test_contract", "client/test_forward.py", "client/test_fills.py",
+    "client/test_plan", "client/test_variants.py", "client/test_warps.py", "experiments/bench/test_cases.py",
     "frames/", "geometry/", "gpu/test_shader_files.py", "hard_cases/", "headsets/", "link/", "metrics/", "options/",
-    "pipeline/auto", "poses/", "sources/server/test_projection.py", "sources/server/test_visibility.py",
-    "study/design/", "study/scales/", "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py",
-    "test_public.py", "test_registry.py",
+    "pipeline/auto", "poses/", "sources/server/test_visibility.py", "study/design/", "study/scales/",
+    "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py", "test_public.py", "test_registry.py",
 )  # fmt: skip
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 

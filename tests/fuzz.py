@@ -389,8 +389,8 @@ def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
 
 def _traces() -> Iterator[tuple[str, Target]]:
     from poses import layouts
-    from poses import test_other_files as files
     from poses.traces import head, rows, save, write
+    from recorded_folders import taken, write_colmap
     from ros_bags import BEGINS_NS
 
     from hmdwarp import resources
@@ -418,28 +418,26 @@ def _traces() -> Iterator[tuple[str, Target]]:
             ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"]
             + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(table)]
         ),
-        "unity": files.VECTORS["Unity in quotes"],
-        "iwer": json.dumps({"schema": [], "frames": files.iwer_frames(track)}),
-        "json": json.dumps(files.JSON_FORMS["columns and data"]),
-        "motive": "\n".join(files.motive()),
-        "qualisys": "\n".join(files.qualisys()),
-        "unreal": "\n".join(files.unreal("rotator")),
         "recording": (resources.folder("recordings") / "walk.csv").read_text()[:20_000],
     }
     for name, text in texts.items():
         stated = {"quat_order": "wxyz"} if name == "ticks" else None
         yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
-    sys.path.append(str(ROOT / "docs"))  # whose tables these samples check
-    from poses.test_assumptions import SAMPLES
-
-    for name in ("eyenavgs", "browser"):
-        yield f"trace {name}", Target(SAMPLES[name], reads("*"))
-    yield "trace colmap", Target(SAMPLES["colmap"], reads("sparse/0/images.txt", {"rate": 90.0}))
+    for name, sample in {
+        **{"unity": "vectors-unity-in-quotes.csv", "iwer": "iwer.json", "json": "json-columns-and-data.json"},
+        **{"motive": "motive.csv", "qualisys": "qualisys.tsv", "unreal": "unreal-rotator.csv"},
+        **{"eyenavgs": "eyenavgs.csv", "browser": "browser.json"},
+    }.items():
+        yield f"trace {name}", Target(partial(_copy, sample), reads("*"))
+    yield (
+        "trace colmap",
+        Target(lambda folder: write_colmap(folder, taken(3)), reads("sparse/0/images.txt", {"rate": 90.0})),
+    )
     yield (
         "trace named",
         Target(lambda folder: write(folder / "trace.csv", rows(track), "t,x,y,z,qx,qy,qz,qw"), reads()),
     )
-    yield "trace bids", Target(_bids, reads("*motion.tsv"))
+    yield "trace bids", Target(partial(_copy, "bids-quaternions"), reads("*motion.tsv"))
 
 
 def _text(text: str, folder: Path) -> None:
@@ -450,28 +448,24 @@ def _layout(layouts: Any, layout: Any, track: Any, folder: Path) -> None:
     layouts.written(layout, track, folder)
 
 
-def _bids(folder: Path) -> None:
-    from poses import test_other_files as files
-
-    places, turns = files.in_axes(files.TRACK, "unity")
-    channels = [(f"h_{p}", p, "ORNT", "head", "n/a", "global") for p in ("quat_w", "quat_x", "quat_y", "quat_z")]
-    channels += [(f"h_{p}", p, "POS", "head", "mm", "global") for p in "xyz"]
-    table = np.column_stack([turns[:, [3, 0, 1, 2]], 1000 * places])
-    files.bids(folder, channels, table, {"SpatialAxes": "RSA", "RotationRule": "left-hand"})
+def _copy(sample: str, folder: Path) -> None:
+    """Copy a file of tests/poses/files, or a folder of them."""
+    path = HERE.parent / "poses" / "files" / sample
+    for one in path.iterdir() if path.is_dir() else [path]:
+        shutil.copy(one, folder)
 
 
 def _sequences() -> Iterator[tuple[str, Target]]:
-    from published_folders import PUBLISHED, Form
-    from recorded_folders import LAYOUTS, taken
-    from ros_bags import BAGS
+    from recorded_folders import taken
+    from ros_bags import BAGS, FORMS
 
-    def read(form: Form, folder: Path, rng: Rng) -> None:
+    def read(form: Any, folder: Path, rng: Rng) -> None:
         from hmdwarp.sources import sequences
 
         for frame in sequences.open(folder, form.options).frames[:4]:
             frame.read()
 
-    for name, form in ({name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS).items():
+    for name, form in FORMS.items():
         needs = "rosbags" if name in BAGS else "OpenEXR" if name == "exr" else None
         yield (
             f"frames {name}",
@@ -520,7 +514,7 @@ def _scenes() -> Iterator[tuple[str, Target]]:
 
     def draco(folder: Path) -> None:
         from scenes.glb import SQUARE
-        from scenes.test_scene_files_whole import packed
+        from scenes.test_gltf_rules import packed
 
         data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
         (folder / "scene.glb").write_bytes(data)
@@ -568,7 +562,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
-    from hmdwarp.pipeline.levels import read_rows
+    from hmdwarp.pipeline.governor import read_rows
     from hmdwarp.study.analysis.long_table import from_csv
 
     def bench(folder: Path) -> None:
@@ -660,9 +654,11 @@ def _secrets() -> Iterator[tuple[str, Target]]:
 
 def _messages() -> Iterator[tuple[str, Target]]:
     def write(name: str, folder: Path) -> None:
-        from sources.feed import test_message as made
+        from sources.feed import messages as made
 
-        (folder / "message").write_bytes(bytes(made.encode(getattr(made, name))))
+        from hmdwarp.sources.feed import message
+
+        (folder / "message").write_bytes(bytes(message.encode(getattr(made, name))))
 
     def read(folder: Path, rng: Rng) -> None:
         from hmdwarp.errors import InputError

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from PIL import Image
-from published_folders import ROBOT, Form, ros
-from recorded_folders import CX, CY, FX, FY, OPTICAL, Taken, camera_matrix
+from recorded_folders import CX, CY, FX, FY, HAS_EXR, LAYOUTS, OPTICAL, ROBOT, Form, Taken, camera_matrix, ros
 from scipy.spatial.transform import Rotation
 
 HAS_ROSBAGS = importlib.util.find_spec("rosbags") is not None
@@ -186,3 +186,14 @@ BAGS = {
     "ros2_mcap": Form("rosbag", partial(write_ros2, kind=".mcap")),
     "ros2_odometry": Form("rosbag", partial(write_ros2, motion="odometry")),
 }
+# Every layout by name, as readers must recognise it.
+FORMS = LAYOUTS | BAGS
+
+
+def form_of(name: str) -> Form:
+    """Return that layout; skip the test where the library that writes it is not installed."""
+    if name == "exr" and not HAS_EXR:
+        pytest.skip("OpenEXR is not installed (pip install '.[exr]')")
+    if name in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install '.[bags]')")
+    return FORMS[name]

@@ -10,9 +10,7 @@ import sqlite3
 
 import fuzz
 import pytest
-from published_folders import PUBLISHED, Form
-from recorded_folders import LAYOUTS
-from ros_bags import BAGS
+from ros_bags import FORMS
 
 from hmdwarp import poses
 from hmdwarp.client.classes import client_names
@@ -115,8 +113,7 @@ def test_every_reader_of_a_registry_has_a_target(tmp_path, monkeypatch):
     packaged = {"mcap": "mcap", "rosbag": "rosbags"}
     here = {name for name in formats.names() if name not in packaged or importlib.util.find_spec(packaged[name])}
     assert here <= seen
-    layouts = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
-    assert {form.reader for form in layouts.values()} >= set(readers.names())
+    assert {form.reader for form in FORMS.values()} >= set(readers.names())
     for kind, names in {"headset": headset_names(), "client": client_names(), "scale": scale_names()}.items():
         assert {f"{kind} {name}" for name in names} <= targets.keys()
 

@@ -1,34 +1,20 @@
 """Golden pictures of whole loops, small, on llvmpipe only.
 
-They notice what no figure was asked about.
-
-What must be right is tested elsewhere; these only say that something changed. After a change that
-is meant, look at the new pictures and keep them:
-
-    HMDWARP_GOLDEN=write python -m pytest tests/test_golden.py
-
-A failure writes the picture, the golden one and their difference, ten times as strong, to the
-folder that the message names.
+What must be right is tested elsewhere; these only say that something changed.
 """
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pytest
+from golden_pictures import GREY_LEVELS, assert_golden, difference, names_in
 from numpy.typing import NDArray
-from PIL import Image
 from replays import each_refresh, small
 
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.pipeline import Refresh
 from hmdwarp.run import ReplayRun
-
-GOLDEN = Path(__file__).resolve().parent / "golden"
-WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
 
 # What is shown 12 refreshes into a walk or a turn, both eyes side by side after the lens.
 WALK = {"trace": "walk", "start_s": 3.0}
@@ -53,7 +39,7 @@ SIZE = (80, 100)
 # llvmpipe of one Mesa and LLVM gives the same bits every time. Another one may round a colour the
 # other way (one grey level), and a place the other way, which moves an edge or a scattered point by
 # a pixel: at most one pixel in 500, or it is a change.
-GREY_LEVELS, MOVED_SHARE = 1, 1 / 500
+MOVED_SHARE = 1 / 500
 
 
 def shown(options: dict[str, object]) -> NDArray[np.uint8]:
@@ -71,11 +57,6 @@ def shown(options: dict[str, object]) -> NDArray[np.uint8]:
     return pictures[0]
 
 
-def difference(found: NDArray[np.uint8], wanted: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Absolute, per channel."""
-    return np.abs(found.astype(np.int16) - wanted).astype(np.uint8)
-
-
 @pytest.fixture(scope="module", autouse=True)
 def on_llvmpipe(gpu):
     if "llvmpipe" not in gpu.renderer:
@@ -87,23 +68,11 @@ def on_llvmpipe(gpu):
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_looks_as_before(name, tmp_path):
-    found, path = shown(LOOPS[name]), GOLDEN / f"{name}.png"
-    if WRITING:
-        Image.fromarray(found).save(path, optimize=True)
-        pytest.skip(f"wrote {path.name}; look at it before committing it")
-    wanted = np.asarray(Image.open(path).convert("RGB"))
-    assert found.shape == wanted.shape
-    apart = difference(found, wanted)
-    moved = float((apart.max(axis=-1) > GREY_LEVELS).mean())
-    if moved > MOVED_SHARE:
-        strong = np.minimum(apart.astype(np.int16) * 10, 255).astype(np.uint8)
-        for what, picture in (("found", found), ("golden", wanted), ("difference", strong)):
-            Image.fromarray(picture).save(tmp_path / f"{name}-{what}.png")
-        pytest.fail(f"{moved:.2%} of the pixels differ by more than {GREY_LEVELS} grey level; see {tmp_path}")
+    assert_golden(name, shown(LOOPS[name]), tmp_path, MOVED_SHARE)
 
 
 def test_every_golden_picture_is_of_a_loop():
-    assert {path.stem for path in GOLDEN.glob("*")} == set(LOOPS)
+    assert names_in("") == set(LOOPS)
 
 
 @pytest.mark.parametrize("name", ["planes-planar-none-none"])

@@ -47,10 +47,6 @@ def test_a_page_has_times_both_paths_and_what_was_left_out():
     assert "a table" in page and "a ratio" in page and "- live 2: no time" in page
 
 
-def test_without_64_bit_atomics_there_is_no_line_on_them():
-    assert "64-bit" not in gpu_tables.section(gpu_json(warps={"forward": 1.0}))
-
-
 @pytest.fixture
 def page(tmp_path, monkeypatch) -> Path:
     """docs/gpu.md, apart."""
@@ -79,9 +75,3 @@ def test_parts_without_time_left_are_named(tmp_path):
     assert run.part("a failure", "-c", "raise SystemExit('why')") is None
     assert run.left_out == ["a failure: why"]
     assert run.part("a part", "-c", "print('done')") == "done\n"
-
-
-def test_the_page_of_the_documentation_has_a_place_for_each_gpu():
-    text = (Path(__file__).parents[1] / "docs" / "gpu.md").read_text(encoding="utf-8")
-    for name in (line.removeprefix("## ") for line in text.splitlines() if line.startswith("## ")):
-        assert f"<!-- gpu {name} -->" in text

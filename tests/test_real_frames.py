@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import http.server
-import shutil
 import sys
 import threading
 from pathlib import Path
@@ -84,31 +83,6 @@ def test_frames_are_fetched_once_and_checked(sets, tmp_path, monkeypatch):
         real_frames.fetch(here)
     server.shutdown()
     server.server_close()
-
-
-def test_they_are_looked_for_by_the_variable_and_in_the_cache(sets, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.delenv(real_frames.VARIABLE, raising=False)
-    assert real_frames.folder_of() is None and "real_frames.py fetch" in real_frames.why_absent()
-    shutil.copytree(sets, tmp_path / "cache" / "hmdwarp" / "rgbd")
-    assert real_frames.folder_of() == tmp_path / "cache" / "hmdwarp" / "rgbd"
-    monkeypatch.setenv(real_frames.VARIABLE, str(sets))
-    assert real_frames.folder_of() == sets
-
-
-def test_a_table_has_each_repair_and_fill(sets, monkeypatch):
-    monkeypatch.setattr(real_frames, "ROUNDS", 2)
-    monkeypatch.setattr(real_frames, "usable_warps", lambda: ["iterative"])
-    monkeypatch.setattr(real_frames, "fills_of_one_picture", lambda: ["none", "pyramid"])
-    found = real_frames.measured(sets)
-    camera = {row["repair"]: row for row in found["camera"]}
-    assert list(camera) == ["none", "complete"]  # edges finds nothing, and is left out
-    assert camera["complete"]["hole_share"] < camera["none"]["hole_share"] - 0.1
-    assert camera["none"]["time_ratio"] == 1
-    lines = real_frames.table(found["camera"]).splitlines()
-    assert len(lines) == 2 + 2 and all(line.count("|") == lines[0].count("|") for line in lines)
-    assert "**" in lines[2] or "**" in lines[3]
-    assert len(real_frames.repairs_table(sets).splitlines()) == 2 + 3
 
 
 @pytest.mark.skipif(FOLDER is None, reason=real_frames.why_absent())

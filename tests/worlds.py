@@ -13,11 +13,21 @@ from reference.picture import GPU_SAMPLER_PIXELS, ReferencePicture, RenderedPict
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.client import CLIENT_DEPTH, PassInputs, every_baseline, every_warp, parse_warp
-from hmdwarp.client.warps import Warp, warps
+from hmdwarp.client.warps import Output, Warp, warps
 from hmdwarp.frames import EyeImage, Surface
 from hmdwarp.geometry import Fov, Pose, View, face_views
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+
+PICTURED = ("mesh", "mesh_adaptive", "splat")
+"""Warps without a twin: golden pictures hold them, tests/client/test_contract.py.
+
+What a rasteriser does at edges, or a footprint, would be the same route again in float64.
+"""
+
+
+def has_twin(spec: str) -> bool:
+    return parse_warp(spec).entry.name not in PICTURED
 
 
 def twin_of(name: str):
@@ -35,8 +45,8 @@ def twin_of(name: str):
 def every_compared() -> list[str]:
     """Each warp with its defaults, its variants, and its settings that are somebody's baseline.
 
-    Without mesh:grid=512,ring=0.002, whose twin would meet each ray with half a million triangles;
-    it is mesh:grid=64 with other numbers. Without what draws a scene and warps no picture: that is
+    Without mesh:grid=512,ring=0.002, half a million triangles: it is mesh:grid=64 with other
+    numbers. Without what draws a scene and warps no picture: that is
     compared with the server's pictures, see tests/client/test_model.py.
     """
     every = [*every_warp(), *(spec for spec in every_baseline() if spec != "mesh:grid=512,ring=0.002")]
@@ -65,6 +75,30 @@ def pixels(texture) -> np.ndarray:
     found = np.frombuffer(texture.read(alignment=1), dtype).astype(np.float64)
     channels = () if texture.components == 1 else (texture.components,)
     return found.reshape(texture.height, texture.width, *channels)
+
+
+def shown_by(
+    gpu,
+    spec: str,
+    inputs: PassInputs,
+    shown_size: tuple[int, int],
+    output: Output | None = None,
+    geometry: object = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Colour (h, w, 4) and, where `output` asks for it, inverse depth (h, w) of one run."""
+    choice, output = parse_warp(spec), output or Output()
+    warp = choice.entry(gpu, inputs.rendered.size, shown_size, choice.settings, output, geometry)
+    canvas, depth = Canvas(gpu.gl, shown_size), allocate(gpu.gl, shown_size, SCALAR)
+    if output.depth:
+        warp.run_with_depth(inputs, canvas, depth)
+    else:
+        warp.run(inputs, canvas)
+    gpu.barrier()
+    found = read(canvas.texture), read(depth)[..., 0]
+    for thing in (canvas, depth):
+        thing.release()
+    warp.close()
+    return found
 
 
 class World:

@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image
 
 from hmdwarp import Fov, View, Warper, load_trace
+from hmdwarp.sources.feed.caller import Viewer
 from hmdwarp.sources.feed.message import HALF
-from hmdwarp.sources.feed.viewer import Viewer
 
 SIZE, FOV = (480, 360), Fov.symmetric(np.deg2rad(90), np.deg2rad(73.74))
 PAGE = b"""<!doctype html><html lang="en"><meta charset="utf-8"><title>hmdwarp feed</title>

@@ -1,11 +1,11 @@
-"""hmdwarp check: the conventions under which frames agree with each other."""
+"""hmdwarp check and synthesise: what frames are, and frames from their motion vectors."""
 
 from __future__ import annotations
 
 import typer
 
 from .. import check as conventions
-from ..check.options import CheckOptions
+from ..check.options import CheckOptions, SynthesisOptions
 from ._options import JSON, Said, as_json, takes
 
 
@@ -79,3 +79,34 @@ def _print_findings(answer: conventions.Answer) -> None:
         typer.echo("Read them so:")
         for line in answer.code:
             typer.echo(f"    {line}")
+
+
+@takes(SynthesisOptions, JSON)
+def synthesise(said: Said) -> None:
+    """Make the frame between two or after them from motion vectors and depth, with its error.
+
+    FRAMES as an engine gives them to XR_EXT_frame_synthesis or XR_FB_space_warp. `hmdwarp check
+    --motion` says whether they are in its convention.
+    """
+    from ..check import read_motion
+    from ..check import synthesise as made
+    from ..report import OutputFolder
+
+    options = SynthesisOptions.of(said)
+    frames = read_motion(options.frames)
+    rows = []
+    with OutputFolder(options.out, owned=("[0-9]*.png",), last="synthesis.json", force=options.force) as out:
+        for one in made(frames, options.at):
+            out.write_png(f"{one.name}.png", one.colour)
+            rows.append(one.row())
+            error = "no true frame of that instant"
+            if one.truth is not None:
+                error = (
+                    f"PSNR {one.psnr_db:.2f} dB to {one.truth}; {one.without_vectors_db:.2f} by head and depth alone, "
+                    f"{one.as_it_was_db:.2f} as it was"
+                )
+            if not said["json"]:
+                typer.echo(f"{one.name}.png at {one.time_ns} ns: {error}")
+        out.write_json("synthesis.json", entry := {"at": options.at, "frames": rows})
+    if said["json"]:
+        typer.echo(as_json(entry))

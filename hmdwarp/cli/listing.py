@@ -1,4 +1,4 @@
-"""hmdwarp list: what there is to choose from."""
+"""hmdwarp list and doctor: what there is to choose from, and what this machine has."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import typer
 from ..errors import InputError, unknown_name
 from ..options import Declared, option
 from ..registry import Row
-from ._options import Said, as_json, takes
+from ._options import JSON, Said, as_json, takes
 from .catalogue import KINDS, entries, headset_row
 
 # Of one entry, where that is not the list's name without its s.
@@ -66,3 +66,30 @@ def _rows(kind: str | None, name: str | None) -> list[Row]:
     if name is not None and not found:
         raise unknown_name(_ONE.get(kind, kind.removesuffix("s")), name, [row["name"] for row in rows])
     return found
+
+
+COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": typer.colors.YELLOW}
+
+
+@takes(JSON)
+def doctor(said: Said) -> None:
+    """Check what this machine has, what is missing, and how to get it.
+
+    OpenGL and its timers, displays, codecs, and each extra.
+    """
+    from ._checks import examine, replay_can_run
+
+    findings = examine()
+    ready = replay_can_run(findings)
+    if said["json"]:
+        typer.echo(as_json({"replay": ready, "findings": list(map(attrs.asdict, findings))}))
+    else:
+        for finding in findings:
+            mark = typer.style(f"{finding.state:<9}", fg=COLOURS[finding.state])
+            typer.echo(f"{mark} {finding.name:<15} {finding.detail}")
+            if finding.remedy:
+                typer.echo(f"{'':<25} -> {finding.remedy}")
+        cannot = "cannot run here: see the lines marked missing."
+        typer.echo(f"'hmdwarp replay' {'can run here.' if ready else cannot}")
+    if not ready:
+        raise typer.Exit(3)

@@ -27,7 +27,7 @@ def plan(said: Said) -> None:
 
     With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
-    from ..pipeline.planning import build_plan_for, proxy_plan_for
+    from ..pipeline.sizes import build_plan_for, proxy_plan_for
     from ..pipeline.source import motion_notes
 
     source = said["source"]

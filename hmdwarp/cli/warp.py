@@ -15,7 +15,7 @@ from ..pipeline.options import PipelineOptions
 from ..pipeline.proxy_options import SINGLE_FILL
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
-from ._options import Said, takes
+from ._options import JSON, Said, as_json, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others,
 # with all that comes with a layer of its own.
@@ -74,7 +74,7 @@ class WarpOptions(Declared):
     )
 
 
-@takes(WarpOptions)
+@takes(WarpOptions, JSON)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..frames.layers import PICTURE
@@ -114,9 +114,14 @@ def warp(said: Said) -> None:
             depth=depth,
         )
     write_image(options.out, result, shown)
+    notes = [*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)]
+    if said["json"]:
+        facts = {"time_ms": result.time_ms, "hole_share": result.hole_share, "notes": notes}
+        typer.echo(as_json({"out": str(options.out), **facts}))
+        return
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
-    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)):
+    for note in notes:
         typer.echo(f"note: {note}")
 
 

@@ -23,7 +23,7 @@ from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View
-from ..gpu.raw_gl import clear_buffer
+from ..gpu.egl import clear_buffer
 from ..gpu.textures import Canvas, download, flip_rows, release_all
 from ..scenes import Mesh, Scene, Texture, lamps_at, morton
 from ..sources.server.parts import DrawContext, Drawing, parts

@@ -162,13 +162,8 @@ class Fov:
         found = np.asarray(matrix, np.float64)
         found = found.reshape(4, 4) if found.size == 16 else np.zeros((4, 4))
         whole = [one for one in (found, found.T) if np.allclose(np.abs(one[3]), (0, 0, 1, 0)) and not one[2, :2].any()]
-        if (
-            not whole
-            or not np.isfinite(found).all()
-            or not whole[0][0, 0] * whole[0][1, 1]
-            or found[0, 1]
-            or found[1, 0]
-        ):
+        scaled = whole and np.isfinite(found).all() and whole[0][[0, 1], [0, 1]].all()
+        if not scaled or found[0, 1] or found[1, 0]:
             raise InputError(f"projection is {in_brief(matrix)}: expected a perspective along z, (4, 4) or 16 numbers")
         scales = ((whole[0][k, k], whole[0][k, 2] / whole[0][3, 2]) for k in (0, 1))
         (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
@@ -497,21 +492,27 @@ class WarpMap:
         """
         (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
         off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
-        # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far
-        # below any real motion.
-        return bool(max(map(abs, off)) <= 1e-9)
+        return bool(max(map(abs, off)) <= 1e-9)  # px: what rounding leaves of equal poses, below any real motion
 
 
-@lru_cache(maxsize=64)  # every pass of a refresh asks for the map of the same pair of views
+_MAPS: dict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = {}
+
+
 def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
-    """Return WarpMap.between, without a check of what it gets: for the passes of a refresh."""
+    """Return WarpMap.between unchecked, made once for the same two objects: each pass asks."""
+    key = id(frm), id(to), frm_size, to_size
+    if key in _MAPS:
+        return _MAPS[key][2]
     position_m, turn = relative(frm.pose, to.pose)
-    try:
-        k_to, k_frm_inverse = to.fov.cameras[to_size][0], frm.fov.cameras[frm_size][1]
-    except KeyError:
-        k_to, k_frm_inverse = _camera(to.fov, to_size)[0], _camera(frm.fov, frm_size)[1]
-    made = WarpMap(k_to @ matrix_of(turn) @ k_frm_inverse, k_to @ position_m)
-    made.H.flags.writeable = made.e.flags.writeable = False
+    k_to = (to.fov.cameras.get(to_size) or _camera(to.fov, to_size))[0]
+    k_frm_inverse = (frm.fov.cameras.get(frm_size) or _camera(frm.fov, frm_size))[1]
+    made = WarpMap.__new__(WarpMap)
+    for name, values in (("H", k_to @ matrix_of(turn) @ k_frm_inverse), ("e", k_to @ position_m)):
+        values.flags.writeable = False
+        _set(made, name, values)
+    if len(_MAPS) >= 64:
+        _MAPS.clear()  # at once, as threads share it
+    _MAPS[key] = frm, to, made
     return made
 
 

@@ -1,9 +1,9 @@
 from .context import HOW_TO_GET_GL as HOW_TO_GET_GL
 from .context import WANTED as WANTED
 from .context import Gpu as Gpu
-from .raw_gl import depth_framebuffer as depth_framebuffer
-from .raw_gl import gl_function as gl_function
-from .raw_gl import reset_status_of as reset_status_of
+from .egl import depth_framebuffer as depth_framebuffer
+from .egl import gl_function as gl_function
+from .egl import reset_status_of as reset_status_of
 from .shaders import VERSION as VERSION
 from .shaders import Compute as Compute
 from .shaders import Draw as Draw

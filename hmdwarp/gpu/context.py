@@ -17,7 +17,7 @@ import moderngl
 
 from ..errors import InputError, MachineError
 from . import egl
-from .raw_gl import gl_function, reset_status_of
+from .egl import gl_function, reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
 

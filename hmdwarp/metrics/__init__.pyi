@@ -21,10 +21,10 @@ from .jod import clip_length as clip_length
 from .jod import preferring as preferring
 from .jod import ratings_of as ratings_of
 from .library.alike import flip as flip
+from .library.alike import psnr as psnr
 from .library.alike import ssim as ssim
 from .library.flicker import flicker as flicker
 from .library.holes import hole_share as hole_share
-from .library.psnr_db import psnr as psnr
 from .metric import PRIMARY as PRIMARY
 from .metric import Figure as Figure
 from .metric import Metric as Metric

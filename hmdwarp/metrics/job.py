@@ -76,8 +76,8 @@ class QualityJob:
     rendered_picture: NDArray[Any] | None = None  # the late frame's, for reports only
     # FLIP, SSIM and flicker, where a PairPass has found them.
     alike: Alike | None = None
-    # (name, picture) of other warps on the same late frame, for reports only.
-    beside: tuple[tuple[str, NDArray[Any]], ...] = ()
+    # (name, picture, FLIP map as bytes) of other warps on the same late frame, for reports only.
+    beside: tuple[tuple[str, NDArray[Any], NDArray[np.uint8]], ...] = ()
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.

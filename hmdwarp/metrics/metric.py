@@ -105,7 +105,10 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-_FAMILIES = {**dict.fromkeys(("ssim", "flip"), "alike"), **dict.fromkeys(("hole_share", "border_share"), "holes")}
+_FAMILIES = {
+    **dict.fromkeys(("ssim", "flip", "psnr_db"), "alike"),
+    **dict.fromkeys(("hole_share", "border_share"), "holes"),
+}
 metrics: Registry[Metric] = Registry(
     "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_FAMILIES
 )

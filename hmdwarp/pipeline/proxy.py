@@ -33,11 +33,19 @@ from .channel import Channel, ChannelSetup
 from .frame_coder import Coder
 from .loop import Loop, Refresh
 from .options import PipelineOptions
-from .planning import proxy_plan_for
 from .proxy_options import PROXY, RECORDING, REMOTE
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
-from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
+from .sizes import (
+    age_over_ns,
+    check_room,
+    eye_sizes,
+    guarded_size,
+    held_over,
+    proxy_plan_for,
+    refreshes_of,
+    rendered_entry,
+)
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.

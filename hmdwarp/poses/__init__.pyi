@@ -23,6 +23,7 @@ from .synth import DECIMALS as DECIMALS
 from .synth import GLIDES as GLIDES
 from .synth import KINDS as KINDS
 from .synth import Glide as Glide
+from .synth import Walker as Walker
 from .synth import minimum_jerk as minimum_jerk
 from .synth import shift_seconds as shift_seconds
 from .synth import synthesise as synthesise
@@ -35,4 +36,3 @@ from .track import PoseSource as PoseSource
 from .track import PoseTrack as PoseTrack
 from .track import RecordedSource as RecordedSource
 from .track import folded as folded
-from .walker import Walker as Walker

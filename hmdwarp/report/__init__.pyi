@@ -6,7 +6,8 @@ from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
 from .files import Panel as Panel
 from .files import atomic as atomic
-from .files import comparison_panels as comparison_panels
+from .files import comparison_columns as comparison_columns
+from .files import in_a_row as in_a_row
 from .files import inert_text as inert_text
 from .files import jpeg_bytes as jpeg_bytes
 from .files import keep_private as keep_private

@@ -308,22 +308,24 @@ def _magma_table() -> Pixels:
     return table
 
 
-def comparison_panels(
-    rendered: Pixels | None,
-    warped: Pixels,
-    truth: Pixels,
-    error_map: NDArray[Any],
-    beside: Sequence[Panel] = (),
-) -> list[Panel]:
-    """Return the panels of every comparison: truth, late picture, warped ones, error of the first.
+def comparison_columns(
+    rendered: Pixels | None, truth: Pixels, warped: Sequence[tuple[str, Pixels, NDArray[np.uint8]]]
+) -> list[list[Panel]]:
+    """Return a comparison in columns: truth above late picture, each warped one above its error.
 
-    rendered: None where there is no late picture. error_map: as magma; brightest at ERROR_TOP.
-    beside: what other warps made of the late frame.
+    rendered: None where there is no late picture. warped: name, picture, error map as bytes (which
+    is brightest at ERROR_TOP).
     """
-    late = [] if rendered is None else [(LATE, rendered)]
-    levels = np.asarray(error_map, np.float32) / (255 if np.asarray(error_map).dtype == np.uint8 else 1)
-    error = magma(levels / ERROR_TOP)
-    return [("truth", truth), *late, ("warped", warped), *beside, (f"error (FLIP 0 to {ERROR_TOP:g})", error)]
+    columns = [[("truth", truth), *([] if rendered is None else [(LATE, rendered)])]]
+    for name, picture, error_map in warped:
+        label = f"error of {name}" if len(columns) > 1 else f"error (FLIP 0 to {ERROR_TOP:g})"
+        columns.append([(name, picture), (label, magma(error_map / 255 / ERROR_TOP))])
+    return columns
+
+
+def in_a_row(columns: Sequence[Sequence[Panel]]) -> list[Panel]:
+    """Return the panels of a strip: truth, late picture, warped ones, the error of the first."""
+    return [*columns[0], *(column[0] for column in columns[1:]), columns[1][1]]
 
 
 def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pixels:

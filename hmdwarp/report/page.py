@@ -7,7 +7,9 @@ but for those made as Markup. The same content gives the same page.
 from __future__ import annotations
 
 import base64
+import hashlib
 from collections.abc import Mapping, Sequence
+from importlib import resources
 from typing import Any
 
 import attrs
@@ -145,13 +147,12 @@ class Article:
 
 @attrs.frozen
 class Section:
-    """A part of the page; those with a link stand in the list under the title."""
+    """A part of the page; those with an id stand in the list under the title."""
 
     heading: str
     # Those that are None or empty are left out.
     blocks: Sequence[Any]
     id: str = ""
-    link: str = ""
     style: str = ""
     # For readers who cannot see it, where there is no heading.
     label: str = ""
@@ -180,11 +181,15 @@ class Page:
             loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
             lstrip_blocks=True,
         )  # fmt: skip
+        script = resources.files(__package__).joinpath("templates/page.js").read_text(encoding="utf-8")
+        digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
         environment.filters["pieces"] = lambda text: (
-            [text] if isinstance(text, Markup) else run_texts.name_pieces(text, r"|(?<=[._])(?=[a-z])")
+            [text] if isinstance(text, Markup) else run_texts.name_pieces(text, r"|(?<=[._+])(?=[a-z])")
         )
         return environment.get_template("page.html").render(
             page=self,
+            script=script if self.kind == "replay" else "",
+            digest=f"sha256-{digest}",
             sections=[section for section in self.sections if section is not None and any(section.blocks)],
             light=css_variables(dark=False),
             dark=css_variables(dark=True),
@@ -222,4 +227,4 @@ def data_uri(picture: Any, kind: str = "jpeg") -> str:
 def reading_section(page: str, *more: tuple[str, str], **values: str) -> Section:
     """Return the section that explains a page: its texts, with values in their places, and more."""
     pairs = [(term, text.format(**values)) for term, text in texts(page)["to_read"].items()]
-    return Section("How to read this", [Terms([*pairs, *more])], id="reading", link="How to read this", style="reading")
+    return Section("How to read this", [Terms([*pairs, *more])], id="reading", style="reading")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..metrics import LEAST_INSTANTS, PRIMARY, Figure, Input, Kept, excludes_zero, metrics, metrics_in_order
 from .charts import Series, time_series, timeline_svg
-from .files import ERROR_TOP, Panel, comparison_panels
+from .files import ERROR_TOP, Panel, comparison_columns, in_a_row
 from .page import (
     Article,
     Chart,
@@ -75,20 +75,25 @@ class WorstFrame:
 
     time_s: float
     eye: int  # 0 left, 1 right
-    panels: tuple[Panel, ...]  # labelled, as comparison_panels makes them
+    columns: Sequence[Sequence[Panel]]  # as comparison_columns makes them
     values: Mapping[str, float | None]  # by metric
 
     @classmethod
     def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
         """Make one of a picture that QualityPool kept."""
-        return cls(time_s, eye, tuple(panels_of(kept)), kept.result.values)
+        return cls(time_s, eye, columns_of(kept), kept.result.values)
+
+
+def columns_of(kept: Kept) -> list[list[Panel]]:
+    """Return the labelled panels of a kept picture in columns."""
+    assert kept.result.error_map is not None
+    job, own = kept.job, ("warped", kept.job.now.shown, kept.result.error_map)
+    return comparison_columns(job.rendered_picture, job.now.truth, [own, *job.beside])
 
 
 def panels_of(kept: Kept) -> list[Panel]:
-    """Return the labelled panels of a kept picture."""
-    assert kept.result.error_map is not None
-    job = kept.job
-    return comparison_panels(job.rendered_picture, job.now.shown, job.now.truth, kept.result.error_map, job.beside)
+    """Return them as the panels of a strip."""
+    return in_a_row(columns_of(kept))
 
 
 def render_report(
@@ -127,7 +132,11 @@ def render_report(
             for f in QUALITY_FIGURES
             if (value := frame.values.get(f.name)) is not None
         ]
-        panels = Group("panels", [Picture.of(label, one, f"{label} at {when}") for label, one in frame.panels])
+        stacks = [
+            Group("stack", [Picture.of(label, one, f"{label} at {when}") for label, one in column])
+            for column in frame.columns
+        ]
+        panels = Group("panels slides", stacks)
         shown.append(Article([Heading(when), Text(Markup("").join(values), "figures"), panels], style="worst"))
     about = notes_of["figures"].format(
         rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
@@ -219,7 +228,7 @@ def metric_charts(runs: Mapping[str, Rows]) -> list[Chart]:
     for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
         series = [Series.of(name, rows, metric.name, metric.scale) for name, rows in runs.items()]
         if metric.chart:
-            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
+            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero, points=True)
             charts.append(Chart.over_time(metric.chart, svg))
     return charts
 
@@ -305,6 +314,7 @@ Column = Callable[[str], NDArray[np.float64]]
 
 _MS = Figure("", "", "ms", 1)
 _SHORT_MS = Figure("", "", "ms", 2)
+_ABOUT = {"trace_axes": "axes of the trace"}
 
 
 def render_live_report(summary: Summary, column: Column, *, command: str) -> str:
@@ -319,6 +329,11 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     for change in live["changes"]:
         what = ", ".join(f"{name} {_value(old)} → {_value(new)}" for name, (old, new) in change["what"].items())
         changes.append((f"{change['time_s']:.2f} s", f"{what} ({change['reason']})"))
+    recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
+    pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
+    about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
+    pairs = [("source", live["source"]), *about, *source_facts(summary)]
+    pairs += [(name, summary[name]) for name in ("fill", "lens")]
     charts = [Group("charts", _live_charts(summary, column)), Text(texts("live")["notes"]["charts"])]
     collector = live["garbage_collector"]
     when = "between the pictures" if collector["between"] else "at any time"
@@ -328,7 +343,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         kind="live",
         title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
-        facts=_live_facts(summary),
+        facts=[*(fact(*pair) for pair in pairs), size_fact(summary), pictures],
         command=command,
         sections=(
             Section("", _live_tiles(summary), style="tiles", label="Main figures"),
@@ -348,19 +363,6 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         ),
         made_with=made_with(summary),
     ).html()
-
-
-_ABOUT = {"trace_axes": "axes of the trace"}
-
-
-def _live_facts(summary: Summary) -> list[str]:
-    live = summary["live"]
-    recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
-    pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
-    about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
-    pairs = [("source", live["source"]), *about, *source_facts(summary)]
-    pairs += [(name, summary[name]) for name in ("fill", "lens")]
-    return [*(fact(*pair) for pair in pairs), size_fact(summary), pictures]
 
 
 def _live_tiles(summary: Summary) -> list[Tile]:

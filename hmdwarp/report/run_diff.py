@@ -315,13 +315,11 @@ def diff_runs(
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Yield the values of both by their keys, but for times and what names the machine."""
-    if isinstance(a, Mapping) and isinstance(b, Mapping):
-        for name in dict.fromkeys([*a, *b]):
+    ours, theirs = (dict(enumerate(one)) if isinstance(one, list) else {} if one is None else one for one in (a, b))
+    if isinstance(ours, Mapping) and isinstance(theirs, Mapping) and (ours or theirs):
+        for name in dict.fromkeys([*ours, *theirs]):
             if name not in _LEFT_OUT:
-                yield from _leaves(a.get(name), b.get(name), f"{key}.{name}" if key else str(name))
-    elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
-        for number, (one, other) in enumerate(zip(a, b, strict=True)):
-            yield from _leaves(one, other, f"{key}.{number}")
+                yield from _leaves(ours.get(name), theirs.get(name), f"{key}.{name}" if key else str(name))
     else:
         yield key, a, b
 
@@ -380,4 +378,4 @@ def _texts(*values: Any) -> list[str]:
     """Return values that differ with six digits, with all where those are equal."""
     texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
     texts = [str(value) for value in values] if len(set(texts)) == 1 else texts
-    return ["none" if value is None else text for value, text in zip(values, texts, strict=True)]
+    return ["–" if value is None else text for value, text in zip(values, texts, strict=True)]

@@ -20,8 +20,7 @@ from ..report import OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
 from .host import PipelineHost, values
-from .live_figures import HoleCounter, LiveFigures
-from .live_summary import LiveFacts, Pictures, live_facts_of, live_summary_of
+from .live_figures import HoleCounter, LiveFacts, LiveFigures, Pictures, live_facts_of, live_summary_of
 from .misses import DepthSamples, SeenOffset
 from .options import LiveOptions
 from .recorder import Lines

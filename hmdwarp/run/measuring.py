@@ -20,9 +20,9 @@ from ..geometry import View, gaze_tangent, looking
 from ..gpu.textures import download, flip_rows
 from ..metrics import Compared, QualityJob, QualityPool, psnr
 from ..pipeline.loop import Refresh
-from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
+from ..pipeline.sizes import build_plan_for, plan_against
 from .replay_setup import ReplayRun
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
@@ -166,10 +166,8 @@ class Probe:
                 if refresh.head.gaze is not None or self._setup.options.fovea is not None:
                     (shown,) = looking([result.view], refresh.head.gaze)
                     self.near_gaze.add(job.now, shown, rendered.view)
-                compared = zip(self._setup.options.compared, others, strict=True)
-                beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
-                job = attrs.evolve(job, beside=beside)
+                job = attrs.evolve(job, beside=tuple(filter(None, others)))
                 self._setup.hand_in(self._pool, (number, eye, MAIN), job, keep=keep)
 
     def _read_comparison(
@@ -180,19 +178,20 @@ class Probe:
         refresh: Refresh,
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
-    ) -> QualityJob | None:
-        """Measure the comparison warp, which does not compensate effects; return its job.
+    ) -> tuple[str, NDArray[np.uint8], NDArray[np.uint8]] | None:
+        """Measure the comparison warp; return its name, picture and FLIP map.
 
-        Its rendered picture has all effects drawn in.
+        It does not compensate effects: its rendered picture has all of them drawn in.
         """
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
         self.against_ms[which - 1][where] = tuple(self._setup.target.gpu.timer.collect())
         job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
-        if job is not None:
-            self._setup.hand_in(self._pool, (number, eye, which), job)
-        return job
+        if job is None:
+            return None
+        levels = 255 * self._setup.hand_in(self._pool, (number, eye, which), job).flip_map
+        return method_name(*self._setup.options.compared[which - 1]), job.now.shown, np.rint(levels).astype(np.uint8)
 
     def filled_shares(self) -> dict[str, float]:
         """Return the share of pixels that each fill of the chain filled, and the rest ("empty")."""

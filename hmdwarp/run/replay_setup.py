@@ -15,11 +15,10 @@ import numpy as np
 from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
-from ..metrics import PairPass, QualityJob, QualityPool
-from ..pipeline.planning import plan_against
+from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
-from ..pipeline.sizes import latency_ns, refreshes_of, smaller_size
+from ..pipeline.sizes import latency_ns, plan_against, refreshes_of, smaller_size
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs
@@ -167,13 +166,14 @@ class ReplayRun(Run[RunOptions]):
         self.cleanup.callback(made.close)
         return made
 
-    def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
-        """Submit a picture, with what the GPU finds of it. Errors: as pool.submit."""
+    def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> Alike:
+        """Submit a picture, with what the GPU finds of it; return that. Errors: as pool.submit."""
         alike = self._pairs.run(job.now.shown, job.now.truth)
         if job.previous is not None and (flicker := self._pairs.flicker(job.now, job.previous)) is not None:
             job = attrs.evolve(job, previous=None)
             alike = attrs.evolve(alike, flicker=flicker)
         pool.submit(key, attrs.evolve(job, alike=alike), keep=keep)
+        return alike
 
 
 def set_up_replay(

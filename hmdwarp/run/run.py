@@ -27,10 +27,9 @@ from ..pipeline.frame_coder import Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, PipelineOptions
-from ..pipeline.planning import plans_for
 from ..pipeline.proxy_options import REMOTE
 from ..pipeline.recorded_renderer import MomentOf
-from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size
+from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size, plans_for
 from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, joined
 from ..poses import PoseSample, PoseSource, PoseTrack, foreseen_gaze
 from ..poses.prediction import predict

@@ -36,8 +36,7 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
-from .answers import ANSWER_COLUMNS, Answers
-from .frame_rows import ReplayLog, Row
+from .frame_rows import ANSWER_COLUMNS, Answers, ReplayLog, Row
 from .replay_setup import ReplayRun
 from .requirements import Verdict
 from .run import Run

@@ -1,6 +1,3 @@
-from ._arrived import ArrivedState as ArrivedState
-from ._arrived import as_arrived as as_arrived
-from ._arrived import moves as moves
 from ._lamps import CONVERGED as CONVERGED
 from ._lamps import LEAST_AREA as LEAST_AREA
 from ._lamps import IndirectLight as IndirectLight
@@ -15,8 +12,11 @@ from ._lamps import lit_meshes as lit_meshes
 from ._lamps import moved_meshes as moved_meshes
 from ._lamps import triangle_axes as triangle_axes
 from ._lamps import with_lamps_stopped as with_lamps_stopped
+from ._load import ArrivedState as ArrivedState
+from ._load import as_arrived as as_arrived
 from ._load import check_scene_name as check_scene_name
 from ._load import load_scene as load_scene
+from ._load import moves as moves
 from ._load import slow_in as slow_in
 from ._mesh import Body as Body
 from ._mesh import Deformation as Deformation

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..gpu.context import Gpu
-from ..gpu.raw_gl import clear_buffer, mapped
+from ..gpu.egl import clear_buffer, mapped
 from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, release_all, texture_bytes
 
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.

@@ -1,11 +1,12 @@
 // How much an older frame counts in each block of 8 x 8 pixels, and by how much light has changed.
-// In: the sums of older_compare.comp. Out: for each block the mean difference of the newest frame to the
+// In: the sums of older_compare.comp. Out: for each frame and block the mean difference of the newest frame to the
 // older (rgb) and the older one's weight (alpha).
 // Source: this project's; the shift by least squares of Lucas and Kanade 1981.
 layout(local_size_x = 64) in;
 layout(rgba32f) readonly uniform image2D sums;
 layout(rgba16f) writeonly uniform image2D told;
 uniform ivec2 blocks; // columns and rows of them
+uniform int frames;  // their sums, and what is told, lie one above the other
 
 // Where light has changed by this much of a square root of luminance, the older frame counts for
 // 0.6: a moving lamp's shadow that is taken for noise would smear.
@@ -24,17 +25,19 @@ const float LEAST_GRADIENT = 2e-4;
 void main() {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
     if (block.x >= blocks.x) return;
+    int first = block.y / blocks.y * blocks.y;
+    ivec2 next = ivec2(0, frames * blocks.y);
     vec4 differences = vec4(0.0), shifts = vec4(0.0), products = vec4(0.0);
     float squares = 0.0;
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) {
             ivec2 at = block + ivec2(x, y);
             // The block itself counts twice as much as those beside it, on each axis.
-            float weight = at.y < 0 || at.y >= blocks.y ? 0.0 : float((2 - abs(x)) * (2 - abs(y)));
+            float weight = at.y < first || at.y >= first + blocks.y ? 0.0 : float((2 - abs(x)) * (2 - abs(y)));
             differences += weight * imageLoad(sums, at);
-            shifts += weight * imageLoad(sums, at + ivec2(0, blocks.y));
-            squares += weight * imageLoad(sums, at + ivec2(0, 3 * blocks.y)).r;
-            products += weight * imageLoad(sums, at + ivec2(0, 2 * blocks.y));
+            shifts += weight * imageLoad(sums, at + next);
+            squares += weight * imageLoad(sums, at + 3 * next).r;
+            products += weight * imageLoad(sums, at + 2 * next);
         }
     float count = max(differences.a, 1e-3), light = shifts.x / count;
     vec2 moved = shifts.yz - vec2(shifts.w, products.w) * light;

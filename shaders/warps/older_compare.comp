@@ -1,15 +1,18 @@
-// Compare the shown picture with what an older frame shows there, in blocks of 8 x 8 pixels.
-// In: both. Out: sums over every second pixel of each block, on each axis.
+// Compare the shown picture with what older frames show there, in blocks of 8 x 8 pixels.
+// In: the shown picture and its inverse depth, older frames. Out: for each of them sums over every
+// second pixel of each block, on each axis.
 // Source: this project's; gradients for the shift by least squares of Lucas and Kanade 1981, An
 // Iterative Image Registration Technique.
 layout(local_size_x = 64) in;
 layout(rgba16f) readonly uniform image2D shown_colour;
-layout(rgba16f) readonly uniform image2D looked_up;
 // Four pictures with a pixel for each block, one above the other: difference (rgb) and count; then of
 // square roots of luminance: difference, its product with the gradient (x, y), gradient along x;
-// products of gradients (xx, xy, yy), gradient along y; squared difference.
+// products of gradients (xx, xy, yy), gradient along y; squared difference. Each is as many pictures
+// as there are older frames.
 layout(rgba32f) writeonly uniform image2D sums;
 uniform ivec2 blocks; // columns and rows of them
+uniform ivec2 shown_size;
+#include "lib/older.glsl"
 
 const int SIDE = 8;
 
@@ -25,24 +28,35 @@ vec2 lightness_at(ivec2 pixel) {
 void main() {
     ivec2 block = ivec2(gl_GlobalInvocationID.xy);
     if (block.x >= blocks.x) return;
-    vec4 differences = vec4(0.0), shifts = vec4(0.0), products = vec4(0.0);
-    float squares = 0.0;
-    for (int k = 0; k < SIDE * SIDE / 4; ++k) {
-        ivec2 pixel = block * SIDE + 2 * ivec2(k % (SIDE / 2), k / (SIDE / 2));
-        vec4 newest = imageLoad(shown_colour, pixel), older = imageLoad(looked_up, pixel);
+    prepare_older();
+    vec4 differences[OLDER], shifts[OLDER], products[OLDER];
+    float squares[OLDER];
+    for (int k = 0; k < OLDER; ++k) {
+        differences[k] = shifts[k] = products[k] = vec4(0.0);
+        squares[k] = 0.0;
+    }
+    for (int sample_number = 0; sample_number < SIDE * SIDE / 4; ++sample_number) {
+        ivec2 pixel = block * SIDE + 2 * ivec2(sample_number % (SIDE / 2), sample_number / (SIDE / 2));
+        vec4 newest = imageLoad(shown_colour, pixel);
         vec2 left = lightness_at(pixel - ivec2(1, 0)), right = lightness_at(pixel + ivec2(1, 0));
         vec2 below = lightness_at(pixel - ivec2(0, 1)), above = lightness_at(pixel + ivec2(0, 1));
-        float difference = lightness(newest).x - lightness(older).x;
         bool whole = min(min(above.y, below.y), min(left.y, right.y)) > 0.0;
         vec2 slope = whole ? 0.5 * vec2(right.x - left.x, above.x - below.x) : vec2(0.0);
-        float saw = older.a * newest.a;
-        differences += saw * vec4(newest.rgb - older.rgb, 1.0);
-        shifts += saw * vec4(difference, slope * difference, slope.x);
-        squares += saw * difference * difference;
-        products += saw * vec4(slope.x * slope, slope.y * slope.y, slope.y);
+        float depth = imageLoad(shown_inverse_depth, pixel).r;
+        for (int k = 0; k < OLDER; ++k) {
+            vec4 older = looked_up(k, vec2(pixel) + 0.5, depth);
+            float saw = older.a * newest.a, difference = lightness(newest).x - lightness(older).x;
+            differences[k] += saw * vec4(newest.rgb - older.rgb, 1.0);
+            shifts[k] += saw * vec4(difference, slope * difference, slope.x);
+            squares[k] += saw * difference * difference;
+            products[k] += saw * vec4(slope.x * slope, slope.y * slope.y, slope.y);
+        }
     }
-    imageStore(sums, block, differences);
-    imageStore(sums, block + ivec2(0, blocks.y), shifts);
-    imageStore(sums, block + ivec2(0, 2 * blocks.y), products);
-    imageStore(sums, block + ivec2(0, 3 * blocks.y), vec4(squares));
+    for (int k = 0; k < OLDER; ++k) {
+        ivec2 at = block + ivec2(0, k * blocks.y), next = ivec2(0, OLDER * blocks.y);
+        imageStore(sums, at, differences[k]);
+        imageStore(sums, at + next, shifts[k]);
+        imageStore(sums, at + 2 * next, products[k]);
+        imageStore(sums, at + 3 * next, vec4(squares[k]));
+    }
 }

@@ -95,3 +95,26 @@ def quick(tmp_path) -> list[str]:
         "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.1", "--workers", "0",
         "--against", "", "--quiet", "--out", str(tmp_path / "out"),
     ]  # fmt: skip
+
+
+@pytest.fixture
+def kept(tmp_path):
+    """An output folder with earlier results.
+
+    Afterwards they must be there as before, and nothing beside them.
+    """
+    out = tmp_path / "out"
+    (out / "images").mkdir(parents=True)
+    before = {
+        "summary.json": b'{"hmdwarp": "0"}',
+        "frames.csv": b"frame\n",
+        "report.html": b"<html>",
+        "images/frame-000000-left.png": b"png",
+        "mine.txt": b"mine",
+    }
+    for name, data in before.items():
+        (out / name).write_bytes(data)
+    yield out
+    found = {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+    assert found == before
+    assert sorted(p.name for p in out.iterdir()) == ["frames.csv", "images", "mine.txt", "report.html", "summary.json"]

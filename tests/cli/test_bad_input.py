@@ -1,198 +1,59 @@
-"""What wrong input gets.
-
-One line that names it, the right exit status, and earlier results as they were.
-"""
+"""What wrong input gets: one line that names it, an exit status, earlier results as they were."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import needs
-import numpy as np
 import pytest
+from commands import hmdwarp
 
-from hmdwarp.cli._app import options_of_commands
-from hmdwarp.resources import folder
+import hmdwarp.gpu.context
+from hmdwarp.cli._app import entries, options_of_commands
+from hmdwarp.errors import InputError
+from hmdwarp.scenes import Scene, SceneSource, scenes
 
-WALK = folder("recordings") / "walk.csv"
+# --- files that cannot be used
 
-
-@pytest.fixture
-def kept(tmp_path):
-    """An output folder with earlier results.
-
-    Afterwards they must be there as before, and nothing beside them.
-    """
-    out = tmp_path / "out"
-    (out / "images").mkdir(parents=True)
-    before = {
-        "summary.json": b'{"hmdwarp": "0"}',
-        "frames.csv": b"frame\n",
-        "report.html": b"<html>",
-        "images/frame-000000-left.png": b"png",
-        "mine.txt": b"mine",
-    }
-    for name, data in before.items():
-        (out / name).write_bytes(data)
-    yield out
-    found = {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
-    assert found == before
-    assert sorted(p.name for p in out.iterdir()) == ["frames.csv", "images", "mine.txt", "report.html", "summary.json"]
-
-
-# --- traces
-
-
-def traces() -> dict[str, bytes | None]:
-    walk = WALK.read_bytes()
-    lines = walk.splitlines(keepends=True)
-    cells = [line.split(b",") for line in lines[20:]]  # one bad row is dropped, so many rows of a file are bad
-    return {
-        "missing.csv": None,
-        "empty.csv": b"",
-        "binary.csv": np.random.default_rng(3).bytes(5000),
-        "zeros.csv": bytes(3000),
-        "header-only.csv": b"".join(lines[:5]),
-        "one-row.csv": b"".join(lines[:6]),
-        "nan.csv": b"".join([*lines[:20], *(b",".join([c[0], b"nan", *c[2:]]) for c in cells)]),
-        "infinite.csv": b"".join([*lines[:20], *(b",".join([*c[:7], b"inf\n"]) for c in cells)]),
-        "words.csv": b"this is not\na head trace\nat all\n",
-        "cut-in-a-number.csv": walk[:330],
-    }
-
-
-@pytest.mark.parametrize("name", traces())
-def test_traces_that_cannot_be_used(name, command, quick, kept, tmp_path):
-    path = tmp_path / name
-    if (data := traces()[name]) is not None:
-        path.write_bytes(data)
-    done = command("replay", path, *quick)
-    done.refused(str(path))
-    if name in ("nan.csv", "infinite.csv"):
-        done.refused("line 21", "nan" if name == "nan.csv" else "inf")
+WORDS = "this is not\na head trace\nat all\n"
+NAN = "".join(f"{k / 60},{k},1.6,nan,0,0,0,1\n" for k in range(60))
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    ("option", "name", "text", "told"),
     [
-        ("replay", "FOLDER"),
-        ("plan", "--scene", "FOLDER"),
-        ("plan", "--scene", "FOLDER.glb"),
-        ("plan", "--headset", "FOLDER"),
-        ("plan", "--headset", "FOLDER.toml"),
-        ("study", "plan", "FOLDER"),
+        ("", "missing.csv", None, "no such file"),
+        ("", "words.csv", WORDS, "words.csv"),
+        ("", "nan.csv", f"t,x,y,z,qx,qy,qz,qw\n{NAN}", "line 2.*nan"),
+        ("--scene", "corrupt.glb", "glTF rubbish", "corrupt.glb"),
+        ("--scene", "missing.glb", None, "missing.glb"),
+        ("--headset", "mine.toml", None, "no such file"),
+        ("--headset", "mine.toml", "name = ", "Invalid value"),
+        ("--headset", "mine.toml", 'name = "x"\n', "missing"),
+        ("--headset", "mine.toml", "\x00", "mine.toml"),
     ],
 )
-def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    typed = [
-        str(tmp_path / argument.replace("FOLDER", "folder")) if "FOLDER" in argument else argument
-        for argument in arguments
-    ]
-    folder = next(argument for argument in typed if argument.startswith(str(tmp_path)))
-    Path(folder).mkdir()
-    command(*typed).refused(folder, "is a directory")
+def test_a_file_that_cannot_be_used(option, name, text, told, command, quick, kept, tmp_path):
+    path = tmp_path / name
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    done = command("replay", *([path, *quick] if not option else ["still", *quick, option, path]))
+    done.refused(str(path))
+    assert re.search(told, done.err), done
 
 
 # --- names
 
 
-@pytest.mark.parametrize(
-    ("option", "wrong", "nearest"),
-    [
-        ("--warp", "foward", "forward"),
-        ("--fill", "interpolat", "interpolate"),
-        ("--lens", "radail", "radial"),
-        ("--scene", "rooom", "room"),
-        ("--headset", "rift", "rift-dk1"),
-        ("--format", "tumm", "tum"),
-        ("--predict", "constant-velocity", "constant_velocity"),
-        ("--against", "rotations", "rotation"),
-        ("--warp", "qqqq", ""),  # near nothing
-    ],
-)
-def test_unknown_names_get_the_nearest_known_one(option, wrong, nearest, command, quick, kept):
-    done, guess = command("replay", "still", *quick, option, wrong), f"did you mean '{nearest}'?"
-    done.refused(f"'{wrong}'", "known are", guess if nearest else "")
-    assert ("did you mean" in done.err) == bool(nearest)
-
-
-def test_unknown_recording(command, quick, kept):
-    command("replay", "lookaround", *quick).refused("unknown recording 'lookaround'", "did you mean 'look-around'?")
-
-
-@pytest.mark.parametrize("source", ["synthetic", "openxr", "desktop"])
-def test_a_recording_refuses_an_unknown_scene_whether_or_not_a_window_opens(source, command, tmp_path):
-    done = command("record", "--out", tmp_path / "a.csv", "--source", source, "--scene", "rooom", "--seconds", 0.1)
-    done.refused("'rooom'", "did you mean 'room'?")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_trace_is_not_written_under_a_pictures_name(command, tmp_path):
-    done = command("trace", "synth", "still", "--out", tmp_path / "a.png", "--seconds", 1)
-    done.refused("a.png: found '.png'", "expected a name in .csv")
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["replai"],
-        ["list", "warp"],
-        ["list", "warps", "foward"],
-        ["replay", "still", "--wrap", "x"],
-        ["replay"],
-        ["warp"],
-    ],
-)
-def test_unknown_commands_and_options(arguments, command):
-    command(*arguments).refused("hmdwarp")
-
-
 # --- numbers
-
-
-@pytest.mark.parametrize(
-    ("option", "value", "told"),
-    [
-        ("--latency", "-1", "--latency -1 ms: expected a finite number of at least 0 ms"),
-        ("--latency", "nan", "latency nan"), ("--latency", "inf", "--latency inf ms: expected a finite number"),
-        ("--latency", "soon", "'--latency', 'soon'"),
-        ("--metrics-every", "0", "--metrics-every 0: expected a whole number of at least 1"),
-        ("--latency", "20001", "longer than the trace 'still' (20.000 s)"), ("--size", "0x0", "'0x0'"),
-        ("--size", "-1x5", "'-1x5'"), ("--size", "abc", "'abc'"), ("--size", "640", "'640'"),
-        ("--size", "64x64x64", "'64x64x64'"), ("--size", "1e3x4", "'1e3x4'"), ("--size", "99999x8", "99999x8"),
-        ("--size", "8x999999", "8x999999"), ("--guard", "0.9", "guard 0.9"), ("--guard", "nan", "guard nan"),
-        ("--guard", "inf", "guard inf"), ("--guard", "1e9", "guard 1e+09"), ("--guard", "-2", "guard -2"),
-        ("--guard", "1.5x0.9", "guard 0.9"), ("--guard", "1600x900", "guard 1600x900"),
-        ("--rendered-size", "8x8", "rendered size 8x8 is smaller"),
-        ("--rendered-size", "1.25x1.125", "'1.25x1.125'"), ("--rendered-size", "99999x99999", "no field of view"),
-        ("--rate", "0", "rate 0 Hz"), ("--rate", "nan", "rate nan"), ("--rate", "-60", "rate -60 Hz"),
-        ("--rate", "1e6", "rate 1e+06 Hz"), ("--metrics-every", "-3", "metrics-every -3"),
-        ("--metrics-every", "2.5", "--metrics-every"), ("--start", "20", "start 20 s"),
-        ("--start", "-1", "start -1 s"), ("--start", "nan", "start nan"), ("--seconds", "0", "seconds 0 s"),
-        ("--seconds", "nan", "seconds nan"), ("--seconds", "-2", "seconds -2 s"),
-        ("--horizon", "-1", "horizon -1 ms"), ("--workers", "-1", "workers -1"),
-        ("--workers", "1000000", "workers 1e+06"), ("--images", "-1", "images -1"),
-        ("--quat-order", "wxzy", "'wxzy'"), ("--scale", "0", "scale 0"), ("--scale", "nan", "scale nan"),
-        ("--trace-rate", "-5", "rate -5"), ("--segment", "0", "segment 0"), ("--segment", "7", "segment 7"),
-        ("--size", "8000x8000 --guard 8", "guard 8 .*this GPU's limit"),
-        ("--headset", "flat-90 --lens radial", "flat-90.* no lens.*--lens none"),
-        ("--size", "7x7 --video", "14x7.*16x16"), ("--latency", "٢", "'٢'"), ("--guard", "٢", "'٢'"),
-        ("--size", "٦٤x٤٨", "'٦٤x٤٨'"), ("--warp", "mesh:grid=٦٤", "grid is '٦٤'"),
-        ("--require", "psnr_db.mean>=٣", "psnr_db.mean>=٣"), ("--tolerance", "psnr_db=٣ --baseline .", "found '٣'"),
-        ("--response", "sum:render=٣", "'sum:render=٣'"),
-    ],
-)  # fmt: skip
-def test_impossible_values_are_refused(option, value, told, command, quick, kept):
-    done = command("replay", "still", *quick, option, *value.split())
-    done.refused()
-    assert told in done.err or re.search(told, done.err), done
 
 
 # --- texts of every kind
@@ -217,37 +78,6 @@ def test_an_empty_text_and_a_name_too_long_are_refused_by_the_option_that_got_th
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("replay", "LONG.csv"),
-        ("plan", "--scene", "LONG"),
-        ("plan", "--frames", "LONG"),
-        ("plan", "--headset", "LONG"),
-        ("plan", "--client", "LONG"),
-        ("record", "--source", "synthetic", "--seconds", "0.1", "--out", "LONG"),
-        ("serve", "--listen", "127.0.0.1:*", "--key-pair", "LONG"),
-        ("study", "withdraw", "quick", "P01", "--store", "LONG"),
-    ],
-)
-def test_a_name_longer_than_the_system_takes_is_the_user_s_input(arguments, command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    command(*(argument.replace("LONG", "x" * 300) for argument in arguments)).refused("x" * 12)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("address", ["", "*:5570", "127.0.0.1:*", "127.0.0.1:0", "a host:5570", "127.0.0.1:70000"])
-def test_a_server_s_address_has_a_host_and_a_port(address, command):
-    done = command("live", "--source", "offscreen", "--trace", "walk", "--connect", address)
-    done.refused(f"--connect '{address}': expected")
-
-
-def test_frames_that_never_come_end_a_run_that_nobody_watches(command):
-    """At one refresh a second, 12 are 12 s of its simulated clock."""
-    run = ("live", "--source", "offscreen", "--trace", "walk", "--size", "16x12", "--rate", 1, "--quiet")
-    command(*run, "--loss", 1).refused("no frame has arrived within", "--loss")
-
-
 def test_more_frames_than_memory_holds(command, quick, kept):
     """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 16 frames at a time."""
     from hmdwarp.platforms import memory_bytes
@@ -260,34 +90,6 @@ def test_more_frames_than_memory_holds(command, quick, kept):
 
 
 # --- files
-
-
-@pytest.mark.parametrize(
-    ("name", "data"),
-    [
-        ("corrupt.glb", b"glTF rubbish"),
-        ("empty.ply", b""),
-        ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
-        ("missing.glb", None),
-        ("scene.blend", b"BLENDER"),
-    ],
-)
-def test_scene_files_that_cannot_be_used(name, data, command, quick, kept, tmp_path):
-    path = tmp_path / name
-    if data is not None:
-        path.write_bytes(data)
-    command("replay", "still", *quick, "--scene", path).refused(str(path))
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [(None, "no such file"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
-)
-def test_headset_files_that_cannot_be_used(text, told, command, quick, kept, tmp_path):
-    path = tmp_path / "mine.toml"
-    if text is not None:
-        path.write_text(text, encoding="utf-8")
-    command("replay", "still", *quick, "--headset", path).refused(str(path), told)
 
 
 def test_out_is_a_file(command, quick, tmp_path):
@@ -414,3 +216,98 @@ def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monk
         scene.write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": name, "byteLength": 36}]}))
         command("plan", "--scene", scene).refused(name, says)
     command("plan", "--scene", scene, "--allow-outside").refused("no triangles")  # it is read
+
+
+TABLE = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))
+BENCH = "--scene planes --headset rift-dk1 --size 48x40 --seconds 0.3 --instants 1 --rounds 1 --workers 0 --guard 1.1"
+CASES = [(begin, typed) for begin, lines in TABLE.items() for typed in lines]
+
+
+@pytest.mark.parametrize(("begin", "typed"), CASES, ids=lambda text: text or "hmdwarp")
+def test_a_command_line_is_refused_in_one_line(begin, typed, command, quick, tmp_path, monkeypatch, request):
+    own = {"OUT": [str(tmp_path / "out")], "OUT.png": [str(tmp_path / "out.png")], "QUICK": quick}
+    own["QUICK_BENCH"] = [*shlex.split(BENCH), "--out", str(tmp_path / "out")]
+    text = f"{begin} {typed}".replace("LONG", "x" * 300).replace("FOLDER", str(tmp_path / "folder"))
+    words = [part for word in shlex.split(text) for part in own.get(word, [word])]
+    folders = [Path(word) for word in words if word.startswith(str(tmp_path / "folder"))]
+    for folder in folders:
+        folder.mkdir()
+    if begin == "replay still QUICK":
+        request.getfixturevalue("kept")
+    if words[0] in ("bench", "plan"):
+        monkeypatch.setattr(hmdwarp.gpu.context, "create_context", lambda: pytest.fail("the GPU was started"))
+    done = command(*words)
+    done.refused()
+    for told in TABLE[begin][typed]:
+        assert told in done.err or re.search(told, done.err), done
+    assert begin == "replay still QUICK" or list(tmp_path.iterdir()) == folders
+
+
+TRACE = {"replay", "live", "bench", "compare", "plan"}
+
+
+@pytest.mark.parametrize("key", entries())
+def test_a_removed_name_ends_with_status_2_and_what_to_use_instead(key):
+    words = ["replay" if word == "*" else word.replace("*", "x") for word in key.split()]
+    done = hmdwarp(*([*words[:1], "walk", *words[1:]] if words[0] in TRACE - {"live", "plan"} else words))
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert f"was removed: {entries()[key]}" in done.stderr
+    assert done.stdout == ""
+
+
+def test_an_unknown_name_is_no_removed_one():
+    done = hmdwarp("replay", "walk", "--no-such-option")
+    assert done.returncode == 2
+    assert "was removed" not in done.stderr
+
+
+# Each of these takes a third of a second to load, or more.
+HEAVY = ("scipy", "matplotlib", "skimage", "trimesh", "statsmodels", "pingouin")
+AFTER = f"""
+import sys
+from hmdwarp.cli import main
+try:
+    main()
+except SystemExit as left:
+    print("status", left.code)
+from hmdwarp.scenes import load_scene
+print("loaded", [name for name in {HEAVY} if name in sys.modules])
+print("painted", [texture.name for texture in load_scene("room").textures if "image" in vars(texture)])
+"""
+
+
+@pytest.mark.parametrize("arguments", [["plan"], ["study", "plan", "quick"], ["doctor"]], ids=" ".join)
+def test_a_command_that_draws_nothing_loads_no_heavy_library_and_paints_no_texture(arguments):
+    done = subprocess.run(
+        [sys.executable, "-c", AFTER, *arguments], check=False, capture_output=True, text=True, encoding="utf-8"
+    )
+    assert done.stdout.splitlines()[-3:] == ["status 0", "loaded []", "painted []"], done.stderr
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["replay", "walk", "--warp", "bogus"],
+        ["replay", "walk", "--against", "bogus"],
+        ["replay", "walk", "--predict", "bogus"],
+        ["bench", "walk", "--warp", "bogus"],
+        ["bench", "walk", "--fill", "bogus"],
+    ],
+    ids=" ".join,
+)
+def test_names_are_checked_before_a_scene_is_built(wrong, command, unbuildable, tmp_path):
+    command(*wrong, "--scene", unbuildable, "--out", tmp_path / "out").refused("'bogus': known are")
+
+
+@pytest.fixture
+def unbuildable(monkeypatch):
+    """The name of a scene that fails when it is built."""
+
+    def build() -> Scene:
+        raise InputError("the scene was built")
+
+    source, found = SceneSource("unbuildable", "", build), scenes.get
+    monkeypatch.setattr(scenes, "get", lambda name: source if name == source.name else found(name))
+    monkeypatch.setattr(scenes, "names", lambda: [source.name])
+    return source.name

@@ -1,10 +1,14 @@
-"""The command line of the bench: lists, refusals in one line, and what it ends with."""
+"""The command line of the bench and of warp auto, which chooses by it."""
 
 from __future__ import annotations
 
 import json
+import shlex
 
 import pytest
+from bench_files import a_bench
+
+from .conftest import complaints
 
 QUICK = (
     "--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.3", "--instants", "1",
@@ -44,50 +48,9 @@ def test_a_budget_nothing_fits_into_is_refused_after_the_results(command, tmp_pa
     done = command(
         "bench", "walk", *QUICK, "--warp", "none", "--latency", "0", "--budget", "0.000001", "--out", tmp_path
     )
-    assert done.status == 2 and done.err.count("\n") == 1 and "nothing is that fast" in done.err
+    (told,) = complaints(done.err)
+    assert done.status == 2 and "nothing is that fast" in told
     assert "bench.html" in done.out and (tmp_path / "bench.json").exists()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("--warp", "forwrd"), ("unknown warp 'forwrd'", "did you mean 'forward'")),
-        (("--warp", "forward:depth=3"), ("forward", "depth=3")),
-        (("--warp", "none,"), ("unknown warp ''",)),
-        (("--warp", "forward:a=1,b=2"), ("forward:a=1,b=2",)),  # a comma of settings parts no list
-        (("--predict", "cautios"), ("unknown predictor 'cautios'", "did you mean 'cautious'?")),
-        (("--fill", "interpolat"), ("unknown fill", "interpolate")),
-        (("--scene", "rom"), ("unknown scene", "room")),
-        (("--trace", "nowhere"), ("nowhere",)),
-        (("--size", "48"), ("size '48'", "WIDTHxHEIGHT")),
-        (("--latency", "soon"), ("latency 'soon'", "milliseconds")),
-        (("--latency", "200,90000"), ("90000 ms", "longer than the trace")),
-        (("--guard", "500"), ("guard 500",)),
-        (("--workers", "100000"), ("workers 100000", "at most 256")),
-        (("--segment", "7"), ("walk", "segment")),
-        (("--quat-order", "xywz"), ("'xywz'", "wxyz")),
-        (("--start", "1000"), ("start 1000 s",)),
-        (("--headset", "flat-90", "--lens", "radial"), ("no lens",)),
-        (("--lens", "radal"), ("unknown lens",)),
-        (("--headset", "riff"), ("unknown headset",)),
-        (("--wrap", "none"), ("--wrap",)),
-    ],
-    ids=" ".join,
-)
-def test_refusals_come_before_anything_runs(arguments, told, command, tmp_path, monkeypatch):
-    import hmdwarp.gpu.context
-
-    monkeypatch.setattr(hmdwarp.gpu.context, "create_context", lambda: pytest.fail("the GPU was started"))
-    out = tmp_path / "out"
-    command("bench", "walk", *QUICK, *arguments, "--out", out).refused(*told)
-    assert not out.exists()
-
-
-def test_a_size_beyond_the_gpu_is_refused_before_the_others_run(command, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
-    command("bench", "walk", *QUICK, "--size", "48x40,100000x40", "--out", tmp_path / "out").refused(
-        "picture size 100000x40"
-    )
 
 
 def test_recordings_that_no_table_could_tell_apart(command, tmp_path):
@@ -104,8 +67,33 @@ def test_a_list_may_be_longer_than_the_name_of_a_file(command, tmp_path):
     command("bench", "walk", *QUICK, "--latency", f"{latencies},soon", "--out", tmp_path / "out").refused("'soon'")
 
 
-@pytest.mark.parametrize("experiment", ["bench", "compare"])
-def test_an_unknown_suite_is_refused_by_name(experiment, command, tmp_path):
-    command(experiment, "--suite", "standart", "--out", tmp_path).refused(
-        "unknown suite 'standart': did you mean 'standard'?"
-    )
+SMALL = ("--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--seconds", "0.1")
+
+
+def test_choose_prints_a_command_line_that_runs_and_why(command, tmp_path):
+    path = a_bench(tmp_path / "b.json")
+    typed = ("walk", *SMALL, "--budget", "5000", "--bench", f"{path}", "--out", f"{tmp_path / 'out'}")
+    line, why, following, *_ = command("choose", *typed).done().out.splitlines()
+    assert "rotation: 3000.00 of 5000 ms for one eye, mean FLIP 0.2000." in why
+    assert following.startswith("The next better is ")
+    data = json.loads(command("choose", *typed, "--json").done().out)
+    chosen = ("rotation", "none", 3000.0, 0.2)
+    assert tuple(data[key] for key in ("warp", "fill", "total_ms", "flip")) == chosen
+    assert data["command"] == line and data["levels"][-1]["warp"] == "forward"
+    assert f"--guard {data['guard']}" in line and data["guard"] >= 1
+
+    program, *words = shlex.split(line)
+    assert program == "hmdwarp"
+    told = command(*words).done().out
+    made = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert (made["warp"], made["fill"], made["guard"]) == ("rotation", "none", data["guard"])
+    assert "auto" not in made and "rotation" in told
+
+
+def test_a_replay_by_warp_auto_is_the_replay_that_choose_names(command, tmp_path):
+    path, out = a_bench(tmp_path / "b.json"), tmp_path / "out"
+    typed = ("walk", *SMALL, "--budget", "5000", "--bench", f"{path}", "--out", f"{out}", "--warp", "auto")
+    done = command("replay", *typed).done()
+    assert "hmdwarp replay walk" in done.out and "--warp rotation --fill none" in done.out
+    assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["warp"] == "rotation"
+    assert "--warp rotation --fill none" in (out / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")

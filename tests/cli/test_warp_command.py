@@ -1,21 +1,32 @@
-"""hmdwarp warp: somebody's RGB-D frame in a file, to another pose, into a file."""
+"""hmdwarp warp: somebody's RGB-D frame in files, to another pose, into a file of any form."""
 
 from __future__ import annotations
 
-import io
 import json
 import math
+import sys
 import zipfile
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
+from recorded_folders import CX, CY, FX, FY, HAS_EXR, SIZE, taken, write_exrs, write_npz, write_pictures
 
-from hmdwarp.image import usable_fills, usable_warps
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.errors import InputError
+from hmdwarp.sources.sequences import read_colour, read_depth, read_frame
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
+
+
+RAW = {"depth_m": np.full((8, 10), 2000, np.uint16)}  # millimetres
+GAPS = {"depth_m": np.where(np.indices((8, 10))[0] < 3, 0, 2000).astype(np.uint16), "depth_scale": 0.001}
+GAPS["depth_m"][3, 3] = 65535
+HOLE = {"depth_m": np.where((np.indices((8, 10)) // 3 == 1).all(axis=0), 0, 2.0)}  # of 9 pixels
+LIGHT, LONG = {"colour": np.full((8, 10, 3), 0.5, np.float32)}, {"orientation_xyzw": [0, 0, 0, 2]}
 
 
 def arrays(**changes: object) -> dict[str, object]:
@@ -51,13 +62,6 @@ def warp(command, tmp_path):
     return call
 
 
-def test_a_quaternion_that_is_no_rotation_is_refused_in_both_inputs(warp):
-    """As in a trace: 0.01 off is rounding, a length of 2 is a mistake."""
-    long = {"orientation_xyzw": [0, 0, 0, 2]}
-    warp(long).refused("frame.npz: orientation_xyzw has length 2; expected 1 within 0.01", "divide it")
-    warp(None, long).refused("pose.json: orientation_xyzw has length 2; expected 1 within 0.01", "divide it")
-
-
 def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     done = warp().done()
     assert "out.npz" in done.out and "0.00 % holes" in done.out
@@ -68,6 +72,8 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
         assert (data["coverage"] == 1).all()
         assert json.loads(str(data["time_ms"]))["warp"] > 0
+    told = json.loads(warp(None, None, "--json", "--force").done().out)
+    assert told["hole_share"] == 0 < told["time_ms"]["warp"] and told["notes"] == [] and "out.npz" in told["out"]
 
 
 def test_the_input_is_never_overwritten(command, tmp_path):
@@ -79,12 +85,6 @@ def test_the_input_is_never_overwritten(command, tmp_path):
     assert frame.read_bytes() == before
 
 
-def test_a_picture_of_nothing_is_remarked_on(warp):
-    """Millimetres for metres: the frame was drawn more than a kilometre away."""
-    assert "check depth_m and position_m" in warp({"position_m": [1600.0, 0.0, 0.0]}).done().out
-    assert "check" not in warp(None, None, "--force").done().out
-
-
 def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
     """1 m wide at 1 m, 10 pixels: a pixel is 0.2 m on the plane 2 m away, so 0.4 m are 2 pixels."""
     warp(None, {"position_m": [0.4, 0.0, 0.0]}, "--fill", "none", out="out.png").done()
@@ -94,52 +94,12 @@ def test_a_step_to_the_right_moves_the_picture_left(warp, tmp_path):
     assert (picture[:, :8, 3] == 255).all() and (picture[:, 8:, 3] == 0).all()
 
 
-def test_integer_depth_needs_its_unit(warp, tmp_path):
-    """By the option or by a key of the frame; the option is stronger."""
-    millimetres = np.full((8, 10), 2000, np.uint16)
-    warp({"depth_m": millimetres}).refused("depth_m is uint16, of unknown unit", "depth_scale")
-    step, pictures = {"position_m": [0.4, 0.0, 0.0]}, []
-    for frame, options in (
-        ({}, []),
-        ({"depth_m": millimetres}, ["--depth-scale", "0.001"]),
-        ({"depth_m": millimetres, "depth_scale": 0.001}, []),
-        ({"depth_m": millimetres, "depth_scale": 5.0}, ["--depth-scale", "0.001"]),
-    ):
-        warp(frame, step, *options, "--force", out="out.png").done()
-        pictures.append((tmp_path / "out.png").read_bytes())
-    assert pictures == pictures[:1] * 4
-    warp({"depth_scale": [1, 2]}).refused("frame.npz: depth_scale")
-
-
-def test_float_colour_says_its_encoding(warp, tmp_path):
-    """By the option or by a key of the frame; the option is stronger."""
-    colour = arrays()["colour"] / 255
-    warp({"colour": colour * 255}).refused("linear light has 1 for white")
-    for frame, options in (
-        ({"colour": colour, "encoding": "srgb"}, []),
-        ({"colour": colour, "encoding": "linear"}, ["--encoding", "srgb"]),
-    ):
-        warp(frame, None, *options, "--force", out="out.png").done()
-        assert np.array_equal(np.asarray(Image.open(tmp_path / "out.png"))[..., :3], arrays()["colour"])
-
-
-def test_help_names_what_can_work_on_one_frame(command):
-    text = " ".join(command("warp", "--help").done().out.split())
-    assert f" {', '.join(usable_warps())}. " in text
-    assert f" {', '.join(usable_fills())}, or several with +. " in text
-
-
 def test_a_result_is_not_overwritten(warp, tmp_path):
     (tmp_path / "out.npz").write_bytes(b"precious")
     warp().refused("out.npz exists already", "--force")
     assert (tmp_path / "out.npz").read_bytes() == b"precious"
     warp(None, None, "--force").done()
     assert len(np.load(tmp_path / "out.npz")) == 8
-
-
-def test_size_and_names_are_taken(warp, tmp_path):
-    warp(None, None, "--warp", "rotation", "--fill", "interpolate", "--size", "21x17").done()
-    assert np.load(tmp_path / "out.npz")["colour"].shape == (17, 21, 3)
 
 
 @pytest.mark.parametrize(
@@ -160,6 +120,15 @@ def test_size_and_names_are_taken(warp, tmp_path):
         ({}, {}, ["--warp", "bakward"], "did you mean 'backward'?"),
         ({}, {}, ["--fill", "interpolation"], "did you mean 'interpolate'?"), ({}, {}, ["--size", "0x4"], "'0x4'"),
         ({}, {}, ["--size", "99999x4"], "99999x4"),
+        (LONG, {}, [], "frame.npz: orientation_xyzw has length 2; expected 1 within 0.01"),
+        ({}, LONG, [], "pose.json: orientation_xyzw has length 2; expected 1 within 0.01"),
+        (RAW, {}, [], "depth_m is uint16, of unknown unit"),
+        ({"depth_scale": [1, 2]}, {}, [], "frame.npz: depth_scale"),
+        (RAW, {}, ["--no-depth", "far"], "of unknown unit"), (GAPS, {}, ["--no-depth", "sky"], "expected hole or far"),
+        (GAPS, {}, ["--no-depth", "far", "--depth-scale", -1], "depth_scale is -1"),
+        ({"colour": np.full((8, 10, 3), 200.0)}, {}, [], "linear light has 1 for white"),
+        ({}, {}, ["--repair", "compleet"], "unknown repair 'compleet': did you mean 'complete'"),
+        ({}, {}, ["--repair", "complete:least=7"], "least is 7: expected 0 to 1"),
     ],
 )  # fmt: skip
 def test_inputs_that_do_not_fit_are_refused(frame, pose, options, told, warp, tmp_path):
@@ -167,85 +136,96 @@ def test_inputs_that_do_not_fit_are_refused(frame, pose, options, told, warp, tm
     assert not (tmp_path / "out.npz").exists()
 
 
+MILLIMETRES = "--depth-scale 0.001 takes it as millimetres: 2 m"
+TOLD = {
+    "a frame": ({}, {}, [], ["0.00 % holes"], ["check", "note:", "Assumed"]),
+    "nothing is seen": ({"position_m": [1600.0, 0, 0]}, {}, [], ["check depth_m and position_m"], []),
+    "millimetres": (
+        *({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}, []),
+        *(["The nearest surface is 2000 m away", MILLIMETRES], ["Assumed"]),
+    ),
+    "their scale": (
+        *({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}, ["--depth-scale", 0.001]),
+        *([], ["note:"]),
+    ),
+    "light": (LIGHT, {}, [], ["Assumed (not stated in the files): encoding linear (float colour)"], []),
+    "sRGB by the option": (LIGHT, {}, ["--encoding", "srgb"], [], ["Assumed"]),
+    "sRGB by the frame": ({**LIGHT, "encoding": "srgb"}, {}, [], [], ["Assumed"]),
+    "a hole": (HOLE, {}, ["--fill", "none"], ["11.25 % holes"], []),
+    "a repaired one": (HOLE, {}, ["--fill", "none", "--repair", "edges+complete:colour=0.1"], ["0.00 %", "repair"], []),
+    "no depth": (*(GAPS, {}, ["--fill", "none"], ["--no-depth far", "1 pixels (1.2 %) of its depth are 65535"], []),),
+    "far": (GAPS, {}, ["--fill", "none", "--no-depth", "far"], ["0.00 % holes"], ["--no-depth"]),
+    "names and size": ({}, {}, ["--warp", "rotation", "--fill", "interpolate", "--size", "21x17"], [], []),
+}
+
+
+@pytest.mark.parametrize("name", TOLD)
+def test_what_is_done_and_noted_is_told(name, warp, tmp_path):
+    frame, pose, options, told, untold = TOLD[name]
+    done = warp(frame, pose, *options).done()
+    assert all(done.out.count(text) == 1 for text in told) and not done.err, done
+    assert not any(text in done.out for text in untold), done
+    with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
+        holes = {"a hole": 9, "no depth": 31, "nothing is seen": 80}.get(name, 0)
+        assert (data["coverage"] == 0).sum() == holes
+        assert data["colour"].shape == ((17, 21, 3) if "size" in name else (8, 10, 3))
+        assert data["encoding"] == "linear"  # a frame for the next warp
+        if name == "a repaired one":
+            assert np.array_equal(data["coverage"] < 1, HOLE["depth_m"] == 0)
+
+
+STEP = {"position_m": [0.4, 0, 0]}
+BYTES = arrays()["colour"] / 255
+
+
+@pytest.mark.parametrize(
+    ("frame", "options"),
+    [
+        (RAW, ["--depth-scale", "0.001"]),
+        (RAW | {"depth_scale": 0.001}, []),
+        (RAW | {"depth_scale": 5.0}, ["--depth-scale", "0.001"]),
+        ({"colour": BYTES, "encoding": "srgb"}, []),
+        ({"colour": BYTES, "encoding": "linear"}, ["--encoding", "srgb"]),
+    ],
+)
+def test_an_option_is_stronger_than_a_key_of_the_frame(frame, options, warp, tmp_path):
+    pictures = []
+    for how in (({}, STEP), (frame, STEP, *options)):
+        warp(*how, "--force", out="out.png").done()
+        pictures.append((tmp_path / "out.png").read_bytes())
+    assert pictures[0] == pictures[1]
+
+
+@pytest.mark.parametrize("name", ["frame.npz", "pose.json"])
+@pytest.mark.parametrize(
+    "data", [None, b"", b"hello", b"\x80\x04N.", b"[]", b"\xff\xfe{}", b"1" * 6000, b"[" * 100_000]
+)
+def test_files_of_other_kinds(name, data, command, tmp_path):
+    write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
+    (tmp_path / name).unlink()
+    if data is not None:
+        (tmp_path / name).write_bytes(data)
+    done = command("warp", tmp_path / "frame.npz", "--to", tmp_path / "pose.json", "--out", tmp_path / "o.npz")
+    done.refused(str(tmp_path / name))
+    assert "allow_pickle" not in done.err and "unsafe" not in done.err and not (tmp_path / "o.npz").exists()
+
+
+def test_archives_of_other_things(command, tmp_path):
+    whole, pose = write_frame(tmp_path / "frame.npz").read_bytes(), write_pose(tmp_path / "pose.json")
+    for members in ({"readme.txt": b"hello"}, {f"{name}.npy": b"no array" for name in arrays()}):
+        with zipfile.ZipFile(tmp_path / f"{len(members)}.npz", "w") as archive:
+            for name, data in members.items():
+                archive.writestr(name, data)
+    (tmp_path / "cut.npz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "tail.npz").write_bytes(whole[200:])
+    for path in sorted(tmp_path.glob("*[!e].npz")):
+        command("warp", path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(path))
+
+
 @pytest.mark.parametrize("out", ["out.gif", "out", "missing/out.npz"])
 def test_where_it_cannot_be_written(out, warp, tmp_path):
     warp(out=out).refused(out)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["frame.npz", "pose.json"]
-
-
-def test_files_of_other_kinds(command, tmp_path):
-    frame, pose = write_frame(tmp_path / "frame.npz"), write_pose(tmp_path / "pose.json")
-    whole = frame.read_bytes()
-    array = np.zeros(3)
-    file = io.BytesIO()
-    np.save(file, array)
-    others = {
-        "missing.npz": None,
-        "empty.npz": b"",
-        "cut.npz": whole[: len(whole) // 2],
-        "text.npz": b"hello",
-        "tail.npz": whole[200:],
-        "array.npz": file.getvalue(),
-        "pickle.npz": b"\x80\x04N.",
-        "zip.npz": zip_bytes({"readme.txt": b"hello"}),
-        "odd.npz": zip_bytes({"colour": b"no array"}),
-        "lying.npz": zip_bytes({f"{name}.npy": b"no array" for name in arrays()}),
-    }
-    for name, data in others.items():
-        path = tmp_path / name
-        if data is not None:
-            path.write_bytes(data)
-        done = command("warp", path, "--to", pose, "--out", tmp_path / "o.npz")
-        done.refused(str(path))
-        assert "allow_pickle" not in done.err and "unsafe" not in done.err
-    command("warp", tmp_path, "--to", pose, "--out", tmp_path / "o.npz").refused(str(tmp_path))
-    for name, data in {
-        "missing.json": None,
-        "empty.json": b"",
-        "half.json": b'{"fov": [1',
-        "list.json": b"[]",
-        "bytes.json": b"\xff\xfe{}",
-        "number.json": b"1" * 6000,
-        "deep.json": b"[" * 100_000,
-    }.items():
-        path = tmp_path / name
-        if data is not None:
-            path.write_bytes(data)
-        command("warp", frame, "--to", path, "--out", tmp_path / "o.npz").refused(str(path))
-    assert not (tmp_path / "o.npz").exists()
-
-
-def zip_bytes(members: dict[str, bytes]) -> bytes:
-    file = io.BytesIO()
-    with zipfile.ZipFile(file, "w") as archive:
-        for name, data in members.items():
-            archive.writestr(name, data)
-    return file.getvalue()
-
-
-def test_depth_is_repaired_where_asked_for(warp, tmp_path):
-    """A gap is a hole; repaired it is seen, opaque in a picture, and its confidence in an array."""
-    depth = np.full((8, 10), 2.0)
-    depth[2:5, 3:6] = 0
-    assert "11.25 % holes" in warp({"depth_m": depth}, None, "--fill", "none").done().out
-    options = ("--fill", "none", "--repair", "edges+complete:colour=0.1", "--force")
-    done = warp({"depth_m": depth}, None, *options).done()
-    assert "0.00 % holes" in done.out and "repair" in done.out
-    with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
-        assert np.array_equal(data["coverage"] < 1, depth == 0) and (data["coverage"] > 0).all()
-    warp({"depth_m": depth}, None, *options, out="out.png").done()
-    assert (np.asarray(Image.open(tmp_path / "out.png"))[..., 3] == 255).all()
-    warp(None, None, "--force", "--repair", "compleet").refused("unknown repair 'compleet'", "did you mean 'complete'")
-    warp(None, None, "--force", "--repair", "complete:least=7").refused("least is 7: expected 0 to 1")
-
-
-def test_depth_in_millimetres_is_noted_once(warp, tmp_path):
-    """Metres by the key of an .npz file; from an .npy file beside a picture nothing says so."""
-    done = warp({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}).done()
-    assert done.out.count("The nearest surface is 2000 m away") == 1 and not done.err
-    assert "--depth-scale 0.001 takes it as millimetres: 2 m" in done.out and "Assumed" not in done.out
-    done = warp({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}, "--depth-scale", 0.001, "--force")
-    assert "note:" not in done.done().out
 
 
 @pytest.fixture
@@ -264,14 +244,6 @@ def test_what_nothing_states_of_a_picture_is_noted(warp_picture, tmp_path):
     assert "depth_offset is not read" in done.out
 
 
-def test_float_colour_of_no_stated_encoding_is_noted(warp, tmp_path):
-    light = {"colour": np.full((8, 10, 3), 0.5, np.float32)}
-    assert "Assumed (not stated in the files): encoding linear (float colour)" in warp(light).done().out
-    assert "Assumed" not in warp(light, None, "--encoding", "srgb", "--force").done().out
-    assert "Assumed" not in warp({**light, "encoding": "srgb"}, None, "--force").done().out
-    assert np.load(tmp_path / "out.npz")["encoding"] == "linear"  # a frame for the next warp, without a note
-
-
 def test_what_a_file_has_is_listed_beside_what_it_lacks(warp_picture, tmp_path):
     (tmp_path / "a.json").write_text('{"intrinsics": [9, 9, 4, 4], "position_m": [0, 0, 0], "orientation_wxyz": []}')
     warp_picture().refused(
@@ -279,16 +251,145 @@ def test_what_a_file_has_is_listed_beside_what_it_lacks(warp_picture, tmp_path):
     )
 
 
-def test_no_depth_is_far_where_it_is_stated(warp, tmp_path):
-    depth = np.full((8, 10), 2000, np.uint16)
-    depth[:3] = 0
-    depth[3, 3] = 65535
-    frame = {"depth_m": depth, "depth_scale": 0.001}
-    done = warp(frame, None, "--fill", "none").done()
-    assert "--no-depth far" in done.out and "1 pixels (1.2 %) of its depth are 65535" in done.out
-    assert np.load(tmp_path / "out.npz")["coverage"].sum() == 49
-    done = warp(frame, None, "--fill", "none", "--no-depth", "far", "--force").done()
-    assert "--no-depth" not in done.out and np.load(tmp_path / "out.npz")["coverage"].all()
-    warp(frame, None, "--no-depth", "sky", "--force").refused("--no-depth 'sky': expected hole or far")
-    warp(frame, None, "--no-depth", "far", "--depth-scale", -1, "--force").refused("depth_scale is -1")
-    warp({"depth_m": depth}, None, "--no-depth", "far", "--force").refused("of unknown unit")
+NEEDS_EXR = pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed (pip install '.[exr]')")
+CAMERA = {"intrinsics": [FX, FY, CX, CY], "depth_scale": 0.001}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two frames in each form, each with its own JSON, and the second's view as the one to show."""
+    write_pictures(tmp_path, taken(2))
+    for i in range(2):
+        own = tmp_path / f"{i}.json"
+        own.write_text(json.dumps({**json.loads(own.read_text()), **CAMERA}))
+    write_npz(tmp_path, taken(2))
+    return tmp_path
+
+
+def picture(path: Path) -> np.ndarray:
+    return np.asarray(Image.open(path))
+
+
+def test_a_picture_with_depth_and_camera_is_the_same_as_an_npz(command, folder):
+    """To half a millimetre of depth, a thousandth of a pixel here: bytes off by 1 at most."""
+    to = ("--to", folder / "1.json")
+    command("warp", folder / "frame-0.npz", *to, "--out", folder / "npz.png").done()
+    command("warp", folder / "0.png", *to, "--out", folder / "beside.png").done()
+    (folder / "elsewhere").mkdir()
+    (folder / "0.depth.png").rename(folder / "elsewhere" / "z.png")
+    (folder / "0.json").rename(folder / "elsewhere" / "camera.json")
+    named = ("--depth", folder / "elsewhere" / "z.png", "--camera", folder / "elsewhere" / "camera.json")
+    command("warp", folder / "0.png", *named, *to, "--out", folder / "named.png").done()
+    assert np.array_equal(picture(folder / "beside.png"), picture(folder / "named.png"))
+    off = np.abs(picture(folder / "npz.png").astype(int) - picture(folder / "beside.png"))
+    assert picture(folder / "npz.png").shape == (*SIZE[::-1], 4) and off.max() <= 1
+
+
+def test_a_jpeg_is_read_and_written(command, folder):
+    """Its eight-pixel blocks cost this smooth picture a few steps of 256."""
+    Image.fromarray(taken(1)[0].colour).save(folder / "0.jpg", quality=98, subsampling=0)
+    command("warp", folder / "0.jpg", "--to", folder / "1.json", "--out", folder / "out.jpg").done()
+    command("warp", folder / "0.png", "--to", folder / "1.json", "--out", folder / "out.png").done()
+    jpeg, png = picture(folder / "out.jpg"), picture(folder / "out.png")
+    assert jpeg.shape == (*SIZE[::-1], 3)
+    assert np.median(np.abs(jpeg.astype(int) - png[..., :3])) <= 4
+
+
+def test_a_written_npz_is_a_frame_again(command, folder):
+    command("warp", folder / "0.png", "--to", folder / "1.json", "--out", folder / "one.npz", "--fill", "none").done()
+    frame = read_frame(folder / "one.npz")
+    known = np.isfinite(frame.depth_m)
+    assert frame.view.pose.isclose(taken(2)[1].pose) and 0 < known.mean() < 1
+    command("warp", folder / "one.npz", "--to", folder / "1.json", "--out", folder / "two.npz", "--fill", "none").done()
+    with np.load(folder / "one.npz") as one, np.load(folder / "two.npz") as two:
+        assert np.array_equal(one["coverage"] > 0, two["coverage"] > 0)
+        assert np.array_equal(srgb8_from_linear(one["colour"]), srgb8_from_linear(two["colour"]))
+
+
+@NEEDS_EXR
+def test_exr_holds_light_and_depth_in_one_file(command, folder):
+    """Read as the .npz is; written with A and Z. Half floats keep 11 bits: within 1 of 256."""
+    write_exrs(folder, taken(2))
+    command("warp", folder / "frame-0.npz", "--to", folder / "1.json", "--out", folder / "npz.npz").done()
+    done = command("warp", folder / "0.exr", "--to", folder / "1.json", "--out", folder / "out.exr").done()
+    assert "out.exr" in done.out
+    (folder / "out.json").write_text((folder / "1.json").read_text())
+    frame = read_frame(folder / "out.exr")
+    with np.load(folder / "npz.npz") as data:
+        off = srgb8_from_linear(frame.colour[..., :3]).astype(int) - srgb8_from_linear(data["colour"])
+        assert np.abs(off).max() <= 1
+        assert np.allclose(frame.depth_m, data["depth_m"], rtol=1e-5, equal_nan=True)
+        assert np.array_equal(frame.colour[..., 3] > 0, data["coverage"] > 0)
+
+
+@NEEDS_EXR
+def test_exr_as_renderers_write_it(tmp_path):
+    """Layers by name, 1e10 for the sky, a data window within the picture."""
+    import OpenEXR
+
+    shape, inner = (4, 6), (2, 3)
+    channels = {f"View.Combined.{name}": np.full(inner, 0.25, np.float32) for name in "RGB"}
+    channels |= {"View.Combined.A": np.full(inner, 0.5, np.float32), "View.Depth.Z": np.full(inner, 2.0, np.float32)}
+    channels["View.Depth.Z"][0, 0] = 1e10
+    windows = {"dataWindow": ((2, 1), (4, 2)), "displayWindow": ((0, 0), (5, 3))}
+    OpenEXR.File(windows, channels).write(str(tmp_path / "0.exr"))
+    (tmp_path / "0.json").write_text(json.dumps({**CAMERA, "position_m": [0, 0, 0], "orientation_xyzw": [0, 0, 0, 1]}))
+    frame = read_frame(tmp_path / "0.exr")
+    assert frame.colour.shape == (*shape, 4) and frame.depth_m[1, 2] == np.inf and frame.depth_m[2, 4] == 2
+    assert (frame.colour[1:3, 2:5] == (0.5, 0.5, 0.5, 0.5)).all()  # divided by its alpha
+    frame.colour[1:3, 2:5] = 0
+    assert (frame.colour == 0).all()
+
+
+@NEEDS_EXR
+@pytest.mark.parametrize("before", ["", "ViewLayer."])
+@pytest.mark.parametrize("own", ["", "right."])
+@pytest.mark.parametrize("depth", ["Depth.{}Z", "Depth.{}V", "depth.{}Z"])
+def test_passes_of_an_exr_are_taken_by_name(before, own, depth, tmp_path):
+    """Depth is what is called so, of the view of the colour."""
+    import OpenEXR
+
+    views, file = {"multiView": ["left", "right"]}, str(tmp_path / "a.exr")
+    combined = "" if before == "" else f"{before}Combined."
+    channels = {f"{combined}{own}{name}": np.full((3, 4), 0.25, np.float32) for name in "RGB"}
+    others = ("Normal.Z", "Position.Z", "Mist.V", "Denoising Depth.Z", "UV.V")
+    channels |= {f"{before}{name}": np.ones((3, 4), np.float32) for name in others}
+    for view, said in ((own, None), ("" if own else "right.", "of another"), (None, r"Normal\.Z.*expected depth")):
+        there = {} if view is None else {f"{before}{depth.format(view)}": np.full((3, 4), 2.5, np.float32)}
+        OpenEXR.File(views, channels | there).write(file)
+        with pytest.raises(InputError, match=said) if said else nullcontext():
+            assert (read_depth(tmp_path / "a.exr") == 2.5).all() and (read_colour(tmp_path / "a.exr") == 0.25).all()
+
+
+def test_exr_without_its_package_says_how_to_get_it(command, folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "OpenEXR", None)
+    (folder / "0.exr").write_bytes(b"v/1\x01")
+    to = ("--to", folder / "1.json", "--out")
+    for frame, out in (("0.exr", "out.png"), ("0.png", "out.exr")):
+        done = command("warp", folder / frame, *to, folder / out)
+        assert done.status == 3 and "pip install '.[exr]'" in done.err
+
+
+def test_missing_inputs_are_named(command, folder):
+    to = ("--to", folder / "1.json", "--out", folder / "out.png")
+    frame = folder / "0.png"
+    (folder / "0.depth.png").rename(folder / "z.png")
+    command("warp", frame, *to).refused("no depth beside it", "--depth", "0.depth.png")
+    command("warp", frame, "--depth", folder / "nowhere.png", *to).refused("nowhere.png: no such file")
+    command("warp", frame, "--depth", frame, *to).refused("8 bits a channel")
+    depth, own = ("--depth", folder / "z.png"), folder / "0.json"
+    whole = json.loads(own.read_text())
+    for change, *told in (
+        ({"intrinsics": None}, "no fov", "0.json"),
+        ({"intrinsics": [1, 2, 3]}, "expected 4 numbers"),
+        ({"intrinsics": [FX, -FY, CX, CY]}, "fy is -42", "above 0"),
+        ({"depth_scale": None}, "unknown unit", "depth_scale"),
+        ({"k3": 0.1}, "k3 is 0.1", "undistort"),
+        ({"width": 640, "height": 480}, "640x480", "36x24"),
+    ):
+        own.write_text(json.dumps({name: value for name, value in {**whole, **change}.items() if value is not None}))
+        command("warp", frame, *depth, *to).refused(*told)
+    own.unlink()
+    command("warp", frame, *depth, *to).refused("0.json", "--camera", "intrinsics")
+    command("warp", folder / "frame-0.npz", *depth, *to).refused("leave out --depth")
+    command("warp", folder / "1.json", *to).refused("1.json", ".exr")

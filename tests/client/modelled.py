@@ -7,7 +7,7 @@ import numpy as np
 from client_scene import ClientScene
 from worlds import read
 
-from hmdwarp.client import PassInputs, ReducedModel, ShownPicture, parse_fills
+from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate
@@ -21,10 +21,8 @@ def picture_of(gpu, size) -> ShownPicture:
 
 
 class Shown:
-    """A scene seen from VIEW in another light than the one baked into it, with holes.
-
-    scene: a name. tint: of the light. rendered: where the picture is said to come from.
-    """
+    """A scene seen from VIEW in another light than the one baked into it, with holes. scene: a
+    name. tint: of the light. rendered: where the picture is said to come from."""
 
     def __init__(
         self, gpu, scene: str, tint=(1.0, 1.0, 1.0), size=SIZE, holes=None, share=1.0, rendered: View = VIEW
@@ -55,12 +53,6 @@ class Shown:
         found = read(into.colour.texture), read(into.inverse_depth)[..., 0] if depth else None
         fill.close()
         return found
-
-    def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
-        """What the client's model looks like."""
-        into = picture_of(self.gpu, self.size)
-        self.geometry.store(ReducedModel, (self.share, 1.0)).drawn(lit=lit).draw(VIEW, into, 0)
-        return read(into.colour.texture), read(into.inverse_depth)[..., 0]
 
     def error(self, found: np.ndarray) -> float:
         """Root mean square inside the holes."""

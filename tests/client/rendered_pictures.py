@@ -1,18 +1,16 @@
-"""Rendered pictures made by hand, warped to a pose.
-
-What the tests of the gathers that search the rendered depth share.
-"""
+"""Rendered pictures made by hand, warped to a pose. What the tests of the gathers that search the
+rendered depth share."""
 
 from __future__ import annotations
 
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS, TwinInputs
-from worlds import read
+from worlds import shown_by
 
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 
 FOV = Fov.from_tangents([-1, 1, -1, 1])
 
@@ -30,24 +28,17 @@ def warped(
     depth_error: float = 0.0,
 ) -> np.ndarray:
     """(h, w, 4) what the eye at `pose` sees, as large as the rendered picture if nothing is said.
-
-    All bottom row first. client_depth: what the client has drawn itself.
-    """
-    size, choice = depth.shape[::-1], parse_warp(spec)
+    All bottom row first. client_depth: what the client has drawn itself."""
+    size = depth.shape[::-1]
     shown_size = shown_size or size
     textures = [allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR), allocate(gpu.gl, shown_size, SCALAR)]
     own = client_depth if client_depth is not None else np.zeros(shown_size[::-1])
     for texture, picture, dtype in zip(textures, (colour, depth, own), (np.float16, *[np.float32] * 2), strict=True):
         texture.write(np.ascontiguousarray(picture, dtype).tobytes(), alignment=1)
-    canvas = Canvas(gpu.gl, shown_size)
-    warp = choice.entry(gpu, size, shown_size, choice.settings)
     rendered = EyeImage(View(rendered_pose or Pose(), fov), *textures[:2], depth_error=depth_error)
-    warp.run(PassInputs(rendered, View(pose, fov), client_inverse_depth=textures[2]), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    for thing in (*textures, canvas):
-        thing.release()
-    warp.close()
+    out, _ = shown_by(gpu, spec, PassInputs(rendered, View(pose, fov), client_inverse_depth=textures[2]), shown_size)
+    for texture in textures:
+        texture.release()
     return out
 
 
@@ -61,10 +52,8 @@ def asked(gpu, spec: str, colour: np.ndarray, depth: np.ndarray, pose: Pose, fov
 
 
 def square_before_a_wall(thing: tuple[slice, slice], size: int = 60) -> tuple[np.ndarray, np.ndarray]:
-    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth.
-
-    `thing` at 1 m before a wall at 4 m.
-    """
+    """Colour (its rendered inverse depth in red, x and y in green and blue) and depth. `thing` at 1
+    m before a wall at 4 m."""
     y, x = np.mgrid[:size, :size]
     depth = np.full((size, size), 0.25)
     depth[thing] = 1.0

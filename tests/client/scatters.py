@@ -1,6 +1,5 @@
 """One scatter warp run on pictures whose pixels say their index, so that a test can ask who won
-where.
-"""
+where."""
 
 from __future__ import annotations
 
@@ -16,10 +15,8 @@ FAR = 2.0**-20  # 1/m: farther pixels are ordered by their index alone
 
 
 def numbered(size: tuple[int, int]) -> np.ndarray:
-    """A picture in which each pixel says its index: (column, row, 0) with coverage 1.
-
-    Both below 2048 are exact as half floats.
-    """
+    """A picture in which each pixel says its index: (column, row, 0) with coverage 1. Both below
+    2048 are exact as half floats."""
     y, x = np.mgrid[: size[1], : size[0]]
     return np.stack([x, y, np.zeros_like(x), np.ones_like(x)], axis=-1).astype(np.float16)
 
@@ -55,9 +52,7 @@ class Scatter:
 
     def wanted(self, depth: np.ndarray) -> np.ndarray:
         """The same by sorting, for `forward`; only for maps whose w does not depend on the pixel.
-
-        Equal depths stay equal in float32.
-        """
+        Equal depths stay equal in float32."""
         forward = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
         assert np.array_equal(forward.H[2], [0, 0, 1])
         y, x = (a.ravel() for a in np.mgrid[: self.size[1], : self.size[0]])

@@ -1,7 +1,5 @@
 """What fills put beyond the border of the rendered view and into disocclusions, with known truth.
-
-Scenes are planes, each with a colour of its own, drawn here by intersecting rays.
-"""
+Scenes are planes, each with a colour of its own, drawn here by intersecting rays."""
 
 from __future__ import annotations
 
@@ -13,15 +11,14 @@ from collections.abc import Callable, Iterable
 import attrs
 import numpy as np
 import pytest
+from numpy.lib.stride_tricks import sliding_window_view
 from reference._rays import project, world_directions
-from reference.interpolate import repeated
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial.transform import Rotation
 
 import hmdwarp
 from hmdwarp.client import CLIENT_MODEL
 from hmdwarp.client.fills import fills
-from hmdwarp.client.fills.plain import minimum_count
 from hmdwarp.colour import srgb_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 
@@ -119,14 +116,24 @@ def regions(holes: np.ndarray, depth: np.ndarray, shown: View, rendered: View) -
     }
 
 
+def grown_medians(colour: np.ndarray, holes: np.ndarray) -> np.ndarray:
+    """3x3 medians of three neighbours or more, again and again, as `interpolate` takes one."""
+    known = np.where(holes[..., None], np.nan, colour.astype(float))
+    for _ in range(16):
+        padded = np.pad(known, ((1, 1), (1, 1), (0, 0)), constant_values=np.nan)
+        around = sliding_window_view(padded, (3, 3), axis=(0, 1))
+        enough = np.isnan(known[..., 0]) & ((~np.isnan(around[:, :, 0])).sum(axis=(-1, -2)) >= 3)
+        known[enough] = np.nanmedian(around[enough], axis=(-1, -2))
+    return np.nan_to_num(known)
+
+
 def simple_fills(colour: np.ndarray, holes: np.ndarray, region: str) -> list[np.ndarray]:
     """The mean of what is no hole, 3x3 medians again and again; inside the nearest pixel too.
 
     Beyond the border that one is hard to beat where surfaces are smooth, and worse than `pyramid`
     on textured ones.
     """
-    medians = repeated(np.dstack([colour.astype(float), ~holes]), minimum_count(3), 16)
-    found = [np.broadcast_to(colour[~holes].mean(axis=0), colour.shape), medians[..., :3]]
+    found = [np.broadcast_to(colour[~holes].mean(axis=0), colour.shape), grown_medians(colour, holes)]
     if region == "inside":
         found.append(colour[tuple(distance_transform_edt(holes, return_distances=False, return_indices=True))])
     return found

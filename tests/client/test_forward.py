@@ -1,7 +1,4 @@
-"""Who wins where several drawn pixels land in one: the nearest.
-
-Of equals the lower (row mod 4, column mod 4), then the lowest index.
-"""
+"""Who wins where several drawn pixels land in one: the nearest, or by order from the epipole."""
 
 from __future__ import annotations
 
@@ -10,16 +7,17 @@ import subprocess
 import needs
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from worlds import World
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.geometry import Pose, WarpMap
-from hmdwarp.gpu import COLOUR, Canvas, allocate, flatten
+from hmdwarp.geometry import Pose, View
+from hmdwarp.gpu import flatten
 
-from .scatters import Scatter, numbered
+from .scatters import Scatter
 
 # Rendered and shown sizes; the ratio on each axis is odd or a power of two, so that no pixel centre
 # lands on a border.
@@ -85,10 +83,8 @@ def test_runs_do_not_remember_each_other(gpu):
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
-    """A step of exactly half a pixel puts centres on borders.
-
-    4 pixels per tangent, 0.25 m, inverse depth 0.5.
-    """
+    """A step of exactly half a pixel puts centres on borders. 4 pixels per tangent, 0.25 m, inverse
+    depth 0.5."""
     depth, step = np.full((8, 8), 0.5), np.eye(3)[axis] * 0.25
     index = np.arange(64).reshape(8, 8)
     backwards = Scatter(gpu, (8, 8), (8, 8), shown_pose=Pose(step)).run(depth)
@@ -113,9 +109,8 @@ def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
 
 
 def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
-    most = gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // 4
     side = gpu.max_texture_size
-    if side * side <= most:
+    if side * side <= gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // 4:
         pytest.skip(f"this GPU has room for the keys of its largest picture, {side}x{side}")
     with pytest.raises(InputError, match="[48] bytes a pixel"):
         warps.get("forward")(gpu, (16, 16), (side, side))
@@ -155,10 +150,8 @@ def test_where_64_bit_atomics_are_missing_one_line_says_so(gpu):
 @needs.programs("glslangValidator")
 @pytest.mark.parametrize("number", [0, 1])
 def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
-    """By the reference compiler, so that it is checked where no driver takes it.
-
-    It has the function from GLSL 4.40 on only.
-    """
+    """By the reference compiler, so that it is checked where no driver takes it. It has the
+    function from GLSL 4.40 on only."""
     file = tmp_path / "one_pass.comp"
     file.write_text(
         flatten("warps/forward_atomic64.comp", {"PASS": number}).text.replace("#version 430", "#version 450")
@@ -167,40 +160,85 @@ def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
     assert done.returncode == 0, done.stdout
 
 
-def test_64_bit_keys_give_the_portable_picture(gpu):
-    """The keys by NumPy, as the one pass over the drawn pixels would leave them.
+# --- the order from the epipole -------------------------------------------------------------------
 
-    The copy of the colours by the shader itself.
+
+SHEETS = ["forward_ordered:sheets=rings", "forward_ordered:sheets=rows"]
+RIGHT, UP, AHEAD = np.array([1.0, 0, 0]), np.array([0, 1.0, 0]), np.array([0, 0, -1.0])
+
+
+def both(gpu, step: np.ndarray, depth: np.ndarray, spec: str) -> tuple[np.ndarray, np.ndarray]:
+    """Winners by the order and by the depth test."""
+    size = depth.shape[::-1]
+    return tuple(Scatter(gpu, size, size, shown_pose=Pose(step), spec=each).run(depth) for each in (spec, "forward"))
+
+
+def boxes(seed: int, size: tuple[int, int], count: int = 12) -> np.ndarray:
+    """Upright rectangles at 0.7 m to 10 m before a wall, some leaning."""
+    rng, (wide, high) = np.random.default_rng(seed), size
+    depth, (y, x) = np.full((high, wide), 0.1), np.mgrid[:high, :wide]
+    for _ in range(count):
+        cx, cy, near = rng.uniform(0, wide), rng.uniform(0, high), rng.uniform(0.1, 1.4)
+        inside = (abs(x - cx) < rng.uniform(2, 0.2 * wide)) & (abs(y - cy) < rng.uniform(2, 0.2 * high))
+        plane = near + rng.normal(scale=0.1 / wide) * (x - cx) + rng.normal(scale=0.1 / wide) * (y - cy)
+        depth = np.where(inside & (plane > depth), plane, depth)
+    return depth
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("step", [0.3 * RIGHT, -0.3 * RIGHT, 0.3 * UP, -0.3 * UP], ids=str)
+@pytest.mark.parametrize("seed", range(2))
+def test_sideways_it_equals_the_depth_test_whatever_the_scene(gpu, spec, step, seed):
+    """Rows (or columns) are epipolar lines then.
+
+    Of two pixels of one line that land in one, the one nearer the epipole has moved farther, so it
+    is nearer: they were a pixel or more apart before and are less than one apart now. No scene
+    breaks that.
     """
-    size, shown_size = (64, 48), (16, 12)
-    depth = np.random.default_rng(5).choice([-1.0, 0.0, 0.25, 0.5, 1.0], size[::-1]).astype(np.float32)
-    scatter = Scatter(gpu, size, shown_size)
-    keys = sorted_keys(scatter, depth)
-    colour, canvas = allocate(gpu.gl, size, COLOUR), Canvas(gpu.gl, shown_size)
-    colour.write(numbered(size).tobytes(), alignment=1)
-    resolve, buffer = gpu.shaders.compute("warps/forward_atomic64.comp", PASS=1), gpu.gl.buffer(keys.tobytes())
-    buffer.bind_to_storage_buffer(0)
-    colour.bind_to_image(1, read=True, write=False)
-    canvas.bind_for_writing(0)
-    resolve.uniforms.set(rendered_size=size, shown_size=shown_size, rendered_colour=1, shown_colour=0)
-    resolve.run(*shown_size)
-    gpu.gl.memory_barrier()
-    assert np.array_equal(scatter.winners(canvas), scatter.run(depth))
-    assert not any(buffer.read()), "the keys are empty again"
+    rng = np.random.default_rng(seed)
+    for depth in (boxes(seed, (61, 47)), rng.uniform(0, 1.5, (47, 61)), rng.choice([-1.0, 0, 0.3, 1], (47, 61))):
+        ordered, nearest = both(gpu, step, depth, spec)
+        assert np.array_equal(ordered, nearest)
 
 
-def sorted_keys(scatter: Scatter, depth: np.ndarray) -> np.ndarray:
-    """The largest 64-bit key of each shown pixel."""
-    (wide, high), source = scatter.size, np.arange(depth.size, dtype=np.uint64)
-    y, x = np.divmod(np.arange(depth.size), wide)
-    forward = WarpMap.between(scatter.rendered_view, scatter.size, scatter.shown_view, scatter.shown_size)
-    pixels, shown, _ = forward.apply(np.stack([x, y], axis=-1) + 0.5, depth.ravel())
-    bits = shown.astype(np.float32).view(np.uint32).astype(np.int64)
-    near = 0x08000000 + (bits - 0x35800000) * 16 + 15 - (y % 4 * 4 + x % 4)
-    key = np.where(bits < 0x35800000, 0x08000000 - 1 - source.astype(np.int64), near).astype(np.uint64)
-    keys = np.zeros(scatter.shown_size[0] * scatter.shown_size[1], np.uint64)
-    drawn = depth.ravel() >= 0
-    slot = np.floor(pixels).astype(int) @ [1, scatter.shown_size[0]]
-    np.maximum.at(keys, slot[drawn], (key << np.uint64(32) | (np.uint64(0xFFFFFFFF) - source))[drawn])
-    assert depth.size == wide * high
-    return keys
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("where", ["inside", "centre", "behind", "infinite", "none", "outside", "corner"])
+def test_wherever_the_epipole_lies_the_painted_twin_agrees(gpu, spec, seed, where):
+    world = World(gpu, seed, (67, 53), (70, 50))
+    rendered, rng = world.rendered_view, np.random.default_rng(seed)
+    left, right, down, up = rendered.fov.tangents
+    half_pixel = np.array([right - left, up - down]) / np.array(world.size)
+    tangent = {
+        "inside": (left + rng.uniform() * (right - left), down + rng.uniform() * (up - down)),
+        "centre": (left + 20.5 * half_pixel[0], down + 30.5 * half_pixel[1]),
+        "behind": (left + rng.uniform() * (right - left), down + rng.uniform() * (up - down)),
+        "infinite": tuple(rng.normal(size=2)),
+        "none": (0, 0),
+        "outside": tuple(rng.normal(scale=20, size=2)),
+        "corner": (left, down),
+    }[where]
+    along = {"behind": 1.0, "infinite": 0.0, "none": 0.0}.get(where, -1.0)
+    step = np.array([-along * tangent[0], -along * tangent[1], along]) if along else np.array([*tangent, 0.0])
+    step *= 0.05 / max(np.linalg.norm(step), 1)
+    turn = Rotation.from_rotvec(np.deg2rad(rng.normal(scale=3, size=3)))
+    pose = Pose(
+        rendered.pose.position_m + rendered.pose.rotation.apply(step), (rendered.pose.rotation * turn).as_quat()
+    )
+    world.shown_view = View(pose, rendered.fov)
+    got, wanted = world.warp(gpu, spec), world.reference(spec)
+    assert np.isfinite(got).all()
+    decided = ~wanted.undecided
+    assert decided.mean() > 0.9
+    assert np.array_equal(got[decided], wanted.colour[decided])
+
+
+@pytest.mark.parametrize("spec", SHEETS)
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (130, 1), (64, 64), (67, 53)], ids=str)
+@pytest.mark.parametrize("step", [0 * AHEAD, 1e-12 * AHEAD, 1e-12 * RIGHT, -1e-12 * AHEAD + 1e-13 * UP], ids=str)
+def test_every_pixel_has_its_own_place_in_the_order(gpu, spec, size, step):
+    """Motion that moves nothing. All pixels arrive, each as itself, so that its place was told back
+    as it was given."""
+    depth = np.random.default_rng(0).uniform(0, 2, size[::-1])
+    got = Scatter(gpu, size, size, shown_pose=Pose(step), spec=spec).run(depth)
+    assert np.array_equal(got.ravel(), np.arange(size[0] * size[1]))

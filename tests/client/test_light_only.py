@@ -1,7 +1,5 @@
-"""Light-only frames: light and albedo apart and together again.
-
-Known lights, the product's float64 twin, exactness, and what is sent.
-"""
+"""Light-only frames: light and albedo apart and together again. Known lights, the product's float64
+twin, exactness, and what is sent."""
 
 from __future__ import annotations
 
@@ -15,12 +13,12 @@ from worlds import read
 from hmdwarp.client import PassInputs, ShownPicture, build_plan
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.errors import PlanError
-from hmdwarp.frames import EyeImage, Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
+from hmdwarp.gpu import Canvas, download
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import Emission, Material, Quad, Scene, Texture, load_scene, only_light, unlit
+from hmdwarp.scenes import Emission, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.sources.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
@@ -87,49 +85,10 @@ def test_what_textures_emit_is_not_scaled_by_the_light(gpu):
     one.close()
 
 
-def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
-    """Against the float64 product of the random light and the unlit scene's own picture."""
-    light = np.random.default_rng(1).uniform(0, 3, (*SIZE[::-1], 4)).astype(np.float16).astype(np.float64)
-    light[..., 3] = np.random.default_rng(2).uniform(size=SIZE[::-1]) < 0.8
-    light *= light[..., 3:]
-    shown, into, server = Canvas(gpu.gl, SIZE), Canvas(gpu.gl, SIZE), Server(gpu, unlit(load_scene("planes")))
-    shown.texture.write(light.astype(np.float16).tobytes(), alignment=1)
-    rendered = EyeImage(View(Pose(), VIEW.fov), allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
-    entry = effects.get(NAME).made_by
-    one = entry(gpu, frozenset([NAME]), SIZE, SIZE, Tools(None, 1, geometry=ClientScene(gpu)))
-    one.run(PassInputs(rendered, VIEW), ShownPicture(shown, None), into)
-    gpu.gl.memory_barrier()
-    got, albedo = read(into.texture), read(server.draw(VIEW, SIZE).colour)
-    wanted = light[..., :3] * albedo[..., :3]
-    assert np.abs(got[..., :3] - wanted).max() <= HALF * wanted.max()
-    assert np.array_equal(got[..., 3], light[..., 3])
-    assert (got[light[..., 3] == 0] == 0).all()
-    one.close()
-    server.close()
-
-
-def test_a_fence_of_alpha_is_in_the_light(gpu):
-    laths = np.zeros((8, 8, 4), np.uint8)
-    laths[:, 4:] = 255
-    rows = Quad((0, 1.6, -1), (0.3, 0, 0), (0, 0.3, 0), 0, (1, 1, 1)).mesh("fence")
-    fence = attrs.evolve(rows, material=Material(see_through=True))
-    server = Server(gpu, Scene("fence", "", (fence,), (Texture("laths", laths, repeat=False),)))
-    depths = []
-    for needs in (Needs(), Needs(light=True)):
-        frame = server.draw_frame((VIEW,), 0, SIZE, needs=needs)
-        depths.append(read(frame.eyes[0].inverse_depth))
-        server.recycle(frame)
-    assert (depths[0] > 0).any() and np.array_equal(*depths)
-    server.close()
-
-
 @pytest.mark.parametrize("scene", ["planes", "room", "lantern", "doorway"])
 def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
-    """At no latency nothing is lost.
-
-    Light, albedo and product are half floats; light that varies over a triangle beside an albedo
-    that does too is not, but no scene here has such a triangle.
-    """
+    """At no latency nothing is lost. Light, albedo and product are half floats; light that varies
+    over a triangle beside an albedo that does too is not, but no scene here has such a triangle."""
     server = Server(gpu, load_scene(scene))
     view = View(server.scene.viewpoint, VIEW.fov)
     truth, bare = server.draw(view, SIZE), Server(gpu, unlit(load_scene(scene)))
@@ -169,11 +128,6 @@ def test_it_is_sent_instead_of_the_colour_and_keeps_textures_sharp():
     (error, sent), (plain_error, plain_sent) = shown_by(effects=NAME, **late), shown_by(**late)
     assert sent == plain_sent
     assert error < 0.75 * plain_error
-
-
-def test_without_latency_the_replay_is_the_truth():
-    error, _ = shown_by(effects=NAME, latency_ms=0.0, size=SIZE)
-    assert error <= 3 * HALF
 
 
 @pytest.mark.parametrize(

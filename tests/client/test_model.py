@@ -6,20 +6,17 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from replays import run, small
-from worlds import read
+from replays import run
+from worlds import read, shown_by
 
-from hmdwarp import warp_image
 from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, parse_warp
 from hmdwarp.client.warps import Output
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
 from hmdwarp.frames.layers.scene_parts import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.sources.server import Server
 
@@ -30,17 +27,10 @@ HERE, THERE = View(Pose((0.05, 1.6, 0.1)), FOV), View(Pose((0.3, 1.5, -0.2), (0.
 
 def drawn(gpu, geometry: ClientScene, spec: str, shown: View, time_ns: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Colour and inverse depth that the warp shows, from a black frame drawn elsewhere."""
-    choice = parse_warp(spec)
-    warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
     black = EyeImage(HERE, allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
-    canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    warp.run_with_depth(PassInputs(black, shown, shown_ns=time_ns), canvas, depth)
-    gpu.gl.memory_barrier()
-    beside = read(canvas.texture), read(depth)[..., 0]
-    warp.run(PassInputs(black, shown, shown_ns=time_ns), canvas)
-    gpu.gl.memory_barrier()
-    assert np.array_equal(beside[0], read(canvas.texture)), "with and without depth"
-    warp.close()
+    asked = gpu, spec, PassInputs(black, shown, shown_ns=time_ns), SIZE
+    beside, alone = (shown_by(*asked, Output(depth=depth), geometry) for depth in (True, False))
+    assert np.array_equal(beside[0], alone[0]), "with and without depth"
     return beside
 
 
@@ -81,32 +71,6 @@ def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
     assert np.abs(got[..., :3] - wanted).mean() < np.abs(plain - wanted).mean()
 
 
-def test_smaller_textures_and_no_light(gpu):
-    geometry = ClientScene(gpu, "room")
-    wanted = truth(geometry, HERE)
-    for spec in ("model:texture=0.25", "model:light=off"):
-        colour, depth = drawn(gpu, geometry, spec, HERE)
-        assert np.array_equal(depth, wanted[1]), "the same triangles"
-        assert not np.array_equal(colour, wanted[0])
-    full, smaller = (geometry.store(WholeScene, Simplified(1.0, scale)).scene for scale in (1.0, 0.25))
-    assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
-
-
-def test_a_single_picture_has_no_scene():
-    colour, depth = np.zeros((8, 8, 3), np.uint8), np.ones((8, 8))
-    with pytest.raises(PlanError, match="warp model needs the scene's geometry on the client"):
-        warp_image(colour, depth, HERE, THERE, warp="model")
-
-
-def test_clients_that_lack_the_scene_cannot_run_it():
-    for warp, client in (("model", "class-2"), ("model:share=0.2", "class-1")):
-        with (
-            pytest.raises(PlanError, match=f"client '{client}' cannot run warp '{warp}'"),
-            set_up_replay(small(warp=warp, fill="none", client=client)),
-        ):
-            pass
-
-
 PROGRESSIVE = "model:arrives=progressive,budget=300000"
 
 
@@ -132,8 +96,7 @@ def test_progressive_arrival_ends_at_the_truth_bit_for_bit(tmp_path, scene, code
 @pytest.mark.parametrize("scene", ["lantern", "doorway"])
 def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
     """To the last bit once all is there; and before, when every texture is coarse and triangles are
-    stand-ins, nearer to it than the bare albedo is by far.
-    """
+    stand-ins, nearer to it than the bare albedo is by far."""
     geometry, server = ClientScene(gpu, scene), Server(gpu, load_scene(scene))
     warp = "model:arrives=progressive,budget=25000"
     choice = parse_warp(warp)
@@ -160,15 +123,6 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
     geometry.close()
 
 
-def test_under_lamps_pieces_that_overtake_the_stand_ins_are_lit_too(tmp_path):
-    network = LinkOptions.of({"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40", "link_seed": 4})
-    same, warp = {"scene": "doorway", "seconds": 0.6, "network": network}, PROGRESSIVE.replace("300000", "25000")
-    summary, psnr_db = last_pictures(tmp_path / "comes", warp=warp, **same)
-    _, whole_db = last_pictures(tmp_path / "whole", warp="model", **same)
-    assert summary["link"]["frames"]["late"] > 3
-    assert psnr_db[0] != whole_db[0] and psnr_db[-1] == whole_db[-1]
-
-
 @pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40"}])
 def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""
@@ -177,12 +131,6 @@ def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     )
     assert summary["link"]["frames"]["lost"] + summary["link"]["frames"]["late"] > 3
     assert psnr_db[-1] == 100.0
-
-
-def test_before_anything_has_arrived_all_is_a_hole(gpu):
-    geometry = ClientScene(gpu, "planes")
-    colour, depth = drawn(gpu, geometry, "model:arrives=progressive", HERE)
-    assert not colour.any() and (depth == -1).all()
 
 
 def test_a_small_budget_is_kept_and_the_picture_is_never_torn(tmp_path):
@@ -231,20 +179,6 @@ def test_visible_parts_come_first(gpu):
     assert weight["arrived"] < weight["things"]
     server.close()
     arriving.close()
-
-
-@pytest.mark.parametrize("warp", ["forward", "backward", "model"])
-def test_other_plans_pay_nothing_for_what_arrives(warp):
-    """Nothing is cut, packed, carried or kept for them."""
-    with set_up_replay(small(scene="planes", warp=warp, fill="none", latency_ms=30.0)) as setup:
-        for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            refresh = setup.loop.show(instant_ns) if number >= 0 else None
-            if refresh is not None:
-                break
-        assert "scene_update" not in setup.plans[0].needs and "scene_update" not in refresh.frame.eyes[0]
-        assert not setup.server.has_more(instant_ns)
-        assert all("arrived" not in weight for weight in setup.geometry.weights())
 
 
 def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):

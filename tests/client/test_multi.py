@@ -1,17 +1,16 @@
-"""Several rendered pictures.
-
-What one saw fills what another did not, the newest is never overruled by what it looked through.
-"""
+"""Several pictures, or several layers of one: what one saw fills what another did not."""
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from reference.picture import RenderedPicture
-from worlds import World, assert_equals_twin, read
+from worlds import World, assert_equals_twin, read, shown_by
 
 from hmdwarp.client import PassInputs, parse_warp
-from hmdwarp.frames import EyeImage, Needs, Others
+from hmdwarp.errors import PlanError
+from hmdwarp.frames import EyeImage, Needs, Others, Surface
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.scenes import Background, Mesh, Scene
@@ -49,17 +48,8 @@ def drawn(gpu, scene: Scene, view: View, size=SIZE, target=None) -> EyeImage:
     return image
 
 
-def put_together(
-    gpu, rendered: EyeImage, others: tuple[EyeImage, ...], shown: View, spec: str = "multi", size=SIZE
-) -> np.ndarray:
-    choice = parse_warp(spec)
-    warp, canvas = choice.entry(gpu, rendered.size, size, choice.settings), Canvas(gpu.gl, size)
-    warp.run(PassInputs(rendered, shown, others=others), canvas)
-    gpu.gl.memory_barrier()
-    out = read(canvas.texture)
-    warp.close()
-    canvas.release()
-    return out
+def put_together(gpu, rendered: EyeImage, others: tuple[EyeImage, ...], shown: View) -> np.ndarray:
+    return shown_by(gpu, "multi", PassInputs(rendered, shown, others=others), SIZE)[0]
 
 
 def at(x: float, y: float = 0, z: float = 0) -> View:
@@ -71,10 +61,8 @@ def inner(picture: np.ndarray, margin: int = 14) -> np.ndarray:
 
 
 def test_the_other_eye_fills_the_shadow_of_an_edge(gpu):
-    """The newest stands left of the square and hides the wall to its right.
-
-    The other eye, right of it, saw that.
-    """
+    """The newest stands left of the square and hides the wall to its right. The other eye, right of
+    it, saw that."""
     newest, other = (drawn(gpu, BEFORE_A_WALL, at(x)) for x in (-0.1, 0.1))
     truth = inner(read(drawn(gpu, BEFORE_A_WALL, at(0)).colour))
     alone, both = (inner(put_together(gpu, newest, others, at(0))) for others in ((), (other,)))
@@ -105,13 +93,6 @@ def test_without_others_it_is_the_newest_frame_alone_and_nothing_is_left_from_be
     assert np.array_equal(pictures[0], pictures[2])
     assert np.array_equal(pictures[0], pictures[4])
     assert (pictures[1][..., 3] >= pictures[0][..., 3]).all()
-
-
-def test_an_unmoved_eye_is_shown_the_newest_frame_bit_for_bit_whatever_others_hold(gpu):
-    world = World(gpu, 7, (64, 48), moved=False)
-    world.bring(gpu, parse_warp("multi").entry)
-    assert len(world.others) == 2
-    assert np.array_equal(world.warp(gpu, "multi"), world.colour)
 
 
 @pytest.mark.parametrize("spec", ["multi", "multi:frames=0", "multi:frames=3", "multi:views=2,frames=1,eye=own"])
@@ -149,3 +130,71 @@ def test_it_needs_the_other_eye_and_older_frames():
     assert told["multi:frames=0,eye=own"] == Needs()
     assert told["multi:spacing=40"].others.spacing_ns == 40_000_000
     assert "views" not in told["multi"] and told["multi:views=2"]["views"] == 2
+
+
+# --- layered: real content behind edges, no cracks, no guesses ------------------------------------
+
+
+# A small square before a large wall before the sky.
+SCENE = Scene(
+    "walls", "", (square(1, (0, 0), 0.25, 0.5), square(3, (0, 0), 2, 0.25)), background=Background.uniform((1, 1, 1))
+)
+
+
+def shown_and_truth(gpu, step, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
+    server, choice, shown = Server(gpu, SCENE), parse_warp("layered"), View(Pose(step), FOV)
+    rendered = server.draw_frame([View(Pose(), FOV)], 0, size, needs=choice.entry.needs(choice.settings)).eyes[0]
+    out = shown_by(gpu, "layered", PassInputs(rendered, shown), size)[0]
+    truth = read(server.draw(shown, size).colour)
+    server.close()
+    return out, truth
+
+
+def near_an_edge(truth: np.ndarray, pixels: int = 1) -> np.ndarray:
+    """Pixels next to another colour. An edge may be half a rendered pixel and half a shown one
+    off."""
+    marked = np.zeros(truth.shape[:2], bool)
+    for axis in (0, 1):
+        for k in range(1, pixels + 1):
+            step = (np.abs(truth - np.roll(truth, k, axis)) > 1e-3).any(axis=-1)
+            marked |= step | np.roll(step, -k, axis)
+    return marked
+
+
+@pytest.mark.parametrize("step", [(0.1, 0, 0), (-0.07, 0.05, 0), (0.02, -0.08, -0.1), (0, 0, 0.2)], ids=str)
+def test_behind_an_edge_is_what_really_is_there(gpu, step):
+    out, truth = (inner(picture) for picture in shown_and_truth(gpu, step))
+    away = ~near_an_edge(truth)
+    assert (out[..., 3] == 1).all()
+    assert np.abs(out - truth)[away].max() <= 2.0**-9, (
+        "flat colours: what is seen is right to the rounding of a half float"
+    )
+
+
+@pytest.mark.parametrize("layers", [2, 3, 4])
+@pytest.mark.parametrize("seed", [20, 21])
+def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
+    world = World(gpu, seed, (57, 43), (61, 40))
+    world.bring(gpu, parse_warp("layered").entry)
+    if layers == 4:
+        behind = attrs.evolve(world.layers[1], inverse_depth=world.layers[1].inverse_depth * 0.7)
+        behind.inverse_depth[behind.inverse_depth < 0] = -1
+        world.layers = (*world.layers, behind)
+    spec = f"layered:layers={layers}"
+    got, wanted = world.warp(gpu, spec) if layers < 4 else _warped_with(gpu, world, spec), world.reference(spec)
+    assert_equals_twin(got, wanted)
+
+
+def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
+    peeled = tuple(Surface(*world._textures(gpu, layer.colour, layer.inverse_depth)) for layer in world.layers)
+    inputs = PassInputs(world.rendered.having(peeled=peeled), world.shown_view)
+    return shown_by(gpu, spec, inputs, world.shown_size)[0]
+
+
+def test_a_frame_with_fewer_layers_is_refused(gpu):
+    world = World(gpu, 5, (16, 12))
+    world.bring(gpu, parse_warp("layered").entry)
+    choice = parse_warp("layered:layers=4")
+    warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
+    with pytest.raises(PlanError, match="needs 3 layers behind the visible one, this frame has 2"):
+        warp.run(PassInputs(world.rendered, world.shown_view), canvas)

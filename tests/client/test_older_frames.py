@@ -63,30 +63,22 @@ def sharpness(colour, where) -> float:
     return float((across**2 + down**2)[where[:-1, :-1]].mean())
 
 
-def cubic(image, u, v):
-    """Return Catmull-Rom samples, linear in the outer rows, each limited to its neighbours."""
-    low_u, low_v = np.floor(u).astype(int), np.floor(v).astype(int)
-
-    def weights(t):
-        return (
-            np.stack([-t + 2 * t**2 - t**3, 2 - 5 * t**2 + 3 * t**3, t + 4 * t**2 - 3 * t**3, t**3 - t**2])[..., None]
-            / 2
-        )
+def by_parabolas(image, u, v):
+    """Return samples of Lagrange's parabolas through three pixels of the nearest row and column."""
+    near_u, near_v = np.floor(u + 0.5).astype(int), np.ceil(v - 0.5).astype(int)  # rows are counted from the top
 
     def at(row, column):
-        return image[np.clip(low_v + row, 0, H - 1), np.clip(low_u + column, 0, W - 1)]
+        return image[np.clip(near_v + row, 0, H - 1), np.clip(near_u + column, 0, W - 1)]
 
-    def limited(four, shares):
-        found = sum(one * share for one, share in zip(four, shares, strict=True))
-        return np.clip(found, np.minimum(four[1], four[2]), np.maximum(four[1], four[2]))
+    def parabola(three, t):
+        shares = t * (t - 1) / 2, 1 - t**2, t * (t + 1) / 2
+        return sum(share[..., None] * texel for share, texel in zip(shares, three, strict=True))
 
-    part = (u - low_u)[..., None]
-    rows = [
-        limited([at(row, k) for k in range(-1, 3)], weights(u - low_u)) if row in (0, 1)
-        else at(row, 0) * (1 - part) + at(row, 1) * part
-        for row in range(-1, 3)
-    ]  # fmt: skip
-    return limited(rows, weights(v - low_v))
+    off_u, off_v, middle = u - near_u, v - near_v, at(0, 0)
+    row, column = ([at(*(k * step for step in way)) for k in (-1, 0, 1)] for way in ((0, 1), (1, 0)))
+    found = parabola(row, off_u) + parabola(column, off_v) - middle
+    beside = [np.where((off < 0)[..., None], three[0], three[2]) for off, three in ((off_u, row), (off_v, column))]
+    return np.clip(found, np.minimum(middle, np.minimum(*beside)), np.maximum(middle, np.maximum(*beside)))
 
 
 def twin(newest, inverse_depth, older):
@@ -129,7 +121,7 @@ def twin(newest, inverse_depth, older):
         held = np.where(nearest - held > 0.03 * (held + 0.02), nearest, held)
         there = held[np.clip(np.rint(v), 0, H - 1).astype(int), np.clip(np.rint(u), 0, W - 1).astype(int)]
         covered_here = covered & inside & (abs(there - expected) <= 0.03 * (np.minimum(there, expected) + 0.02))
-        found = cubic(colour.astype(float), u, v)
+        found = by_parabolas(colour.astype(float), u, v)
         off = own - light(found)
         mass = np.maximum(in_blocks(np.ones((H, W, 1))), 1e-3)
         mean, dark = in_blocks(newest - found) / mass, in_blocks(off[..., None]) / mass

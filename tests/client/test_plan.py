@@ -1,7 +1,5 @@
-"""The plan over every combination of registered passes.
-
-What runs, why, and that nothing else costs anything.
-"""
+"""The plan over every combination of registered passes. What runs, why, and that nothing else costs
+anything."""
 
 from __future__ import annotations
 
@@ -114,16 +112,6 @@ def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     assert set(plan.layers) == wanted
 
 
-@pytest.mark.parametrize("warp", warps.names())
-def test_reasons_speak_of_what_was_asked_for(warp):
-    plan = plan_of(warp, "interpolate", "radial", True)
-    text = "\n".join(step.reason for step in plan.steps)
-    for entry in (warps.get(warp), fills.get("interpolate"), lenses.get("radial")):
-        assert entry.summary in text
-    plan = plan_of("rotation", "none", "none", False)
-    assert dict(plan.left_out)["client_depth"] == "warp 'rotation' does not read it"
-
-
 @pytest.mark.parametrize("registry", [warps, fills, lenses], ids=lambda r: r.kind)
 def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
     known = {*readable_names(), CLIENT_DEPTH, CLIENT_MODEL, SHOWN, SHOWN_DEPTH, PANEL}
@@ -140,14 +128,6 @@ def test_every_entry_says_what_it_is_and_reads_what_exists(registry):
 
 
 # --- what is refused ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("fill", "lens"), list(itertools.product(("none", "interpolate", "pyramid"), lenses.names())))
-def test_backward_without_geometry_is_refused(fill, lens):
-    with pytest.raises(PlanError) as caught:
-        plan_of("backward", fill, lens, False)
-    message = str(caught.value)
-    assert message == "warp backward needs the scene's geometry on the client"
 
 
 def test_one_run_keeps_older_frames_one_way():
@@ -169,21 +149,15 @@ def test_only_passes_that_draw_without_geometry_are_impossible():
     ("warp", "fill", "lens", "says"),
     [
         ("forwrd", "none", "none", "unknown warp 'forwrd': did you mean 'forward'? known are "),
-        ("rotate", "none", "none", "unknown warp 'rotate': did you mean 'rotation'?"),
         ("forward", "interpolat", "none", "unknown fill 'interpolat': did you mean 'interpolate'?"),
         ("forward", "none", "radal", "unknown lens 'radal': did you mean 'radial'?"),
-        ("zzzz", "none", "none", "unknown warp 'zzzz': known are backward"),
-        ("", "none", "none", "unknown warp '': known are"),
-        ("_base", "none", "none", "unknown warp '_base'"),
-        ("_homography", "none", "none", "unknown warp '_homography'"),
-        ("Forward", "none", "none", "did you mean 'forward'?"),
+        ("", "none", "none", "unknown warp '': known are backward"),
     ],
 )
 def test_unknown_names_get_the_nearest_known_one(warp, fill, lens, says):
     with pytest.raises(UnknownNameError) as caught:
         plan_of(warp, fill, lens, True)
-    assert says in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
 @given(st.text(max_size=12))
@@ -257,8 +231,7 @@ def given_for(gpu, warp: str) -> PassInputs:
 @pytest.fixture(scope="module")
 def geometry(gpu):
     """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
-    there already.
-    """
+    there already."""
     scene = ClientScene(gpu)
     scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
     return scene
@@ -337,18 +310,6 @@ def test_a_second_compensator_compiles_nothing_anew(gpu, monkeypatch):
     assert len(costs.library) == programs
     first.close()
     second.close()
-
-
-def test_the_eyes_have_pictures_of_their_own(gpu):
-    inputs = given_for(gpu, "forward")
-    compensator = Compensator(
-        gpu, plan_of("forward", "interpolate", "none", True), load_headset("flat-90"), RENDERED_SIZE, SHOWN_SIZE
-    )
-    left = compensator.run(inputs)
-    right = compensator.run(attrs.evolve(inputs, eye=1))
-    assert len({id(c.texture) for c in (left.warped, left.shown, right.warped, right.shown)}) == 4
-    compensator.close()
-    gpu.timer.collect()
 
 
 def test_backward_run_without_a_depth_is_refused(gpu):

@@ -1,7 +1,5 @@
-"""The plan of every set of effects.
-
-Which passes run, in which order, what frames carry for them, and why the others do not.
-"""
+"""The plan of every set of effects. Which passes run, in which order, what frames carry for them,
+and why the others do not."""
 
 from __future__ import annotations
 
@@ -14,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from together import together
 
-from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
+from hmdwarp.client import SHOWN, build_plan
 from hmdwarp.client.effects import RenderedPass, effects
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, UnknownNameError
@@ -68,13 +66,6 @@ def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     read = {name for step in plan.steps for name in step.reads if name in readable_names()}
     assert extra <= read, "what nobody reads is not sent"
     assert (extra == set()) == (needs == Needs())
-
-
-def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
-    for declared in SETS:
-        plan = plan_of(declared)
-        readers = [pass_ for pass_ in plan.effect_passes if SHOWN_DEPTH in pass_.reads]
-        assert sum(SHOWN_DEPTH in step.writes for step in plan.steps) == bool(readers)
 
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
@@ -131,13 +122,6 @@ def test_forced_and_forbidden_effects_are_reported_as_such():
 
 
 # --- what an experiment asks for ----------------------------------------------------------------
-
-
-def test_auto_changes_nothing_and_none_forbids_everything():
-    for declared in SETS:
-        assert effects.selected("auto", declared) == declared
-        assert effects.selected("", declared) == declared
-        assert effects.selected("none", declared) == ()
 
 
 @given(st.sampled_from(SETS), st.sampled_from(SETS), st.sampled_from(SETS))

@@ -1,25 +1,25 @@
-"""Reflections after the warp.
-
-Nothing lost where nothing moved, better than glued on where something did, and no black in mirrors.
-"""
+"""Reflections: of known mirrors, nearer to the truth than glued on; and from pictures alone."""
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
+from golden_pictures import assert_golden, sheet
+from mirror_wall import FOV, IMAGE_M, OTHERS, SHOWN, SIZE, STRAIGHT, WALL_M, picture, waves
 from mirrored import VIEW, mirrored_scene, moved
 from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import effects
-from hmdwarp.client.effects.mirrors import Closing
-from hmdwarp.errors import PlanError
-from hmdwarp.frames import Mirrored, Needs
-from hmdwarp.gpu import COLOUR, allocate
+from hmdwarp.client.effects.mirrors import PLANES, MirroredPass
+from hmdwarp.frames import EyeImage, Mirrored, Needs, Others
+from hmdwarp.geometry import Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, allocate
 from hmdwarp.sources.server import Server
 
-SIZE = (160, 144)
+LARGE = (160, 144)
 EVERY = ("planar_reflections", "glossy_reflections", "curved_reflections")
 NAMES = ("planar_reflections", "glossy_reflections", "curved_reflections")
 
@@ -42,8 +42,8 @@ def shown(
 ):
     """(colour, coverage after the warp) of the rendered picture of VIEW in `view`."""
     plan = build_plan(compensated, warp, fill, "none", client_geometry=False, scanout="shown_last" in inputs)
-    frame = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs)
-    compensator = Compensator(gpu, plan, None, SIZE, SIZE)
+    frame = server.draw_frame([VIEW], 0, LARGE, needs=plan.needs)
+    compensator = Compensator(gpu, plan, None, LARGE, LARGE)
     result = compensator.run(PassInputs(frame.eyes[0], view, **inputs))
     out = read(result.shown.texture), read(result.warped.texture)[..., 3] > 0
     server.recycle(frame)
@@ -52,16 +52,16 @@ def shown(
 
 
 def mirrors_of(server: Server, view, needs: Needs) -> np.ndarray:
-    frame = server.draw_frame([view], 0, SIZE, needs=needs)
+    frame = server.draw_frame([view], 0, LARGE, needs=needs)
     found = read(frame.eyes[0]["reflection"].surface)[..., 0] > 0
     server.recycle(frame)
     return found
 
 
 def truth_of(server: Server, view) -> np.ndarray:
-    eye = server.draw(view, SIZE)
+    eye = server.draw(view, LARGE)
     found = read(eye.colour)
-    server.pool(SIZE).release(eye.colour)
+    server.pool(LARGE).release(eye.colour)
     return found
 
 
@@ -111,15 +111,6 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     assert dark.sum() <= 0.02 * wall.sum()
 
 
-def test_scan_out_shows_the_mirrors_as_in_its_middle(gpu, server):
-    first, last = moved((0, 0, 0)), moved((0.02, 0, 0), 0.02)
-    found, _ = shown(gpu, server, first, shown_last=last)
-    middle, covered = shown(gpu, server, PassInputs(None, first, shown_last=last).middle)
-    assert found.shape == middle.shape
-    where = mirrors_of(server, first, Needs(reflection=Mirrored.PLANE)) & covered
-    assert error(found, middle, where) < 0.01
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_each_effect_is_an_entry_of_the_one_pass(name):
     effect = effects.get(name)
@@ -131,47 +122,137 @@ def test_each_effect_is_an_entry_of_the_one_pass(name):
     assert ("rendered.reflection" in plan.layers) == bool(passes)
 
 
-def test_a_warp_that_carries_nothing_leaves_reflections_glued_on():
-    plan = build_plan(EVERY, "environment", "none", "none", client_geometry=False)
-    assert not plan.effect_passes
-    assert all("carries nothing" in reason for name, reason in plan.left_out if name in NAMES[::2])
+# --- from pictures alone --------------------------------------------------------------------------
 
 
-def test_a_frame_without_the_layer_is_told(gpu, server):
-    plan = build_plan(EVERY, "iterative", "none", "none", client_geometry=False)
+NAME = "reflections_from_pictures"
+
+
+def image_of(gpu, view: View, colour: np.ndarray, depth: np.ndarray) -> EyeImage:
+    size = depth.shape[1::-1]
+    textures = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+    textures[0].write(colour.astype(np.float16).tobytes(), alignment=1)
+    textures[1].write(depth.astype(np.float32).tobytes(), alignment=1)
+    return EyeImage(view, *textures)
+
+
+def inputs_of(gpu, share: float, others=OTHERS, shown: View = SHOWN, size: tuple[int, int] = SIZE) -> PassInputs:
+    rendered, *rest = (image_of(gpu, view, *picture(view, share, size)) for view in (STRAIGHT, *others))
+    return PassInputs(rendered, shown, others=tuple(rest))
+
+
+def made(gpu, size: tuple[int, int] = SIZE) -> MirroredPass:
+    return MirroredPass(gpu, frozenset({NAME}), size, size, tools=None)  # type: ignore[arg-type]
+
+
+def shown_truth(inputs: PassInputs, share: float) -> np.ndarray:
+    """The rendered wall with the light that the shown eye sees in it: the pass's ideal result."""
+    rays, eye = STRAIGHT.rays(SIZE), inputs.shown.pose.position_m
+    surface = rays * WALL_M
+    way = surface - eye
+    image = eye + way * ((IMAGE_M + eye[2]) / -way[..., 2])[..., None]
+    return 0.3 * waves(surface, 8.0, 1) + share * waves(image, 6.0, 2)
+
+
+def test_a_mirror_shows_what_the_eye_sees_in_it_now(gpu, tmp_path):
+    """The image stands at a known depth behind the wall; it is found, and most of it moves."""
+    inputs, one = inputs_of(gpu, 0.5), made(gpu)
+    out = read(one.run(inputs).rendered.colour)
+    truth, glued = shown_truth(inputs, 0.5), picture(STRAIGHT, 0.5)[0]
+    inner = np.s_[24:-24, 24:-24]  # what was beside the picture cannot be known
+    left, before = (np.abs(each[..., :3] - truth)[inner].mean() for each in (out, glued))
+    assert left < 0.5 * before
+    # The planes divide the inverse depth of the wall. Windows of 72 pixels reach beyond the border.
+    high, wide = one.image_depth.height, one.image_depth.width
+    blocks = np.frombuffer(one.image_depth.read(alignment=1), np.float32).reshape(high, wide, 2)[4:-4, 4:-4]
+    assert (blocks[..., 1] == 1).all()
+    assert np.median(np.abs(blocks[..., 0] - 1 / IMAGE_M)) < 1 / WALL_M / PLANES
+    assert_golden("effects/reflections_from_pictures", sheet((out, None), (read(one.light), None)), tmp_path)
+    one.close()
+
+
+def test_a_wall_that_mirrors_nothing_stays_bit_for_bit(gpu):
+    inputs, one = inputs_of(gpu, 0.0), made(gpu)
+    out = one.run(inputs).rendered.colour
+    assert np.array_equal(read(out), read(inputs.rendered.colour))
+    assert (read(one.trust) == 0).all()
+    one.close()
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"others": ()},
+        {"others": (STRAIGHT, STRAIGHT)},
+        {"others": (View(Pose((0, 0, 0), (0, 0.05, 0, 1)), FOV),)},
+        {"shown": View(Pose((0, 0, 0), (0.05, 0, 0, 1)), FOV)},
+    ],
+    ids=["no other picture", "all from one place", "turned only", "shown from where it was drawn"],
+)
+def test_without_parallax_nothing_is_touched(gpu, asked):
+    inputs, one = inputs_of(gpu, 0.5, **asked), made(gpu)
+    assert one.run(inputs) is inputs
+    one.close()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (7, 5), (37, 61), (65, 33)])
+def test_odd_sizes_holes_and_highlights_give_finite_pictures(gpu, size):
+    """Holes stay holes, what has no depth stays as it is, and lamps do not overflow."""
+    rng, views = np.random.default_rng(3), (STRAIGHT, *OTHERS)
+    images = []
+    for view in views:
+        colour, depth = picture(view, 0.5, size)
+        colour[rng.uniform(size=depth.shape) < 0.02, :3] = 60_000
+        holes = rng.uniform(size=depth.shape) < 0.1
+        colour[holes], depth[holes] = 0, -1
+        depth[rng.uniform(size=depth.shape) < 0.05] = 0
+        depth[rng.uniform(size=depth.shape) < 0.02] = np.inf
+        depth[rng.uniform(size=depth.shape) < 0.02] = np.nan
+        images.append(image_of(gpu, view, colour, depth))
+    one = made(gpu, size)
+    out = read(one.run(PassInputs(images[0], SHOWN, others=tuple(images[1:]))).rendered.colour)
+    before, known = read(images[0].colour), np.isfinite(read(images[0].inverse_depth)[..., 0])
+    assert np.isfinite(out).all() and (out >= 0).all()
+    assert np.array_equal(out[..., 3], before[..., 3])
+    assert np.array_equal(out[~known], before[~known])
+    one.close()
+
+
+def test_a_thing_that_has_moved_is_no_mirror(gpu):
+    """A square that stands elsewhere in the older pictures: the other eye sees it where it is."""
+    images = []
+    for view, column in zip((STRAIGHT, *OTHERS), (60, 60, 40, 20), strict=True):
+        colour, depth = picture(view, 0.0)
+        there = column - round(SIZE[0] / 2 / np.tan(0.7) * view.pose.position_m[0])
+        colour[40:80, there : there + 30, :3], depth[40:80, there : there + 30] = (0.9, 0.1, 0.1), 1.0
+        images.append(image_of(gpu, view, colour, depth))
+    one = made(gpu)
+    out = read(one.run(PassInputs(images[0], SHOWN, others=tuple(images[1:]))).rendered.colour)
+    assert np.abs(out - read(images[0].colour)).mean() < 1e-3
+    one.close()
+
+
+@pytest.mark.parametrize("warp", ["iterative", "forward", "mesh", "multi", "multi:eye=own,frames=1", "none", "splat"])
+def test_any_warp_may_follow(gpu, warp):
+    """Each gets the other pictures that it reads itself, also where it runs twice for its depth."""
+    plan = build_plan((NAME,), warp, "pyramid", "none", client_geometry=False, named=(NAME,))
+    assert [pass_.made_by for pass_ in plan.effect_passes] == [MirroredPass]
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
-    eye = server.draw_frame([VIEW], 0, SIZE, needs=plan.needs).eyes[0]
-    with pytest.raises(PlanError, match="no layer of them"):
-        compensator.run(PassInputs(eye.having(reflection=None), VIEW))
-    compensator.close()
+    inputs = inputs_of(gpu, 0.5)
+    plain_plan = build_plan((), warp, "pyramid", "none", client_geometry=False)
+    plain = Compensator(gpu, plain_plan, None, SIZE, SIZE)
+    with_light = read(compensator.run(inputs).shown.texture)
+    without = read(plain.run(attrs.evolve(inputs, others=inputs.others[: plain_plan.needs.others.count])).shown.texture)
+    assert np.isfinite(with_light).all()
+    assert not np.array_equal(with_light, without)
+    for closed in (compensator, plain):
+        closed.close()
 
 
-@pytest.mark.parametrize("size", [(1, 1), (7, 5), (64, 33)])
-def test_closing_keeps_what_is_covered_and_closes_the_rest(gpu, size):
-    rng = np.random.default_rng(5)
-    picture = rng.uniform(0.2, 1, (size[1], size[0], 4)).astype(np.float16)
-    picture[..., 3] = 1
-    holes = rng.uniform(size=size[::-1]) < 0.7
-    holes[0, 0] = False
-    picture[holes] = 0
-    texture = allocate(gpu.gl, size, COLOUR)
-    texture.write(picture.tobytes(), alignment=1)
-    closing = Closing(gpu, size)
-    closing.run(texture)
-    found = read(texture)
-    closing.close()
-    assert np.array_equal(found[~holes], picture[~holes].astype(np.float64))
-    # Halves of each level lose 2^-10, twice for each of at most 7 levels.
-    assert np.abs(found[..., 3] - 1).max() < 14 * HALF_UNIT
-    low, high = (extreme(picture[~holes][:, :3]) for extreme in (np.min, np.max))
-    assert (found[holes][:, :3] > low * 0.97).all()
-    assert (found[holes][:, :3] < high * 1.03).all()
-
-
-def test_closing_leaves_nothing_where_nothing_is_known(gpu):
-    texture = allocate(gpu.gl, (9, 6), COLOUR)
-    texture.write(np.zeros((6, 9, 4), np.float16).tobytes(), alignment=1)
-    closing = Closing(gpu, (9, 6))
-    closing.run(texture)
-    closing.close()
-    assert (read(texture) == 0).all()
+def test_it_stands_in_for_known_mirrors():
+    effect = effects.get(NAME)
+    assert effect.by_name_only and effect.needs.others == Others(past=2, spacing_ns=300_000_000, other_eye=True)
+    plan = build_plan((NAME, *effect.instead_of), "iterative", "none", "none", client_geometry=False, named=(NAME,))
+    assert plan.effects == (NAME,)
+    assert all((name, f"{NAME} stands in for it") in plan.left_out for name in effect.instead_of)
+    assert "reflection" not in plan.needs

@@ -1,35 +1,23 @@
-"""Fills that draw: the model fills holes with what the scene is.
-
-Relight gives it the light of the picture.
-"""
+"""Fills that draw: the model fills holes with what the scene is. Relight gives it the light of the
+picture."""
 
 from __future__ import annotations
 
 import attrs
 import numpy as np
 import pytest
-from reference.relight import Relit, relight
 from worlds import read
 
 from hmdwarp.client import ClientScene, ReducedModel
-from hmdwarp.client import fill_parts as settings
 from hmdwarp.client.fill_parts import sample_offsets
-from hmdwarp.client.fills.model import MODEL_WEIGHT
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.geometry import Pose, View
-from hmdwarp.scenes import Body, Mesh, Scene, load_scene
+from hmdwarp.scenes import Body, Mesh, Quad, Scene, load_scene
 from hmdwarp.sources.server import Server
 
 from .modelled import SIZE, VIEW, Shown, picture_of
 
 STORED = 2.0**-10  # what is stored as a half float is truncated: 2^-10 of it
-
-
-def asked(shown: Shown, light: str, samples: int = 32, reach: float = 0.25) -> Relit:
-    (albedo, depth), (lit, _) = (shown.of_model(lit=lit) for lit in (light == "baked", True))
-    offsets = sample_offsets(samples, reach * shown.size[0])
-    weights = (settings.SAME_DEPTH, settings.SAME_SURFACE, settings.NEAR, settings.OFF_PLANE, MODEL_WEIGHT[light])
-    return Relit(VIEW.fov, shown.colour, shown.shown_depth, albedo, lit, depth, offsets, settings.BLOCK, *weights)
 
 
 @pytest.mark.parametrize("scene", ["planes", "spheres"])
@@ -74,35 +62,9 @@ def test_smaller_textures_are_means_of_the_larger_ones(gpu):
     assert errors == sorted(errors)
 
 
-def test_a_client_holds_what_its_models_weigh(gpu):
-    shown = Shown(gpu, "planes")
-    for text in ("model:share=1", "model:share=1,texture=0.25,light=off", "relight:share=1", "composite"):
-        shown.fill(text)
-    scene = load_scene("planes")
-    texels = sum(texture.image.size for texture in scene.textures)
-    whole, quarter = shown.geometry.weights()
-    # Five quads of four vertices (8 floats) and two triangles (3 indices). One model serves light
-    # and no light.
-    assert whole == {
-        "share": 1.0,
-        "texture": 1.0,
-        "triangles": 10,
-        "geometry_bytes": 4 * (20 * 8 + 10 * 3),
-        "texture_bytes": texels,
-    }
-    assert quarter == {**whole, "texture": 0.25, "texture_bytes": texels // 16}
-
-
-def test_a_model_without_depth_fills_the_same(gpu):
-    shown = Shown(gpu, "spheres")
-    assert np.array_equal(shown.fill("model:share=0.3", depth=False)[0], shown.fill("model:share=0.3")[0])
-
-
 def test_near_surfaces_do_not_hide_covered_pixels(gpu):
-    """A wall that the near plane cuts.
-
-    Where it touches the plane its depth is 0, which is where what is covered is put.
-    """
+    """A wall that the near plane cuts. Where it touches the plane its depth is 0, which is where
+    what is covered is put."""
     corners = np.array([(-1, -1, -0.5), (1, -1, -0.5), (1, 1, 0.5), (-1, 1, 0.5)]) + VIEW.pose.position_m
     wall = Mesh(
         "wall",
@@ -139,29 +101,25 @@ def test_bodies_are_drawn_where_they_are_when_shown(gpu):
     assert (read(into.colour.texture) == read(seen.colour)).all(axis=-1).mean() > 0.97
 
 
-@pytest.mark.parametrize("scene", ["planes", "spheres"])
-@pytest.mark.parametrize("size", [SIZE, (37, 90)], ids=str)
-@pytest.mark.parametrize("light", ["none", "baked"])
-def test_relight_equals_its_twin(gpu, scene, size, light):
-    rng = np.random.default_rng(4)
-    shown = Shown(gpu, scene, (0.6, 0.9, 1.4), size, rng.uniform(size=size[::-1]) < 0.3, share=0.2)
-    wanted = relight(asked(shown, light))
-    got = shown.fill(f"relight:light={light}")[0]
-    off = np.abs(got - wanted).max(axis=-1) / (wanted.max(axis=-1) + 1e-3)
-    # Truncated once; 32 weights of a few float32 operations each, on normals from differences of
-    # float32 depths (at 2^-24 of the depth, over steps of 1e-3 of it and more: 1e-4). Which pixels
-    # of a block count, and on which side of an edge a slope is taken, is rounding's to say where
-    # two are as good as equal: a pixel in a hundred.
-    assert (off <= STORED + 2e-3).mean() > 0.99
-    assert np.array_equal(got[~shown.holes], shown.colour[~shown.holes])
-
-
 def test_without_anything_like_it_in_sight_the_models_own_light_is_left(gpu):
     shown = Shown(gpu, "spheres")
     shown.shown_depth = np.full_like(shown.shown_depth, -1)
     got, model = shown.fill("relight")[0], shown.fill("model")[0]
     assert np.abs(got - model).max() <= 2 * STORED * model.max()
     assert got[shown.holes, :3].max(axis=-1).min() > 0
+
+
+def test_surfaces_that_face_away_give_no_light(gpu):
+    """One side of a steep ridge that points at the eye is a hole, the other in coloured light."""
+    sides = [
+        Quad((VIEW.pose.position_m[0] + 0.18 * side, 1.6, -1.5), (0.18, 0, -0.5 * side), (0, 1, 0), -1, (0.5,) * 3)
+        for side in (-1, 1)
+    ]
+    meshes = [attrs.evolve(side.mesh("side"), albedo=np.full((4, 3), 0.8)) for side in sides]
+    shown = Shown(gpu, Scene("ridge", "", meshes), (3, 1, 0.2), holes=np.mgrid[: SIZE[1], : SIZE[0]][1] < 67)
+    got, model = shown.fill("relight")[0], shown.fill("model:share=1")[0]
+    assert ((shown.depth > 0) & shown.holes).sum() > 1000
+    assert np.abs(got - model).max() <= 2 * STORED * model.max()
 
 
 def test_samples_are_the_same_every_time_and_within_reach():

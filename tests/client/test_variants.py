@@ -1,12 +1,8 @@
-"""`name:key=value`.
-
-What is printed is read back as it was, and what cannot be meant is refused in one line that says
-what can.
-"""
+"""`name:key=value`. What is printed is read back as it was, and what cannot be meant is refused in
+one line that says what can."""
 
 from __future__ import annotations
 
-import math
 import typing
 from itertools import product
 
@@ -19,7 +15,7 @@ from together import together
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
-from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.errors import InputError
 from hmdwarp.options import Choice
 
 
@@ -40,10 +36,8 @@ def values_of(kind: typing.Any, default: typing.Any) -> st.SearchStrategy:
 
 @st.composite
 def choices(draw: st.DrawFn) -> Choice:
-    """Any warp with settings of which any may differ from its default.
-
-    Those that do not go together are passed over.
-    """
+    """Any warp with settings of which any may differ from its default. Those that do not go
+    together are passed over."""
     warp = draw(st.sampled_from(sorted(warps, key=lambda one: one.name)))
     chosen = {name: draw(values_of(kind, default)) for name, kind, default in fields_of(warp) if draw(st.booleans())}
     try:
@@ -148,15 +142,3 @@ def test_what_one_of_them_refuses(read, name, why, settings):
     for setting in settings.split():
         with pytest.raises(InputError, match=why):
             read(f"{name}:{setting}")
-
-
-def test_an_unknown_warp_is_refused_with_a_guess():
-    with pytest.raises(UnknownNameError, match="rotation"):
-        parse_warp("rotaton:tolerance=1")
-
-
-def test_backwards_settings_are_read():
-    settings = parse_warp("backward:tolerance=0.5,floor=1e-3").settings
-    assert settings.tolerance == 0.5
-    assert settings.floor == 1e-3
-    assert math.isclose(parse_warp("backward:floor=.25").settings.floor, 0.25)

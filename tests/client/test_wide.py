@@ -1,13 +1,10 @@
-"""The second, wide and coarse view.
-
-How large it is, what the server draws, and what the fill makes of it.
-"""
+"""The second, wide and coarse view. How large it is, what the server draws, and what the fill makes
+of it."""
 
 from __future__ import annotations
 
 import math
 
-import attrs
 import numpy as np
 import pytest
 from holed import Holed
@@ -17,13 +14,11 @@ from worlds import read
 
 from client.test_multi import HALF_FLOAT, WALL, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
-from hmdwarp.frames import Needs, frame_bytes
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View, wide_fov, wide_size, wide_view
 from hmdwarp.geometry.cube import COARSER
 from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline import eye_sizes
-from hmdwarp.run import RunOptions
 from hmdwarp.sources.server import Server
 
 SIZE = (120, 96)
@@ -71,19 +66,9 @@ def test_a_frame_brings_it_only_where_it_is_asked_for_and_takes_it_back(gpu):
     server.close()
 
 
-def test_its_bytes_count():
-    headset, options = load_headset("rift-dk1"), RunOptions(trace="look-around", size=(480, 600))
-    sizes = eye_sizes(options.guard_band, headset, options.size)
-    wide, high = max(wide_size(view.fov, options.size) for view in headset.views(Pose()))
-    assert frame_bytes(Needs(wide=True), sizes)["rendered.wide"] == 2 * 12 * wide * high
-    assert "rendered.wide" not in frame_bytes(Needs(), sizes)
-
-
 def test_a_turn_past_the_rendered_picture_is_filled_with_real_scenery(gpu):
-    """45 degrees to the side the rendered picture has ended.
-
-    A wall with a square on it stands there.
-    """
+    """45 degrees to the side the rendered picture has ended. A wall with a square on it stands
+    there."""
     scene = scene_of(square(2.9, (-3.5, 0), 0.6, 0.5), WALL)
     server = Server(gpu, scene)
     frame = server.draw_frame([turned(0)], 0, SIZE, 1.0, Needs(wide=True))
@@ -119,20 +104,3 @@ def test_the_fill_equals_its_twin(gpu, seed):
     # A depth is found by a few dozen float32 operations.
     assert (np.abs(depth - wanted.inverse_depth) <= 1e-4 * (1 + np.abs(wanted.inverse_depth)))[sure].all()
     assert (sure & (holed.colour[..., 3] == 0) & (got[..., 3] > 0)).sum() > 100
-
-
-def test_fill_without_depth_asked_for(gpu):
-    """Colour is the same where no pass of the plan wants to know how far things are."""
-    holed = Holed(gpu, 3, (40, 33), empty=0.5)
-    outs = []
-    for depth in (True, False):
-        (choice,) = parse_fills("wide")
-        fill = choice.entry(gpu, holed.size, holed.size, choice.settings)
-        picture, into = holed.picture(gpu), holed.picture(gpu)
-        if not depth:
-            picture, into = (attrs.evolve(layer, inverse_depth=None) for layer in (picture, into))
-        fill.run(holed.inputs, picture, into)
-        gpu.gl.memory_barrier()
-        outs.append(read(into.colour.texture))
-        fill.close()
-    assert np.array_equal(*outs)

@@ -11,16 +11,18 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 import attrs
 import moderngl
 import numpy as np
 
-from hmdwarp.display import Closed, Display, DisplayOptions, Lost, Status, Tick
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.display import Closed, Command, Display, DisplayOptions, Lost, Status, Tick
 from hmdwarp.geometry import View
-from hmdwarp.gpu import Canvas
+from hmdwarp.gpu import Canvas, Gpu
 from hmdwarp.headsets import Headset
 from hmdwarp.poses import PoseSource, synthesise
 
@@ -31,6 +33,7 @@ class Backend:
     """How a display is opened here, and what happens to it from outside."""
 
     name = ""
+    own: tuple[Callable[[Backend], None], ...] = ()  # cases of this one alone
     user_ends: Callable[[Display], None] | None = None  # has the user end the display
     goes_away: Callable[[], None] | None = None  # makes it lost ..
     comes_back: Callable[[], None] | None = None  # .. and lets it be reopened
@@ -54,10 +57,12 @@ class Window(Backend):
 
     name = "desktop"
 
-    def open(self) -> Display:
+    def open(self, **options: object) -> Display:
         from hmdwarp.display.desktop import DesktopDisplay
 
-        return DesktopDisplay(DisplayOptions("rift-dk1", size=SMALL, control_panel=False))
+        return DesktopDisplay(
+            DisplayOptions(**{"headset": "rift-dk1", "size": SMALL, "control_panel": False, **options})
+        )
 
     def user_ends(self, display: Display) -> None:
         display._window.end()
@@ -93,8 +98,8 @@ BACKENDS = {"offscreen": Offscreen, "window": Window, "openxr": OpenXr}
 
 
 @contextmanager
-def opened(backend: Backend) -> Iterator[Display]:
-    display = backend.open()
+def opened(backend: Backend, **options: object) -> Iterator[Display]:
+    display = backend.open(**options)
     try:
         yield display
     finally:
@@ -112,6 +117,14 @@ def refresh(display: Display, times: int = 1) -> None:
     for _ in range(times):
         next_tick(display)
         display.show(None)
+
+
+def why_it_ends(display: Display) -> str:
+    try:
+        while True:
+            refresh(display)
+    except Closed as closed:
+        return str(closed)
 
 
 # --- cases on an open display ---
@@ -179,7 +192,7 @@ def has_a_head_on_its_clock(display: Display, backend: Backend) -> None:
 class Eye:
     view: View
     panel: Canvas
-    inverse_depth: moderngl.Texture | None
+    inverse_depth: moderngl.Texture | None = None
     panels: tuple[()] = ()
 
 
@@ -261,11 +274,7 @@ def ends_with_a_reason(backend: Backend) -> None:
     with opened(backend) as display:
         refresh(display, 2)
         backend.user_ends(display)
-        try:
-            while True:
-                refresh(display)
-        except Closed as closed:
-            assert len(closed.args[0].split()) > 2, closed
+        assert len(why_it_ends(display).split()) > 2
         display.close()
 
 
@@ -305,12 +314,169 @@ def closes_twice_in_any_state(backend: Backend) -> None:
         display.close()
 
 
+# --- cases of a window alone ---
+
+
+def stands_beside_another_context(backend: Backend) -> None:
+    """Each GL call reaches its own, where the other has stepped aside.
+
+    (While a context of EGL is current, no window with one of GLX can be made.)
+    """
+    with Gpu() as first:
+        before = first.gl.texture((1, 1), 4, b"\1\2\3\4")
+        first.step_aside()
+        with opened(backend) as display:
+            refresh(display, 2)
+            with first.current():
+                assert before.read() == b"\1\2\3\4"
+            refresh(display, 2)
+        with first.current():
+            assert before.read() == b"\1\2\3\4"
+
+
+def draws_by_egl_too(backend: Backend) -> None:
+    import glfw
+
+    with patch.object(glfw, "NATIVE_CONTEXT_API", glfw.EGL_CONTEXT_API), opened(backend) as display:
+        assert display.about["renderer"] and "X11" in display.about["window"]
+        refresh(display, 3)
+        assert display.source.head_at(display.now_ns()).pose.position_m.tolist() == [0, 1.6, 0]
+
+
+def switches_by_itself(backend: Backend) -> None:
+    """By command of a panel: nobody else hears of it, and what is on is told back."""
+    with opened(backend) as display:
+        refresh(display, 12)
+        assert display.rate_hz == 60.0
+        settings = {"vsync": False, "full_screen": True, "help": True}
+        for name, value in (*settings.items(), ("full_screen", None), ("recentre", None), ("vsync", None)):
+            display._commands.pending.append(Command(name, value))
+            assert not display.commands()
+            refresh(display)
+        display._commands.pending.append(Command("warp"))
+        assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
+        display.show_status(status := Status(values={"latency": 0.0}))
+        assert [status.values[name] for name in settings] == [True, False, True]
+        before = display.eyes
+        display.set_view("flat")
+        assert display.headset is None
+        display.set_view("both")
+        assert display.eyes is before is display.headset
+        display._commands.pending.append(Command("quit"))
+        display.commands()
+        assert why_it_ends(display) == "the window was closed"
+
+
+def works_without_the_panels_package(backend: Backend) -> None:
+    """And says how to get it: at the start, and when it is asked for."""
+    with patch.dict(sys.modules, {"imgui_bundle": None}), opened(backend, control_panel=True) as display:
+        assert ".[panel]" in display._painter._remark and "H" in display._painter._remark
+        refresh(display)
+        display._painter.say("")
+        display._commands.pending.append(Command("panel"))
+        assert not display.commands() and ".[panel]" in display._painter._remark
+        refresh(display)
+
+
+def ends_with_a_driver_that_was_reset(backend: Backend) -> None:
+    """No software driver ever is, so its answer is made up; that it is asked is real."""
+    with opened(backend) as display:
+        refresh(display)
+        assert display._window._reset_status is None or display._window._reset_status() == 0
+        display._window._reset_status = lambda: 0x8253  # GL_GUILTY_CONTEXT_RESET
+        assert "driver was reset" in why_it_ends(display)
+
+
+def seen(display: Display) -> np.ndarray:
+    """(h, w, 3) what the window shows, from the bottom."""
+    import glfw
+
+    w, h = display._window.framebuffer_size
+    glfw.make_context_current(display._window.handle)
+    pixels = display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0)
+    return np.frombuffer(pixels, np.uint8).reshape(h, w, 3)
+
+
+def shows_colours_in_their_places(backend: Backend) -> None:
+    """Linear light as sRGB bytes, left and right where they belong, the top row at the top."""
+    rng = np.random.default_rng(7)
+    with opened(backend) as display:
+        display._painter.say("")
+        patches, eyes = rng.uniform(0, 1, (2, 5, 4, 4)), []
+        patches[..., 3] = 1
+        for patch_ in patches:
+            canvas = Canvas(display.gpu.gl, SMALL)
+            canvas.texture.write(patch_.repeat(12, axis=0).repeat(12, axis=1).astype(np.float16).tobytes())
+            eyes.append(Eye(display.eyes.views(display.source.head_at(0).pose)[0], canvas))
+        for _ in range(2):
+            next_tick(display)
+            display.show(Eyes(tuple(eyes)))
+        shown = seen(display)
+        h, w = shown.shape[:2]
+        rows = ((np.arange(5) + 0.5) * h / 5).astype(int)
+        columns = ((np.arange(8) + 0.5) * w / 8).astype(int)
+        # Half floats are 11 bits: 2^-12 of the value, which is below half a level of 255 anywhere
+        # on the curve.
+        wanted = srgb8_from_linear(np.hstack(patches)[..., :3])
+        assert np.abs(shown[np.ix_(rows, columns)].astype(int) - wanted).max() <= 1
+
+
+def says_how_to_look_for_a_while(backend: Backend) -> None:
+    from hmdwarp.display.desktop import painter
+
+    long_ns = 10**18  # however slow this machine is
+    with patch.object(painter, "REMARK_NS", long_ns), opened(backend, size=(96, 120)) as display:
+        now_ns = display._painter._now_ns
+        for late_ns in (0, long_ns):
+            display._painter._now_ns = lambda late_ns=late_ns: now_ns() + late_ns
+            refresh(display, 2)
+            assert (seen(display).min(axis=-1) > 240).any() == (not late_ns)
+
+
+def shows_help_beside_a_question_of_a_study_alone(backend: Backend) -> None:
+    """In the window beside a headset; in a live run its key calls it over what is shown."""
+    import glfw
+
+    from hmdwarp.display import CONTROLS, Presenter
+    from hmdwarp.display.openxr.mirror_window import Mirror
+    from hmdwarp.study.dialogs import dialog_panels
+
+    panel = dialog_panels.message_panel("Ready?", "Sit comfortably.", "Enter: begin")
+
+    def noticed(controls, *does: object) -> list[str]:
+        mirror, found, notice = Mirror(controls), [], Presenter.notice
+
+        def noting(presenter: Presenter, label: object) -> object:
+            is_help = isinstance(label, str) and "\t" in label
+            found.append("help" if is_help else "panel" if label else "nothing")
+            return notice(presenter, label)
+
+        with patch.object(Presenter, "notice", noting), closing(Gpu(mirror.gl)) as gpu, closing(Presenter(gpu)) as over:
+            for each in does:
+                if each in ("H", "ESCAPE"):
+                    mirror._key(None, getattr(glfw, f"KEY_{each}"), 0, glfw.PRESS, 0)
+                else:
+                    mirror._drawn_ns = 0  # due
+                    mirror.show(over, None, each)
+        mirror.close()
+        return found
+
+    found = noticed(dialog_panels.CONTROLS, "", "H", "", panel, "H", panel, "", panel)
+    assert found == ["nothing", "nothing", "panel", "help", "nothing", "panel"]
+    assert noticed(CONTROLS, "", "H", "", "H", "", "H", "", "ESCAPE", "") == ["nothing", "help"] * 2 + ["nothing"]
+
+
+Window.own = (
+    stands_beside_another_context, draws_by_egl_too, switches_by_itself, works_without_the_panels_package,
+    ends_with_a_driver_that_was_reset, shows_colours_in_their_places, says_how_to_look_for_a_while,
+    shows_help_beside_a_question_of_a_study_alone,
+)  # fmt: skip
 ON_ONE = (
     has_what_a_run_asks_for, has_eyes, answers_ticks, has_one_clock_that_never_goes_back, has_a_head_on_its_clock,
     shows_pictures, looks_at_another_view_and_back, restarts, asks_for_nothing_by_itself, takes_a_status,
 )  # fmt: skip
 OF_ITS_OWN = (ends_with_a_reason, is_lost_and_comes_back, closes_twice_in_any_state)
-CASES = tuple(case.__name__ for case in (*ON_ONE, *OF_ITS_OWN))
+CASES = [(name, case.__name__) for name, backend in BACKENDS.items() for case in (*ON_ONE, *OF_ITS_OWN, *backend.own)]
 
 
 def report(name: str, case: Callable[[], None]) -> None:
@@ -330,7 +496,7 @@ def main(name: str) -> None:
         with opened(backend) as display:
             for case in ON_ONE:
                 report(case.__name__, lambda case=case: case(display, backend))
-        for case in OF_ITS_OWN:
+        for case in (*OF_ITS_OWN, *backend.own):
             report(case.__name__, lambda case=case: case(backend))
 
 

@@ -1,12 +1,11 @@
 """A window with nothing in it but the panel, for tests that lead it with a real mouse and keyboard.
 
-Python -m display.panel_window.
+python -m display.panel_window, led by programs.Led.
 
-Prints one JSON object a line: where the window is, what was asked for, what the window itself
-heard, whether the panel wanted the mouse. A line on its standard input: "end", "off", "on",
-"catch", "free" (the mouse), "close" (the panel alone), "state" for what drawing the panel changed
-of OpenGL, or "where" for the middle of each widget and of the latency slider's grab, counted from
-the top left.
+Tells what was asked for, what the window itself heard, whether the panel wanted it. A line on its
+standard input: "end", "off", "on", "catch", "free" (the mouse), "close" (the panel alone), "state"
+for what drawing the panel changed of OpenGL, or "where" for the middle of each widget and of the
+latency slider's grab, counted from the top left.
 """
 
 from __future__ import annotations
@@ -39,12 +38,9 @@ def tell(**known: object) -> None:
 
 def opened():
     assert glfw.init()
-    for hint, value in (
-        (glfw.CONTEXT_VERSION_MAJOR, 4),
-        (glfw.CONTEXT_VERSION_MINOR, 3),
-        (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
-    ):
-        glfw.window_hint(hint, value)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     window = glfw.create_window(*SIZE, "panel", None, None)
     glfw.make_context_current(window)
     glfw.set_window_pos(window, 0, 0)
@@ -56,15 +52,14 @@ class Heard:
 
     def __init__(self, window) -> None:
         self.panel = None
-        glfw.set_key_callback(
-            window, lambda _, key, __, action, ___: tell(key=key, action=action, wanted=self.wants("wants_keys"))
-        )
-        glfw.set_mouse_button_callback(
-            window, lambda _, button, action, __: tell(click=action, wanted=self.wants("wants_mouse"))
-        )
 
-    def wants(self, what: str) -> bool | None:
-        return getattr(self.panel, what) if self.panel is not None else None
+        def key(_: object, key: int, __: int, action: int, ___: int) -> None:
+            tell(key=key, action=action, wanted=self.panel and self.panel.wants_keys)
+
+        glfw.set_key_callback(window, key)
+        glfw.set_mouse_button_callback(
+            window, lambda _, __, action, ___: tell(click=action, wanted=self.panel and self.panel.wants_mouse)
+        )
 
 
 def grab_of(screen: moderngl.Framebuffer, size: tuple[int, int]) -> list[int] | None:
@@ -100,58 +95,50 @@ class Places:
         return noted
 
 
-class Beside:
-    """What a renderer beside the panel leaves bound, as unlike Dear ImGui's own as can be."""
+NUMBERS = (
+    "ACTIVE_TEXTURE", "ARRAY_BUFFER_BINDING", "BLEND_DST_ALPHA", "BLEND_DST_RGB", "BLEND_EQUATION_ALPHA",
+    "BLEND_EQUATION_RGB", "BLEND_SRC_ALPHA", "BLEND_SRC_RGB", "CURRENT_PROGRAM", "DRAW_FRAMEBUFFER_BINDING",
+    "SCISSOR_BOX", "UNPACK_ALIGNMENT", "UNPACK_ROW_LENGTH", "VERTEX_ARRAY_BINDING", "VIEWPORT",
+)  # fmt: skip
+FLAGS = ("BLEND", "CULL_FACE", "DEPTH_TEST", "FRAMEBUFFER_SRGB", "PRIMITIVE_RESTART", "SCISSOR_TEST", "STENCIL_TEST")
+UNITS = range(4)
 
-    NUMBERS = (
-        "ACTIVE_TEXTURE", "ARRAY_BUFFER_BINDING", "BLEND_DST_ALPHA", "BLEND_DST_RGB", "BLEND_EQUATION_ALPHA",
-        "BLEND_EQUATION_RGB", "BLEND_SRC_ALPHA", "BLEND_SRC_RGB", "CURRENT_PROGRAM", "DRAW_FRAMEBUFFER_BINDING",
-        "SCISSOR_BOX", "UNPACK_ALIGNMENT", "UNPACK_ROW_LENGTH", "VERTEX_ARRAY_BINDING", "VIEWPORT",
-    )  # fmt: skip
-    FLAGS = (
-        "BLEND", "CULL_FACE", "DEPTH_TEST", "FRAMEBUFFER_SRGB", "PRIMITIVE_RESTART", "SCISSOR_TEST", "STENCIL_TEST",
-    )  # fmt: skip
-    UNITS = 4
 
-    def __init__(self, gl: moderngl.Context) -> None:
-        self._gl, self._texture, self._sampler = gl, gl.texture((4, 4), 4), gl.sampler()
-        program = gl.program(
-            vertex_shader="#version 430\nvoid main() { gl_Position = vec4(0.0); }",
-            fragment_shader="#version 430\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }",
-        )
-        self._array = gl.vertex_array(program, [])
+def state() -> dict[str, list[int]]:
+    found = {name: np.ravel(GL.glGetIntegerv(getattr(GL, f"GL_{name}"))).tolist() for name in NUMBERS}
+    found |= {name: [int(GL.glIsEnabled(getattr(GL, f"GL_{name}")))] for name in FLAGS}
+    for unit in UNITS:
+        GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+        for name in ("TEXTURE_BINDING_2D", "SAMPLER_BINDING"):
+            found[f"{name} {unit}"] = [int(GL.glGetIntegerv(getattr(GL, f"GL_{name}")))]
+    GL.glActiveTexture(found["ACTIVE_TEXTURE"][0])
+    return found
 
-    def bind(self) -> None:
-        gl = self._gl
-        gl.screen.use()
-        gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        gl.blend_func = moderngl.ONE, moderngl.ZERO, moderngl.DST_ALPHA, moderngl.ONE
-        gl.blend_equation = moderngl.MAX
-        gl.screen.scissor, gl.screen.viewport = (1, 2, 3, 4), (5, 6, 70, 80)
-        self._array.render(moderngl.POINTS, vertices=1)
-        for unit in range(self.UNITS):
-            self._texture.use(unit)
-            self._sampler.use(unit)
 
-    def state(self) -> dict[str, list[int]]:
-        found = {name: np.ravel(GL.glGetIntegerv(getattr(GL, f"GL_{name}"))).tolist() for name in self.NUMBERS}
-        found |= {name: [int(GL.glIsEnabled(getattr(GL, f"GL_{name}")))] for name in self.FLAGS}
-        for unit in range(self.UNITS):
-            GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
-            for name in ("TEXTURE_BINDING_2D", "SAMPLER_BINDING"):
-                found[f"{name} {unit}"] = [int(GL.glGetIntegerv(getattr(GL, f"GL_{name}")))]
-        GL.glActiveTexture(found["ACTIVE_TEXTURE"][0])
-        return found
-
-    def changed_by(self, draw) -> list[str]:
-        """The names of what is another after a first and after a second drawing."""
-        self.bind()
-        _ = self._gl.error  # of reading the screen; PyOpenGL would raise it
-        before = self.state()
-        draw()
-        after = self.state()
-        self._gl.screen.scissor, self._gl.screen.viewport = None, (0, 0, *SIZE)
-        return [name for name, value in after.items() if value != before[name]]
+def changed_by(gl: moderngl.Context, draw) -> list[str]:
+    """The names of what is another after a drawing, where before a renderer beside the panel has
+    left things bound as unlike Dear ImGui's own as can be.
+    """
+    program = gl.program(
+        vertex_shader="#version 430\nvoid main() { gl_Position = vec4(0.0); }",
+        fragment_shader="#version 430\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }",
+    )
+    texture, sampler = gl.texture((4, 4), 4), gl.sampler()
+    gl.screen.use()
+    gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+    gl.blend_func = moderngl.ONE, moderngl.ZERO, moderngl.DST_ALPHA, moderngl.ONE
+    gl.blend_equation = moderngl.MAX
+    gl.screen.scissor, gl.screen.viewport = (1, 2, 3, 4), (5, 6, 70, 80)
+    gl.vertex_array(program, []).render(moderngl.POINTS, vertices=1)
+    for unit in UNITS:
+        texture.use(unit)
+        sampler.use(unit)
+    _ = gl.error  # of reading the screen; PyOpenGL would raise it
+    before = state()
+    draw()
+    after = state()
+    gl.screen.scissor, gl.screen.viewport = None, (0, 0, *SIZE)
+    return [name for name, value in after.items() if value != before[name]]
 
 
 def main() -> None:
@@ -171,28 +158,28 @@ def main() -> None:
     tell(scale=panel._scale)
     while not glfw.window_should_close(window):
         glfw.poll_events()
-        size = glfw.get_framebuffer_size(window)
         gl.screen.use()
         gl.clear(0.5, 0.5, 0.5)
-        for command in panel.draw(status, size) if heard.panel is not None else ():
+        for command in panel.draw(status, glfw.get_framebuffer_size(window)) if heard.panel is not None else ():
             tell(control=command.control, value=command.value)
             status.values[command.control] = command.value
         glfw.swap_buffers(window)
         for line in (sys.stdin.read() or "").split() if inputs.select(0.01) else ():
-            if line == "end":
-                glfw.set_window_should_close(window, True)
-            elif line in ("on", "off"):
-                panel.on = line == "on"
-            elif line in ("catch", "free"):
-                glfw.set_input_mode(
-                    window, glfw.CURSOR, glfw.CURSOR_DISABLED if line == "catch" else glfw.CURSOR_NORMAL
-                )
-            elif line == "close":
-                panel.close()
-                heard.panel = None
-            elif line == "state":
-                tell(changed=Beside(gl).changed_by(lambda: panel.draw(status, SIZE)))
-            tell(done=line, grab=grab_of(gl.screen, size), column=panel.column, places=places.found)
+            match line:
+                case "end":
+                    glfw.set_window_should_close(window, True)
+                case "on" | "off":
+                    panel.on = line == "on"
+                case "catch" | "free":
+                    caught = glfw.CURSOR_DISABLED if line == "catch" else glfw.CURSOR_NORMAL
+                    glfw.set_input_mode(window, glfw.CURSOR, caught)
+                case "close":
+                    panel.close()
+                    heard.panel = None
+                case "state":
+                    tell(changed=changed_by(gl, lambda: panel.draw(status, SIZE)))
+            grab = grab_of(gl.screen, glfw.get_framebuffer_size(window))
+            tell(line=line, grab=grab, column=panel.column, places=places.found)
     panel.close()
     glfw.terminate()
 

@@ -1,12 +1,11 @@
 """A window that shows nothing and asks one question, on a virtual screen.
 
-Python -m display.question_window.
+python -m display.question_window, led by programs.Led.
 
 Reads from stdin, a line each: "ask" (a new question), "words" (one that is answered in words),
 "show" (none), "trial" (none, and the start of a trial), "wait" (as it is) and "end".
-Prints a line of JSON for each command that came by hand, with what the question made of it, two
-refreshes after each line from stdin, and after each change of where the head is or who has the
-mouse.
+Tells each command that came by hand, with what the question made of it, each line from stdin two
+refreshes later, and each change of where the head is or who has the mouse.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ import os
 import sys
 import threading
 
-from hmdwarp.display import Closed, DisplayOptions
+from hmdwarp.display import DisplayOptions
 from hmdwarp.display.desktop import DesktopDisplay
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs.choice_dialogs import TextDialog
@@ -38,55 +37,50 @@ class QuestionWindow:
         self._last: dict[str, object] = {}
         self._drawn: list[tuple[str, int]] = []  # lines that were done, and how many refreshes ago
 
+    def run(self) -> None:
+        """Until "end"."""
+        threading.Thread(target=self._listen, daemon=True).start()
+        while self._obeys():
+            self._refresh()
+
     def _listen(self) -> None:
         for line in sys.stdin:
             self._lines.append(line.strip())
 
-    def run(self) -> None:
-        """Until "end"."""
-        threading.Thread(target=self._listen, daemon=True).start()
-        try:
-            while self._once():
-                pass
-        except Closed as closed:
-            print(json.dumps({"closed": str(closed)}), flush=True)
-
-    def _once(self) -> bool:
+    def _obeys(self) -> bool:
         while self._lines:
             line = self._lines.pop(0)
-            if line == "end":
-                return False
             if line != "wait":
                 self._ask(line)
             if line == "trial":
                 self._display.restart()
+            if line == "end":
+                return False
             self._drawn.append((line, 0))
+        return True
+
+    def _refresh(self) -> None:
         if self._display.wait() is not None:
             self._display.show(None, self._asked.panel() if self._asked is not None else "")
-            self._count_drawn()
+            # The first of two refreshes may have been sent and not be on the screen yet.
+            counted = [(line, count + 1) for line, count in self._drawn]
+            self._drawn = [entry for entry in counted if entry[1] < 2]
+            for line in (line for line, count in counted if count == 2):
+                self._tell(line=line)
         for command in self._display.commands():
             if self._asked is not None:
                 self._asked.handle([command])
             self._tell(command=command.control, given=command.value)
         self._tell()
-        return True
 
     def _ask(self, line: str) -> None:
         scale = load_scale("comments" if line == "words" else "grade")
         ask = Ask("trial/1/grade/grade", scale, scale.items[0], "trial", 1)
-        asked = {
-            "ask": lambda: QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9),
-            "words": lambda: TextDialog(ask),
-        }
-        self._asked = asked.get(line, lambda: None)()
-
-    def _count_drawn(self) -> None:
-        """The first of two refreshes may have been sent and not be on the screen yet."""
-        counted = [(line, count + 1) for line, count in self._drawn]
-        self._drawn = [entry for entry in counted if entry[1] < 2]
-        for line, count in counted:
-            if count == 2:
-                self._tell(line=line)
+        self._asked = None
+        if line == "ask":
+            self._asked = QuestionDialog(ask, lambda: self._display.now_ns() * 1e-9)
+        elif line == "words":
+            self._asked = TextDialog(ask)
 
     def _tell(self, **more: object) -> None:
         head = self._display.source.head_at(self._display.now_ns()).pose
@@ -104,7 +98,6 @@ class QuestionWindow:
 
 
 if __name__ == "__main__":
-    window = QuestionWindow()
-    window.run()
+    QuestionWindow().run()
     sys.stdout.flush()
     os._exit(0)  # the thread is left waiting for a line that does not come

@@ -29,10 +29,10 @@ PERIOD_NS = 11_111_111  # 90 a second
 
 
 class Hands:
-    """Each call is a refresh later."""
+    """Each call is a refresh later, and at first nothing is pressed."""
 
     def __init__(self) -> None:
-        self._repeat, self._now_ns = ButtonRepeat(), 0
+        self.repeat, self._now_ns = ButtonRepeat(), 0
         self.are()
 
     def are(self, seconds: float = 0.0, **states: float) -> list[str]:
@@ -42,23 +42,14 @@ class Hands:
             self._now_ns += PERIOD_NS
             buttons = {name: bool(state) for name, state in states.items() if name in BUTTONS}
             axes = {name: state for name, state in states.items() if name in AXES}
-            asked += self._repeat.step(buttons, axes, self._now_ns)
+            asked += self.repeat.step(buttons, axes, self._now_ns)
         return asked
 
-    def unheard(self) -> None:
-        self._repeat.forget()
 
-
-@pytest.mark.parametrize("name", ["confirm", "menu"])
-def test_a_button_counts_once_however_long_it_is_held(name):
-    hands = Hands()
-    assert hands.are(5.0, **{name: 1}) == [name]
-    assert hands.are() == []
-    assert hands.are(**{name: 1}) == [name]
-
-
-def test_a_held_direction_goes_on():
+def test_a_button_counts_once_however_long_it_is_held_and_a_direction_goes_on():
     hands, seconds = Hands(), 2.0
+    for name in ("confirm", "menu"):
+        assert [hands.are(5.0, **{name: 1}), hands.are(), hands.are(**{name: 1})] == [[name], [], [name]]
     expected = 1 + 1 + int((seconds * 1e9 - FIRST_NS) / NEXT_NS)
     asked = hands.are(seconds, right=1)
     # Steps fall on refreshes: each comes up to one late.
@@ -70,29 +61,29 @@ def test_a_held_direction_goes_on():
 def test_after_a_stall_one_step_comes_and_not_many():
     repeat = ButtonRepeat()
     repeat.step({}, {}, 0)
-    assert repeat.step({"left": True}, {}, 1) == ["left"]
-    assert repeat.step({"left": True}, {}, 10_000_000_000) == ["left"]
-    assert repeat.step({"left": True}, {}, 10_000_000_001) == []
+    at_ns = (1, 10_000_000_000, 10_000_000_001)
+    assert [repeat.step({"left": True}, {}, now_ns) for now_ns in at_ns] == [["left"], ["left"], []]
 
 
 @pytest.mark.parametrize(("axis", "least", "most"), [("across", "left", "right"), ("along", "down", "up")])
 def test_a_stick_is_pushed_and_let_go(axis, least, most):
     for sign, name in ((-1, least), (1, most)):
+        # The fourth pushes a stick that trembled and was never let go.
+        pushes = (
+            (PUSHED - 0.01, []),
+            (PUSHED, [name]),
+            (LET_GO + 0.01, []),
+            (0.9, []),
+            (LET_GO - 0.01, []),
+            (0.9, [name]),
+        )
         hands = Hands()
-        assert hands.are(**{axis: sign * (PUSHED - 0.01)}) == []
-        assert hands.are(**{axis: sign * PUSHED}) == [name]
-        assert hands.are(**{axis: sign * (LET_GO + 0.01)}) == []  # trembling
-        assert hands.are(**{axis: sign * 0.9}) == []
-        assert hands.are(**{axis: sign * (LET_GO - 0.01)}) == []
-        assert hands.are(**{axis: sign * 0.9}) == [name]
+        assert [hands.are(**{axis: sign * push}) for push, _ in pushes] == [asked for _, asked in pushes]
 
 
-def test_a_stick_pushed_askew_means_one_direction():
+def test_a_stick_pushed_askew_means_one_direction_and_a_pad_counts_while_it_is_pressed():
     assert Hands().are(across=0.9, along=0.7) == ["right"]
     assert Hands().are(across=-0.7, along=0.9) == ["up"]
-
-
-def test_a_pad_counts_while_it_is_pressed():
     hands = Hands()
     assert hands.are(1.0, pad_across=-1.0) == []  # a thumb rests on it
     assert hands.are(pad_across=-1.0, pad=1) == ["left"]
@@ -101,17 +92,12 @@ def test_a_pad_counts_while_it_is_pressed():
 
 
 def test_a_button_down_at_the_start_counts_after_its_release():
-    repeat = ButtonRepeat()
-    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 0) == []
-    assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 2 * FIRST_NS) == []
-    assert repeat.step({}, {}, 2 * FIRST_NS + 1) == []
-    assert repeat.step({"confirm": True}, {}, 2 * FIRST_NS + 2) == ["confirm"]
+    """And one that was down while the runtime's own menu was over it, say."""
     hands = Hands()
-    hands.are(confirm=1)
-    hands.unheard()  # the runtime's own menu was over it, say
-    assert hands.are(2.0, confirm=1, right=1) == []
-    hands.are()
-    assert hands.are(confirm=1) == ["confirm"]
+    for _ in range(2):
+        hands.repeat.forget()
+        assert hands.are(2.0, confirm=1, right=1, along=1.0) == []
+        assert [hands.are(), hands.are(confirm=1)] == [[], ["confirm"]]
 
 
 @given(st.lists(st.tuples(st.sampled_from(BUTTONS), st.floats(-1, 1), st.floats(-1, 1)), max_size=60))

@@ -10,78 +10,53 @@ import ast
 import functools
 import json
 import os
-import shutil
 import subprocess
 import sys
+from collections import defaultdict
+from contextlib import ExitStack
 from pathlib import Path
 
+import needs
 import pytest
-from openxr.root import Lacking, entered, ready_root
+from openxr.inside import run_inside
 
 from .contract import BACKENDS, CASES
-from .desktop_program import ROOT
+from .programs import PATHS, ROOT
 from .virtual_screen import VirtualScreen
 
 DISPLAYS = ROOT / "hmdwarp" / "display"
-SLOW = ("window", "openxr")  # they start an X server or a runtime
-
-
-def run_here(name: str, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
-    paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
-    command = [sys.executable, "-m", "display.contract", name]
-    return subprocess.run(
-        command, check=False, capture_output=True, text=True, env={**environment, "PYTHONPATH": paths}
-    )
-
-
-def run_in_window(folder: Path) -> subprocess.CompletedProcess[str] | str:
-    if not shutil.which("Xvfb"):
-        return "no Xvfb here (Debian, Ubuntu: sudo apt-get install xvfb)"
-    with VirtualScreen(folder, (400, 300)) as screen:
-        return run_here("window", screen.environment)
-
-
-def run_beside_monado() -> subprocess.CompletedProcess[str] | str:
-    try:
-        command = entered(ready_root(), ["python3", "-m", "display.contract", "openxr"])
-    except Lacking as lacking:
-        return str(lacking)
-    return subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+# A window starts an X server, OpenXR a runtime.
+MARKS = {"window": [pytest.mark.slow, needs.programs("Xvfb")], "openxr": pytest.mark.slow}
 
 
 @pytest.fixture(scope="module")
 def failures_of(tmp_path_factory):
-    """failures_of(name) -> why each case failed on that display ("": it holds), or why it cannot be
-    had here.
-    """
+    """failures_of(name) -> why each case failed on that display ("": it holds)."""
 
     @functools.cache
-    def run(name: str) -> dict[str, str] | str:
-        if name == "window":
-            done = run_in_window(tmp_path_factory.mktemp("screen"))
-        elif name == "openxr":
-            done = run_beside_monado()
-        else:
-            done = run_here(name, dict(os.environ))
-        if isinstance(done, str):
-            return done
+    def run(name: str) -> dict[str, str]:
+        with ExitStack() as stack:
+            if name == "openxr":
+                done = run_inside(["python3", "-m", "display.contract", name])
+            else:
+                environment = dict(os.environ)
+                if name == "window":
+                    screen = VirtualScreen(tmp_path_factory.mktemp("screen"), (400, 300))
+                    environment = stack.enter_context(screen).environment
+                command = [sys.executable, "-W", "error", "-m", "display.contract", name]
+                how = {"capture_output": True, "text": True}
+                done = subprocess.run(command, check=False, env={**environment, "PYTHONPATH": PATHS}, **how)
         lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"case"')]
         broken = f"not run: the program ended with {done.returncode}\n{done.stderr[-4000:]}"
-        return dict.fromkeys(CASES, broken) | {line["case"]: line["failure"] for line in lines}
+        return defaultdict(lambda: broken) | {line["case"]: line["failure"] for line in lines}
 
     return run
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in BACKENDS]
-)
+@pytest.mark.parametrize(("name", "case"), [pytest.param(*each, marks=MARKS.get(each[0], ())) for each in CASES])
 def test_a_display_keeps_the_contract(failures_of, name, case):
-    failures = failures_of(name)
-    if isinstance(failures, str):
-        pytest.skip(failures)
-    if failures[case]:
-        pytest.fail(failures[case], pytrace=False)
+    if failure := failures_of(name)[case]:
+        pytest.fail(failure, pytrace=False)
 
 
 # --- members, by the source alone: also of displays whose library is not installed ---

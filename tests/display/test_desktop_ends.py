@@ -11,22 +11,25 @@ import subprocess
 import sys
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
 
-from .desktop_program import SMALL, Live
+from .programs import SMALL, Live
 from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
 pytestmark = [needs_a_screen, pytest.mark.slow]  # programs of their own: 15 s
+SIZE = (900, 600)
 
 
 @pytest.fixture
 def screen(tmp_path):
     folder = tmp_path / "screen"
     folder.mkdir()
-    with VirtualScreen(folder, (900, 600)) as made:
+    with VirtualScreen(folder, SIZE) as made:
+        made.do("mousemove", 100, 100)  # without a window manager, keys go where the mouse is
         yield made
 
 
@@ -57,16 +60,33 @@ x.XChangeProperty(display, ctypes.c_ulong({window}), kind, kind, 32, 0, (ctypes.
 """
 
 
-def as_manager(screen: VirtualScreen, program: str, **values: object) -> None:
-    command = [sys.executable, "-c", AS_MANAGER.format(program.format(**values))]
-    subprocess.run(command, check=True, env=screen.environment, timeout=PATIENCE_S)
+def as_manager(live: Live, program: str, **values: object) -> None:
+    command = [sys.executable, "-c", AS_MANAGER.format(program.format(window=live.window, **values))]
+    subprocess.run(command, check=True, env=live.screen.environment, timeout=PATIENCE_S)
+
+
+ENDS = {  # Xlib would exit on the spot with a lost screen: status 1 and the last second unwritten
+    "cross": (lambda live: as_manager(live, DELETE), "the window was closed"),
+    "lost-screen": (lambda live: live.screen.kill(), "the connection to the screen broke"),
+    "ctrl-c": (lambda live: live.send(signal.SIGINT), ""),
+}
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_it_ends_with_everything_written(screen, tmp_path, how):
+    end, words = ENDS[how]
+    with Live(screen, tmp_path, *SMALL, "--record", "head.csv", "--out", "out") as live:
+        live.until_recorded(20)  # the first, of pictures that were slow, may be a nanosecond apart
+        end(live)
+        status, told = live.ended()
+    assert status in ((0, 130) if how == "ctrl-c" else (0,)) and words in told and "Traceback" not in told
+    assert (tmp_path / "out" / "summary.json").is_file()
+    assert len(load_trace(live.recording).track.time_ns) >= 20
 
 
 def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path):
     """W is 1.4 m/s ahead, level; the recording has it."""
-    trace = tmp_path / "walk.csv"
-    with Live(screen, tmp_path, *SMALL, "--view", "flat", "--record", str(trace)) as live:
-        screen.do("mousemove", 300, 200)
+    with Live(screen, tmp_path, *SMALL, "--view", "flat", "--record", "head.csv") as live:
         before = live.shows(lambda p: p.max() > 100, "a picture")
         screen.do("keydown", "w")
         live.shows(lambda p: grown(before, p) > 1, "what is ahead, nearer")
@@ -77,7 +97,7 @@ def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path
         live.press("Escape")
         status, told = live.ended()
     assert status == 0 and "the window was closed" in told and "Traceback" not in told
-    track = load_trace(trace).track
+    track = load_trace(live.recording).track
     way = track.position_m[-1] - track.position_m[0]
     assert way[2] < -0.1 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
     # Keys are looked at once a picture, and poses are of when it will be seen: one interval more.
@@ -98,50 +118,50 @@ def grown(before: np.ndarray, after: np.ndarray) -> float:
     return min((0.7, 0.85, 1.0, 1.2, 1.4, 1.7), key=apart)
 
 
-def test_the_window_managers_cross_ends_it(screen, tmp_path):
-    with Live(screen, tmp_path, *SMALL) as live:
-        as_manager(screen, DELETE, window=live.window)
-        status, told = live.ended()
-    assert status == 0 and "the window was closed" in told
-
-
-def test_a_screen_that_goes_away_ends_it_and_nothing_is_lost(screen, tmp_path):
-    """Xlib would exit on the spot, with status 1 and the last second unwritten."""
-    trace = tmp_path / "head.csv"
-    with Live(screen, tmp_path, *SMALL, "--record", str(trace), "--out", str(tmp_path / "out")) as live:
-        screen.kill()
-        status, told = live.ended()
-    assert status == 0 and "the connection to the screen broke" in told and "Traceback" not in told
-    assert (tmp_path / "out" / "summary.json").is_file()
-    assert len(load_trace(trace).track.time_ns) > 1
-
-
-def test_ctrl_c_ends_it(screen, tmp_path):
-    with Live(screen, tmp_path, *SMALL) as live:
-        os.kill(live.pid, signal.SIGINT)
-        status, told = live.ended()
-    assert status in (0, 130) and "Traceback" not in told
-
-
 def test_minimised_it_waits_and_comes_back(screen, tmp_path):
     """Meanwhile it hardly uses the processor, of which it takes all of one otherwise."""
+
+    def cpu_s() -> float:
+        fields = Path(f"/proc/{live.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def waits() -> bool:
+        began = cpu_s()
+        screen.do("sleep", 1.5)
+        return cpu_s() - began < 0.5
+
     with Live(screen, tmp_path, *SMALL) as live:
-        as_manager(screen, STATE, window=live.window, state=3)
-
-        def waits() -> bool:
-            began = cpu_s(live.pid)
-            screen.do("sleep", 1.5)
-            return cpu_s(live.pid) - began < 0.5
-
-        until(waits, "a program that hardly works")
-        assert live.running
-        as_manager(screen, STATE, window=live.window, state=1)
-        screen.do("mousemove", 300, 200)
+        as_manager(live, STATE, state=3)
+        live.until(waits, "a program that hardly works")
+        as_manager(live, STATE, state=1)
         live.press("bracketright")
         live.titled(" 100 ms")
 
 
-def cpu_s(pid: int) -> float:
-    """Processor time of a process so far, its threads included."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+@needs.programs("xrandr")
+def test_full_screen_and_back_to_the_same_place_also_where_it_is_unplugged(screen, tmp_path):
+    def plugged(option: str) -> None:
+        # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for
+        # besides.
+        command = ["xrandr", "--output", "screen", option]
+        subprocess.run(command, check=False, env=screen.environment, timeout=PATIENCE_S)
+
+    with Live(screen, tmp_path, *SMALL) as live:
+        screen.do("windowmove", live.window, 60, 40)
+        before = until(lambda: live.geometry if live.geometry[:2] == (60, 40) else None, "the window moved")
+        live.press("F11")
+        until(lambda: live.geometry == (0, 0, *SIZE), "full screen")
+        plugged("--off")
+        try:
+            until(lambda: live.geometry == before, "the old place")
+            live.press("bracketright")
+            live.titled(" 100 ms")
+        finally:
+            plugged("--auto")
+        live.press("F11")
+        until(lambda: live.geometry == (0, 0, *SIZE), "full screen again")
+        live.press("F11")
+        until(lambda: live.geometry == before, "the old place again")
+        live.press("Escape")
+        status, told = live.ended()
+    assert status == 0 and "Traceback" not in told

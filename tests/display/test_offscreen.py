@@ -42,17 +42,15 @@ def test_two_runs_are_equal_and_as_long_as_asked_for_by_the_display_s_own_clock(
     assert heads[0] == heads[1]
 
 
-def test_it_must_be_told_whose_head_to_follow():
-    with pytest.raises(InputError, match="--trace"):
-        LiveOptions(source="offscreen")
-
-
-@pytest.mark.parametrize("source", ["auto", "openxr"])
-def test_a_headset_follows_no_recording(source):
-    with pytest.raises(InputError, match="head of its own"):
-        LiveOptions(source=source, trace="walk")
-
-
-def test_a_recording_that_is_not_there_is_told_before_anything_is_opened(tmp_path):
-    with pytest.raises(TraceError, match="missing.csv"):
-        live(LiveOptions(**ASKED, trace=str(tmp_path / "missing.csv")))
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"source": "offscreen"}, InputError, "--trace"),
+        ({"source": "auto", "trace": "walk"}, InputError, "head of its own"),
+        ({"source": "openxr", "trace": "walk"}, InputError, "head of its own"),
+        ({**ASKED, "trace": "missing.csv"}, TraceError, "missing.csv"),  # before anything is opened
+    ],
+)
+def test_whose_head_it_follows_must_be_clear(options, error, words):
+    with pytest.raises(error, match=words):
+        live(LiveOptions(**options))

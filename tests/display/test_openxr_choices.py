@@ -80,16 +80,13 @@ def test_no_way_to_draw_is_said(extensions, environ, error, words):
         kinds(frozenset(extensions), environ)
 
 
-def test_the_best_format_is_taken_in_whatever_order_they_come():
+def test_the_best_format_and_the_best_known_floor_are_taken():
     assert colour_format([RGBA8, RGBA16F, SRGB8_A8]) == SRGB8_A8
     assert colour_format([0x805B, RGBA8, RGBA16F]) == RGBA16F
     with pytest.raises(MachineError, match="0x805b: expected one of 0x8c43"):
         colour_format([0x805B])
     assert depth_format([DEPTHS[3], DEPTHS[0], RGBA8]) == DEPTHS[0]
     assert depth_format([RGBA8]) is None
-
-
-def test_the_floor_is_at_zero_as_far_as_it_is_known():
     stage, local, floor = (xr.ReferenceSpaceType[name].value for name in ("STAGE", "LOCAL", "LOCAL_FLOOR"))
     assert _world({local, stage, floor}, floor=True)[1].value == stage
     assert _world({local, floor}, floor=True)[1].value == floor
@@ -99,36 +96,25 @@ def test_the_floor_is_at_zero_as_far_as_it_is_known():
 # --- results of calls ---------------------------------------------------------------------------
 
 
-def answering(result: int) -> Calls:
-    """Calls into a runtime that answers everything with that."""
-    calls = Calls(WATCHING)
+RESULTS = {  # of calls in a session: losses, lacks, internal errors (of wrong calls), qualified successes
+    **dict.fromkeys((-13, -17, -2), Lost), **dict.fromkeys((-3, -987654321), MachineError),
+    **dict.fromkeys((-1, -37), HmdwarpError), **dict.fromkeys((0, 1, 3, 4, 8, 9)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("result", RESULTS)
+def test_a_result_is_handed_back_or_raised_as_what_it_means(result):
+    calls, error = Calls(WATCHING), RESULTS[result]
     calls._functions["xrEndFrame"] = lambda *arguments: result
-    calls.name = "Runtime 1"
-    return calls
-
-
-@pytest.mark.parametrize(("result", "lost"), [(-13, True), (-17, True), (-2, True), (-3, False), (-987654321, False)])
-def test_failures_in_a_session_are_losses_or_lacks(result, lost):
-    calls = answering(result)
-    calls.stage = "running"
-    with pytest.raises(MachineError) as raised:
+    calls.name, calls.stage = "Runtime 1", "running"
+    if error is None:
+        assert calls("xrEndFrame") == result
+        return
+    with pytest.raises(HmdwarpError) as raised:
         calls("xrEndFrame")
-    assert isinstance(raised.value, Lost) == lost
-    assert "Runtime 1" in str(raised.value) and "\n" not in str(raised.value)
-
-
-@pytest.mark.parametrize("result", [-1, -37])  # VALIDATION_FAILURE, CALL_ORDER_INVALID
-def test_results_of_wrong_calls_are_internal_errors(result):
-    calls = answering(result)
-    calls.stage = "running"
-    with pytest.raises(HmdwarpError, match="xrEndFrame") as raised:
-        calls("xrEndFrame")
-    assert raised.value.exit_status == 1
-
-
-@pytest.mark.parametrize("result", [0, 1, 3, 4, 8, 9])
-def test_qualified_successes_are_handed_back(result):
-    assert answering(result)("xrEndFrame") == result
+    assert type(raised.value) is error and "\n" not in str(raised.value)
+    assert ("xrEndFrame" if error is HmdwarpError else "Runtime 1") in str(raised.value)
+    assert raised.value.exit_status == (1 if error is HmdwarpError else 3)
 
 
 def test_a_driver_that_is_too_old_is_refused():
@@ -187,22 +173,19 @@ def test_a_guess_is_no_measurement():
     assert told.at(2**62, both | ORIENTATION_TRACKED).origin is Origin.PREDICTED
 
 
-def test_a_headset_that_knows_only_turns_turns_where_it_is():
-    told = Told()
-    told.at(5, ORIENTATION_VALID | POSITION_VALID, position=(1.0, 2.0, 3.0))
-    turned = (0.0, math.sin(0.4), 0.0, math.cos(0.4))
-    sample = told.at(6, ORIENTATION_VALID | ORIENTATION_TRACKED, position=(9.0, 9.0, 9.0), orientation=turned)
-    assert np.array_equal(sample.pose.position_m, (1, 2, 3))
-    assert np.allclose(sample.pose.orientation_xyzw, turned, atol=1e-7)
+TURNED = (0.0, math.sin(0.4), 0.0, math.cos(0.4))
 
 
-@pytest.mark.parametrize("orientation", [(0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0)])
-def test_a_pose_that_is_none_counts_as_lost(orientation):
-    told = Told()
+@pytest.mark.parametrize("orientation", [TURNED, (0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0)])
+def test_what_a_pose_lacks_is_held(orientation):
+    """A headset that knows only turns turns where it is; one whose pose is none is lost."""
+    told, is_known = Told(), orientation is TURNED
     told.at(5, ORIENTATION_VALID | POSITION_VALID, position=(1.0, 2.0, 3.0))
-    sample = told.at(6, ORIENTATION_VALID | POSITION_VALID, position=(7.0, 7.0, 7.0), orientation=orientation)
-    assert told.tracker.lost and sample.origin is Origin.HELD
+    flags = ORIENTATION_VALID | (ORIENTATION_TRACKED if is_known else POSITION_VALID)
+    sample = told.at(6, flags, position=(9.0, 9.0, 9.0), orientation=orientation)
     assert np.array_equal(sample.pose.position_m, (1, 2, 3))
+    assert np.allclose(sample.pose.orientation_xyzw, TURNED if is_known else (0, 0, 0, 1), atol=1e-7)
+    assert told.tracker.lost == (sample.origin is Origin.HELD) == (not is_known)
 
 
 def test_eyes_that_are_not_valid_stay_as_they_were():
@@ -215,19 +198,13 @@ def test_eyes_that_are_not_valid_stay_as_they_were():
             fov.angle_left, fov.angle_right, fov.angle_down, fov.angle_up = said["left"], 0.7, -0.7, 0.7
         return 0
 
-    eyes.locate(calls, None, None, 1)
-    assert not eyes.known
-    said.update(flags=3)
-    eyes.locate(calls, None, None, 1)
-    assert eyes.known
-    said.update(left=0.8)  # to the right of the right edge
-    eyes.locate(calls, None, None, 1)
-    said.update(flags=0, left=-0.5)
-    eyes.locate(calls, None, None, 1)
-    assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([-0.7, -0.7])
-    said.update(flags=3)
-    eyes.locate(calls, None, None, 1)
-    assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([-0.5, -0.5])
+    # The third has its left edge to the right of the right one.
+    for flags, left, wanted in ((0, -0.7, None), (3, -0.7, -0.7), (3, 0.8, -0.7), (0, -0.5, -0.7), (3, -0.5, -0.5)):
+        said.update(flags=flags, left=left)
+        eyes.locate(calls, None, None, 1)
+        assert eyes.known == (wanted is not None)
+        if eyes.known:
+            assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([wanted, wanted])
 
 
 class Events:

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-import json
-import os
-import queue
 import subprocess
-import sys
-import threading
 import time
-from pathlib import Path
 
 import needs
 import pytest
@@ -17,12 +11,12 @@ import pytest
 from hmdwarp.display import CONTROLS
 from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed
 
-from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
+from .programs import Led
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
 pytestmark = needs_a_screen
-TESTS = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(scope="module")
@@ -31,104 +25,51 @@ def screen(tmp_path_factory):
         yield made
 
 
-class Led:
-    """panel_window in a process of its own, and xdotool's hand on it."""
-
-    def __init__(self, screen: VirtualScreen) -> None:
-        paths = os.pathsep.join([str(TESTS.parent), str(TESTS)])
-        self._screen = screen
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "display.panel_window"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-            env={**screen.environment, "PYTHONPATH": paths}, cwd=TESTS,
-        )  # fmt: skip
-        self._said: queue.Queue[str] = queue.Queue()
-        self._reader = threading.Thread(target=self._listen)
-        self._reader.start()
-        self.all: list[dict] = []
-        self.scale = 0.0
-
-    def begin(self) -> Led:
-        """Wait until its window is there, and put the mouse out of the way."""
-        self.scale = self.until(lambda one: "scale" in one)["scale"]
-        self.hand("mousemove", "600", "700")
-        return self
-
-    def _listen(self) -> None:
-        for line in self._process.stdout:
-            self._said.put(line)
-
-    def until(self, wanted) -> dict:
-        """The next thing it says that is wanted; all others go to `all`."""
-        end = time.monotonic() + PATIENCE_S
-        while True:
-            try:
-                one = json.loads(self._said.get(timeout=max(end - time.monotonic(), 0.01)))
-            except queue.Empty:
-                raise AssertionError(f"it said only {self.all}, and ended with {self._process.poll()}") from None
-            self.all.append(one)
-            if wanted(one):
-                return one
-
-    def say(self, word: str) -> dict:
-        """Tell it something; its answer."""
-        self._process.stdin.write(word + "\n")
-        self._process.stdin.flush()
-        return self.until(lambda one: one.get("done") == word)
-
+class Panel(Led):
     def hand(self, *what: object) -> None:
         """xdotool, and a few refreshes, as many as a hand takes time for."""
-        self._screen.do(*what)
+        self.screen.do(*what)
         time.sleep(0.15)
         for _ in range(4):
             self.say("where")
 
     def grab(self) -> tuple[int, int]:
         """Where the latency slider's grab is, once the panel has been drawn."""
-        end = time.monotonic() + PATIENCE_S
-        while time.monotonic() < end:
-            at = self.say("where")["grab"]
-            if at is not None:
-                return tuple(at)
-            time.sleep(0.05)
-        raise AssertionError("no slider is to be seen")
+        return tuple(until(lambda: self.say("where")["grab"], "a slider"))
 
     def places(self) -> dict[str, list[float]]:
         """The middle of each widget in the window, once the panel has been drawn."""
         self.grab()
         return self.say("where")["places"]
 
-    def place(self, label: str) -> tuple[int, int]:
-        """The middle of a widget."""
-        x, y = self.places()[label]
-        return round(x), round(y)
+    def to(self, label: str) -> tuple[int, int]:
+        """The mouse to the middle of a widget; where that is."""
+        x, y = map(round, self.places()[label])
+        self.hand("mousemove", x, y)
+        return x, y
 
-    def heard(self, key: str) -> list[dict]:
-        """All it said that has that key, since this was asked last."""
-        self.say("where")
-        found, self.all = [event for event in self.all if key in event], []
-        return found
+    def wanted(self, key: str) -> set[bool | None]:
+        """Whether the panel wanted the clicks or keys of late; each down and up."""
+        events = self.heard(key)
+        assert events and len(events) % 2 == 0, events
+        return {event["wanted"] for event in events}
 
-    def __enter__(self) -> Led:
-        return self
+    def asked(self) -> list[tuple[str, object]]:
+        return [(event["control"], event["value"]) for event in self.heard("control")]
 
-    def __exit__(self, kind: object, *_: object) -> None:
-        """Ask it to end, and see that it does well."""
-        try:
-            self._process.stdin.write("end\n")
-            self._process.stdin.close()
-            status = self._process.wait(PATIENCE_S)
-        finally:
-            self._process.kill()
-            self._reader.join(PATIENCE_S)
-            self._process.stdout.close()
-        assert kind is not None or status == 0
+
+@pytest.fixture(scope="module")
+def program(screen, tmp_path_factory):
+    with Panel(screen, tmp_path_factory.mktemp("told"), "panel_window") as made:
+        yield made
 
 
 @pytest.fixture
-def led(screen):
-    with Led(screen) as made:
-        yield made.begin()
+def led(program):
+    """One program for all tests here; the mouse is out of the way."""
+    program.hand("mousemove", "600", "700")
+    program.heard("line")
+    return program
 
 
 def test_the_slider_of_latency_is_dragged(led):
@@ -138,41 +79,38 @@ def test_the_slider_of_latency_is_dragged(led):
     led.hand("mousemove", x + 40, y)
     led.hand("mousemove", x + 80, y + 200)
     led.hand("mouseup", "1")
-    asked = led.heard("control")
-    assert {event["control"] for event in asked} == {"latency"}
-    values = [event["value"] for event in asked]
-    assert values == sorted(values) and values[-1] > 600
+    names, values = zip(*led.asked(), strict=True)
+    assert set(names) == {"latency"}
+    assert list(values) == sorted(values) and values[-1] > 600
     assert led.grab()[0] == pytest.approx(x + 80, abs=6)  # where the hand left it
 
 
-def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
-    _, y = led.grab()
+def test_the_mouse_is_the_panels_over_it_alone(led):
+    def asked() -> int:
+        return sum("control" in event for event in led.told)
+
+    (x, y), before = led.grab(), asked()
     led.hand("mousemove", "100", "300", "click", "1")
-    assert [event["wanted"] for event in led.heard("click")] == [False, False]
+    assert led.wanted("click") == {False}
     led.hand("mousemove", "600", y)
     led.hand("click", "1")
-    assert [event["wanted"] for event in led.heard("click")] == [True, True]
+    assert led.wanted("click") == {True}
     led.say("off")
     led.hand("click", "1")
-    assert [event["wanted"] for event in led.heard("click")] == [False, False]
+    assert led.wanted("click") == {False}
     led.say("on")
-    assert led.heard("control") == []  # what was clicked meanwhile is not made up for
-
-
-def test_a_caught_mouse_is_not_the_panels(led):
-    x, y = led.grab()
     led.hand("mousemove", x, y)
     led.say("catch")
     led.hand("mousedown", "1", "mousemove_relative", "60", "0", "mouseup", "1")
-    assert [event["wanted"] for event in led.heard("click")] == [False, False]
-    assert led.heard("control") == []
+    assert led.wanted("click") == {False}
     led.say("free")
+    assert asked() == before, "what was clicked meanwhile is not made up for"
 
 
 def test_keys_are_the_windows_until_a_number_is_typed(led):
     x, y = led.grab()
     led.hand("mousemove", x, y, "sleep", "0.2", "key", "t")
-    assert [event["wanted"] for event in led.heard("key")] == [False, False]
+    assert led.wanted("key") == {False}
     led.hand("keydown", "ctrl")
     led.hand("click", "1")
     led.hand("keyup", "ctrl")
@@ -181,53 +119,51 @@ def test_keys_are_the_windows_until_a_number_is_typed(led):
     typed = led.heard("key")
     assert len(typed) == 6 and all(event["wanted"] for event in typed)
     led.hand("key", "Return")
-    assert {"control": "latency", "value": 345.0} in led.all or {"control": "latency", "value": 345.0} in led.heard(
-        "control"
-    )
-    led.heard("key")
+    assert led.asked()[-1] == ("latency", 345.0)
     led.hand("key", "w")
-    assert [event["wanted"] for event in led.heard("key")] == [False, False]
+    assert led.wanted("key") == {False}
 
 
 def test_a_slider_of_the_guard_waits_for_the_hand_to_let_go(led):
     """It builds the whole pipeline anew: once, not at every pixel."""
-    x, y = led.place("guard")
+    x, y = led.to("guard")
     led.hand("mousemove", x - 60, y)
     led.hand("mousedown", "1")
     led.hand("mousemove", x - 20, y)
     led.hand("mousemove", x, y)
-    assert led.heard("control") == []
+    assert led.asked() == []
     led.hand("mouseup", "1")
-    (asked,) = led.heard("control")
-    assert asked["control"] == "guard"
-    assert asked["value"] == pytest.approx(2.0, abs=0.1)
-    assert asked["value"] == pytest.approx(round(asked["value"] / 0.05) * 0.05)
+    ((name, value),) = led.asked()
+    assert name == "guard" and value == pytest.approx(2.0, abs=0.1)
+    assert value == pytest.approx(round(value / 0.05) * 0.05)
 
 
 def test_a_choice_is_chosen_from_its_list(led):
-    x, y = led.place("warp")
-    led.hand("mousemove", x, y)
+    x, y = led.to("warp")
     led.hand("click", "1")
     led.hand("mousemove", x, y + 48)  # the second of two
-    assert led.heard("control") == []
+    assert led.asked() == []
     led.hand("click", "1")
-    assert led.heard("control") == [{"control": "warp", "value": "mesh"}]  # asked for once
+    assert led.asked() == [("warp", "mesh")]  # asked for once
 
 
-def test_switches_say_what_they_switch_to(led):
-    for name, control, value in (("lens", "lens", "none"), ("flat", "view", "flat"), ("flat", "", None)):
-        x, y = led.place(name)
-        led.hand("mousemove", x, y)
+def test_switches_and_buttons_ask_for_what_they_say(led):
+    places = led.places()
+    buttons = [control.name for control in CONTROLS if control.of_display or control.kind == "hold"]
+    asks = [("lens", [("lens", "none")]), ("flat", [("view", "flat")]), ("flat", [])]
+    for name in buttons:
+        (text,) = (text for text in places if text.startswith(name.replace("_", " ") + " ("))
+        asks.append((text, [(name, None)]))
+    assert {"quit (Esc)", "full screen (F11)", "grab (B)"} <= {text for text, _ in asks}
+    for text, expected in asks:
+        led.to(text)
         led.hand("click", "1")
-        assert led.heard("control") == ([{"control": control, "value": value}] if control else [])
+        assert led.asked() == expected, text
 
 
-@pytest.mark.parametrize("name", [control.name for control in CONTROLS if control.of_display or control.kind == "hold"])
-def test_buttons_ask_for_what_has_no_value(led, name):
-    (x, y) = next(place for text, place in led.places().items() if text.startswith(name.replace("_", " ") + " ("))
-    led.hand("mousemove", x, y)
-    led.hand("click", "1")
-    assert led.heard("control") == [{"control": name, "value": None}]
+def test_a_run_that_has_not_begun_has_no_row_without_a_value(led):
+    assert {"latency", "warp", "fill", "guard", "lens"} <= led.places().keys()
+    assert not {"scene", "effects"} & led.places().keys()
 
 
 def test_it_leaves_opengl_as_it_was(led):
@@ -237,28 +173,17 @@ def test_it_leaves_opengl_as_it_was(led):
         assert led.heard("changed") == [{"changed": []}]
 
 
-def test_a_run_that_has_not_begun_has_no_row_without_a_value(led):
-    assert {"latency", "warp", "fill", "guard", "lens"} <= led.places().keys()
-    assert not {"scene", "effects"} & led.places().keys()
-    assert {"quit (Esc)", "full screen (F11)", "grab (B)"} <= led.places().keys()
-
-
-def test_closed_it_gives_the_callbacks_back(led):
-    led.grab()
-    led.say("close")
-    led.hand("mousemove", "600", "60", "click", "1", "key", "t")
-    assert [event["wanted"] for event in led.heard("click")] == [None, None]
-
-
 @needs.programs("xrdb")
-def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
-    environment = screen.environment
-    subprocess.run(
-        ["xrdb", "-nocpp", "-merge"], input="Xft.dpi: 192\n", text=True, env=environment, check=True, timeout=PATIENCE_S
-    )
+def test_on_a_dense_screen_it_is_larger_and_closed_it_gives_the_callbacks_back(screen, tmp_path):
+    how = {"text": True, "env": screen.environment, "timeout": PATIENCE_S}
+    subprocess.run(["xrdb", "-nocpp", "-merge"], check=True, input="Xft.dpi: 192\n", **how)
     try:
-        with Led(screen) as led:
-            assert led.begin().scale == 2.0
-            assert led.say("where")["column"] == 660
+        with Panel(screen, tmp_path, "panel_window") as led:
+            assert led.told[0]["scale"] == 2.0 and led.say("where")["column"] == 660
+            led.say("close")
+            led.heard("line")
+            led.hand("mousemove", "600", "60", "click", "1", "key", "t")
+            told = led.heard("wanted")
+            assert len(told) == 4 and {event["wanted"] for event in told} == {None}
     finally:
-        subprocess.run(["xrdb", "-remove"], env=environment, check=True, timeout=PATIENCE_S)
+        subprocess.run(["xrdb", "-remove"], check=True, **how)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 import pytest
+from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
@@ -89,25 +90,15 @@ def test_all_256_levels_arrive_as_they_are(gpu, presenter, hardware):
 
 
 @WAYS
-def test_rows_and_columns_stay_where_they_are(gpu, presenter, hardware):
-    image = np.zeros((5, 7, 4))
+def test_rows_and_columns_stay_where_they_are_and_only_the_viewport_is_touched(gpu, presenter, hardware):
+    image = np.zeros((6, 9, 4))
     image[..., 3] = 1
-    image[0, 0, 0] = image[4, 0, 1] = image[0, 6, 2] = 1
-    got = shown(gpu, presenter, image, (7, 5), hardware=hardware)[..., :3]
-    assert np.array_equal(got, srgb8_from_linear(image[..., :3]))
-
-
-@WAYS
-def test_only_the_viewport_is_touched(gpu, presenter, hardware):
-    screen = Screen(gpu.gl, (21, 17), hardware)
-    presenter.show(canvas_of(gpu.gl, random_picture(2, 9, 6)), screen.framebuffer, (5, 4, 9, 6), hardware_srgb=hardware)
-    got = screen.bytes()
-    inside = np.zeros((17, 21), bool)
-    inside[4:10, 5:14] = True
-    assert (got[~inside] == Screen.UNTOUCHED).all()
-    assert np.array_equal(
-        got[4:10, 5:14, :3], shown(gpu, presenter, random_picture(2, 9, 6), (9, 6), hardware=hardware)[..., :3]
-    )
+    image[0, 0, 0] = image[5, 0, 1] = image[0, 8, 2] = 1
+    for picture, wanted in ((image, srgb8_from_linear(image[..., :3])), (None, np.zeros((6, 9, 3)))):
+        got = shown(gpu, presenter, picture, (21, 17), (5, 4, 9, 6), hardware).copy()
+        assert np.array_equal(got[4:10, 5:14, :3], wanted) and (got[4:10, 5:14, 3] == 255).all()
+        got[4:10, 5:14] = Screen.UNTOUCHED
+        assert (got == Screen.UNTOUCHED).all()
 
 
 @WAYS
@@ -129,7 +120,7 @@ def scaled(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
     The two nearest texel centres along each axis, weighted as a triangle of width 1 about them.
     """
-    clean = np.where(image[..., 3:] > 0, np.clip(image[..., :3].astype(np.float64), 0, 1), 0)
+    clean = np.where(image[..., 3:] > 0, np.clip(np.nan_to_num(image[..., :3].astype(np.float64)), 0, 1), 0)
     for axis, target in ((0, size[1]), (1, size[0])):
         count = clean.shape[axis]
         at = (np.arange(target) + 0.5) * count / target
@@ -145,35 +136,26 @@ def test_another_size_is_bilinear(gpu, presenter, size):
     """float32 weights.
 
     1e-5 of light at most, which in the steep start of the curve (12.92) is 0.04 of a level; 0.01 as
-    in the curve's own test.
+    in the curve's own test. What lies under alpha 0 is nothing, to its neighbours too.
     """
     image = random_picture(3, 13, 11)
     image[4:6, 5, 3] = 0
+    image[4, 5, :3] = np.nan, np.inf, 9
     got = shown(gpu, presenter, image, size)[..., :3]
     assert np.abs(got - 255 * srgb_from_linear(scaled(image, size))).max() <= rounding(gpu) + 0.05
 
 
-def test_no_light_spreads_out_of_a_hole(gpu, presenter):
-    """What lies under alpha 0 (here NaN) is nothing, to its neighbours too."""
-    image = random_picture(4, 9, 7)
-    image[3, 4] = (np.nan, np.inf, 9, 0)
-    black = image.copy()
-    black[3, 4] = 0
-    assert np.array_equal(shown(gpu, presenter, image, (20, 15)), shown(gpu, presenter, black, (20, 15)))
-
-
-@WAYS
-def test_no_picture_is_black(gpu, presenter, hardware):
-    got = shown(gpu, presenter, None, (7, 5), (1, 1, 4, 3), hardware=hardware)
-    assert (got[1:4, 1:5] == (0, 0, 0, 255)).all()
-    assert (got[0] == Screen.UNTOUCHED).all()
-
-
-def test_bars_keep_the_shape():
-    assert fitted((1280, 800), (0, 0, 1280, 800)) == (0, 0, 1280, 800)
-    assert fitted((1280, 800), (0, 0, 1280, 1000)) == (0, 100, 1280, 800)
-    assert fitted((640, 800), (10, 20, 1000, 400)) == (350, 20, 320, 400)
-    assert fitted((3000, 2), (0, 0, 100, 100))[3] == 1  # never nothing
+@pytest.mark.parametrize(
+    ("size", "place", "wanted"),
+    [
+        ((1280, 800), (0, 0, 1280, 800), (0, 0, 1280, 800)),
+        ((1280, 800), (0, 0, 1280, 1000), (0, 100, 1280, 800)),
+        ((640, 800), (10, 20, 1000, 400), (350, 20, 320, 400)),
+        ((3000, 2), (0, 0, 100, 100), (0, 49, 100, 1)),  # never nothing
+    ],
+)
+def test_bars_keep_the_shape(size, place, wanted):
+    assert fitted(size, place) == wanted
 
 
 # --- the flags of GL ----------------------------------------------------------------------------
@@ -212,10 +194,9 @@ def test_textures_are_made_the_first_time_only(gpu, presenter, monkeypatch):
     made = []
 
     def go() -> None:
-        presenter.show(
-            canvas, screen.framebuffer, (0, 0, 40, 30), hardware_srgb=False, notice=presenter.notice("tracking lost")
-        )
-        presenter.show(canvas, screen.framebuffer, (0, 0, 20, 30), hardware_srgb=True)
+        for width, hardware, text in ((40, False, "tracking lost"), (20, True, "")):
+            how = {"hardware_srgb": hardware, "notice": presenter.notice(text)}
+            presenter.show(canvas, screen.framebuffer, (0, 0, width, 30), **how)
         presenter.depth(inverse, depth, 0.1)
 
     go()
@@ -241,17 +222,27 @@ EYES = {
 }
 
 
+@pytest.fixture
+def notices(gpu):
+    made = Notices(gpu.gl)
+    yield made
+    made.close()
+
+
+def pixels_of(uv: list[tuple[float, float]], uv_from_pixel: np.ndarray) -> np.ndarray:
+    at = np.linalg.inv(uv_from_pixel) @ np.column_stack([uv, np.ones(len(uv))]).T
+    return (at[:2] / at[2]).T
+
+
 @pytest.mark.parametrize("eye", EYES)
-def test_a_notice_stands_1_m_before_the_head(gpu, eye):
+def test_a_notice_stands_1_m_before_the_head(notices, eye):
     """By rays instead of the matrix.
 
     Each pixel's ray through the plane z = -1 m of the head, then along the notice's axes.
     """
-    view, size, notices = EYES[eye], (64, 80), Notices(gpu.gl)
-    notice = notices.of("tracking lost")
+    view, size, notice = EYES[eye], (64, 80), notices.of("tracking lost")
     uv_from_pixel = notice.uv_from_pixel(size, view)
-    corners = np.linalg.inv(uv_from_pixel) @ np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [0.5, 0.5, 1]], float).T
-    pixel = (corners[:2] / corners[2]).T
+    pixel = pixels_of([(0, 0), (1, 0), (0, 1), (0.5, 0.5)], uv_from_pixel)
     left, right, down, up = view.fov.tangents
     tangent = np.array([left, down]) + pixel / size * np.array([right - left, up - down])
     rays = np.column_stack([tangent, -np.ones(4)])
@@ -264,17 +255,13 @@ def test_a_notice_stands_1_m_before_the_head(gpu, eye):
     assert (met[1] - met[0])[0] / (met[2] - met[0])[1] == pytest.approx(w / h)
     assert (uv_from_pixel @ [*pixel[3], 1])[2] > 0
     assert ((pixel >= 0) & (pixel <= size)).all()
-    notices.close()
 
 
-def test_a_notice_behind_the_eye_is_not_shown(gpu):
+def test_a_notice_behind_the_eye_is_not_shown(notices):
     """A homogeneous uv has a mirror image there."""
-    notices = Notices(gpu.gl)
     turned = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7), Pose((0, 0, 0), (0, 1, 0, 0)))  # an eye that looks backwards
-    at = np.stack(np.meshgrid(np.arange(64) + 0.5, np.arange(64) + 0.5), -1).reshape(-1, 2)
-    uv1 = np.column_stack([at, np.ones(len(at))]) @ notices.of("behind").uv_from_pixel((64, 64), turned).T
-    assert (uv1[:, 2] < 0).all()
-    notices.close()
+    corners = [(x, y, 1) for x in (0.5, 63.5) for y in (0.5, 63.5)]
+    assert ((corners @ notices.of("behind").uv_from_pixel((64, 64), turned).T)[:, 2] < 0).all()
 
 
 @pytest.mark.parametrize("eye", [None, *EYES])
@@ -290,7 +277,7 @@ def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye)
     image = random_picture(7, *size)
     got = shown(gpu, presenter, image, size, notice=notice, eye=view)[..., :3].astype(float)
     plain = shown(gpu, presenter, image, size)[..., :3]
-    x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
+    y, x = np.indices(size[::-1]) + 0.5
     q = np.stack([x, y, np.ones_like(x)], -1) @ notice.uv_from_pixel(size, view).T
     uv = q[..., :2] / q[..., 2:]
     inside = (q[..., 2] > 0) & (uv >= 0).all(-1) & (uv < 1).all(-1)
@@ -298,7 +285,8 @@ def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye)
     assert inside.sum() > 2000
     assert np.array_equal(got[~inside & ~edge], plain[~inside & ~edge])
     ink = np.frombuffer(notice.ink.read(), np.uint8).reshape(notice.ink.height, notice.ink.width) / 255
-    letter = sampled(ink, uv[inside])[:, None]
+    at = (uv[inside] * ink.shape[::-1] - 0.5).T[::-1]
+    letter = map_coordinates(ink, at, order=1, mode="nearest")[:, None]
     light = 0.2 * image[inside][:, :3].astype(float) + 0.8 * 0.01
     wanted = 255 * srgb_from_linear(letter + (1 - letter) * light)
     off = np.abs(got[inside] - wanted).max(axis=1)[~edge[inside]]
@@ -307,19 +295,7 @@ def test_a_notice_is_laid_over_the_picture_as_its_twin_says(gpu, presenter, eye)
     assert off.max() <= 12
 
 
-def sampled(image: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    """Bilinear in float64, clamped at the edges."""
-    h, w = image.shape
-    at = uv * (w, h) - 0.5
-    first = np.floor(at).astype(int)
-    part = at - first
-    x = np.clip(np.stack([first[:, 0], first[:, 0] + 1]), 0, w - 1)
-    y = np.clip(np.stack([first[:, 1], first[:, 1] + 1]), 0, h - 1)
-    rows = [image[y[i], x[0]] * (1 - part[:, 0]) + image[y[i], x[1]] * part[:, 0] for i in range(2)]
-    return rows[0] * (1 - part[:, 1]) + rows[1] * part[:, 1]
-
-
-def test_text_is_white_upright_and_wrapped():
+def test_text_is_white_upright_and_wrapped_and_a_tab_makes_columns():
     one, two = text_ink("L"), text_ink("L\nL")
     assert one.max() == 255
     assert two.shape[0] > one.shape[0]
@@ -329,9 +305,6 @@ def test_text_is_white_upright_and_wrapped():
     long = text_ink("the head is where it was last seen " * 4)
     assert long.shape[1] < 900
     assert long.shape[0] > 2 * one.shape[0]
-
-
-def test_a_tab_makes_columns_that_stand_below_each_other():
     help_text = text_ink("T\tnext warp\nEscape\tnext warp")
     half = help_text.shape[0] // 2
     upper, lower = (np.flatnonzero(part.max(axis=0) > 128) for part in (help_text[:half], help_text[half:]))
@@ -339,19 +312,15 @@ def test_a_tab_makes_columns_that_stand_below_each_other():
 
 
 @pytest.mark.parametrize("size", [(640, 800), (1100, 1000), (96, 120)])
-def test_a_long_text_is_all_there(gpu, size):
+def test_a_long_text_is_all_there(notices, size):
     """In the place, and in the view of an eye that sees 41 degrees to each side."""
-    notices = Notices(gpu.gl)
     notice = notices.of("\n".join(f"key {i}\twhat it does, in some words" for i in range(20)))
     for view in (None, View(Pose(), Fov.symmetric(1.44, 1.44), Pose((0.034, 0, 0)))):
-        corners = np.linalg.inv(notice.uv_from_pixel(size, view)) @ np.array([[0, 0, 1], [1, 1, 1]], float).T
-        pixel = (corners[:2] / corners[2]).T
+        pixel = pixels_of([(0, 0), (1, 1)], notice.uv_from_pixel(size, view))
         assert ((pixel >= 0) & (pixel <= size)).all()
-    notices.close()
 
 
-def test_texts_are_kept_and_the_oldest_goes(gpu):
-    notices = Notices(gpu.gl)
+def test_texts_are_kept_and_the_oldest_goes(notices):
     assert notices.of("") is None
     first = notices.of("0")
     assert notices.of("0") is first
@@ -360,12 +329,13 @@ def test_texts_are_kept_and_the_oldest_goes(gpu):
     notices.of("one more")
     assert notices.of("1") is not others[0]
     assert notices.of("0") is first
-    notices.close()
 
 
 # --- depth --------------------------------------------------------------------------------------
 
-DEPTH_COMPONENT32F = 0x8CAC
+
+def bottom_up(texture: moderngl.Texture) -> np.ndarray:
+    return np.frombuffer(texture.read(), np.float32).reshape(texture.size[::-1])
 
 
 @pytest.mark.parametrize("coloured", [False, True])
@@ -380,7 +350,7 @@ def test_depth_is_reversed_and_what_is_unknown_is_infinitely_far(gpu, presenter,
     framebuffer.clear(*(part / 255 for part in Screen.UNTOUCHED), depth=0.3)
     framebuffer.use()  # a mask set while it is bound must tell too
     presenter.depth(texture, framebuffer, near_m)
-    got = np.frombuffer(into.read(), np.float32).reshape(7, 9)
+    got = bottom_up(into)
     known = np.isfinite(inverse) & (inverse > 0)
     wanted = np.where(known, np.minimum(near_m * np.where(known, inverse, 0).astype(np.float64), 1), 0)
     assert np.abs(got - wanted[::-1]).max() < 2**-23  # 24 bits, rounded, and one rounding of float32
@@ -398,7 +368,7 @@ def test_depth_of_another_size_is_not_mixed(gpu, presenter):
     upload(texture, inverse)
     into = gl.depth_texture((8, 12))
     presenter.depth(texture, gl.framebuffer(depth_attachment=into), 0.25)
-    got = np.frombuffer(into.read(), np.float32).reshape(12, 8)
+    got = bottom_up(into)
     assert np.abs(got - np.kron(np.maximum(0, inverse[::-1]) * 0.25, np.ones((2, 2)))).max() < 2**-23
 
 

@@ -5,59 +5,34 @@ While nothing is asked, and only then, the mouse leads the head.
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
 
-from .desktop_program import ROOT
-from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
+from .programs import Led
+from .virtual_screen import VirtualScreen, needs_a_screen, until
 
 pytestmark = [needs_a_screen, pytest.mark.slow]  # a program of its own: 10 s
 
 SCREEN = (900, 640)
 
 
-class Asking:
-    """Use as a context manager. told: what the program said, oldest first."""
-
-    def __init__(self, screen: VirtualScreen, folder) -> None:
-        self.screen = screen
-        paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
-        self._out = folder / "told.jsonl"
-        with self._out.open("w") as out:
-            self._process = subprocess.Popen(
-                [sys.executable, "-W", "error", "-m", "display.question_window"],
-                stdin=subprocess.PIPE, stdout=out, stderr=subprocess.STDOUT, text=True,
-                env={**screen.environment, "PYTHONPATH": paths},
-            )  # fmt: skip
+class Asking(Led):
+    """A question's window."""
 
     def __enter__(self) -> Asking:
-        try:
-            until(lambda: self.told, "a first line")
-            self.window = until(lambda: self.screen.do("search", "--name", "^hmdwarp").partition("\n")[0], "a window")
-        except BaseException:
-            self.__exit__()
-            raise
+        super().__enter__()
+        self.window = until(lambda: self.screen.do("search", "--name", "^hmdwarp").partition("\n")[0], "a window")
         return self
 
-    @property
-    def told(self) -> list[dict]:
-        text = self._out.read_text(encoding="utf-8")
-        assert self._process.poll() is None and "Traceback" not in text, text
-        return [json.loads(line) for line in text.splitlines(keepends=True) if line.endswith("\n")]
+    def keys(self, *names: str) -> None:
+        self.screen.do("key", *names)
 
-    def say(self, line: str) -> None:
-        """To the program; waits until it has done it, and has drawn it twice since."""
-        before = sum(event.get("line") == line for event in self.told)
-        self._process.stdin.write(f"{line}\n")
-        self._process.stdin.flush()
-        until(lambda: sum(event.get("line") == line for event in self.told) > before, line)
-        time.sleep(0.2)  # after which it is on the screen
+    def shown(self, line: str) -> None:
+        """Say it, and wait until it is on the screen."""
+        self.say(line)
+        time.sleep(0.2)
 
     def commands(self) -> list[tuple[str, object]]:
         """All so far."""
@@ -70,23 +45,25 @@ class Asking:
     def waits(self, what: str, wanted: object) -> None:
         until(lambda: self.now(what) == wanted, f"{what} == {wanted}", lambda: f"{what} is {self.now(what)}")
 
+    def changes(self, what: str, before: object) -> None:
+        until(lambda: self.now(what) != before, f"{what} is another")
+
     def geometry(self) -> tuple[int, int, int, int]:
         return self.screen.geometry(self.window)
 
-    def to(self, across: float, up: float) -> tuple[int, int]:
+    def picture(self) -> np.ndarray:
+        x, y, w, h = self.geometry()
+        return self.screen.picture()[y : y + h, x : x + w].copy()
+
+    def to(self, across: float, up: float) -> int:
         """The mouse to a place of the left eye's half, as shares of it from bottom left.
 
-        Where that is on the screen.
+        How many pixels that is from the left.
         """
         x, y, w, h = self.geometry()
         at = round(x + across * w / 2), round(y + (1 - up) * h)
         self.screen.do("mousemove", *at)
-        return at
-
-    def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.wait(PATIENCE_S)
-        self._process.stdin.close()
+        return at[0] - x
 
 
 @pytest.fixture(scope="module")
@@ -97,66 +74,61 @@ def screen(tmp_path_factory):
 
 @pytest.fixture
 def asking(screen, tmp_path):
-    with Asking(screen, tmp_path) as made:
+    with Asking(screen, tmp_path, "question_window") as made:
         yield made
 
 
 def test_keys_answer(asking):
-    asking.say("ask")
+    asking.shown("ask")
     assert asking.now("value") is None  # nothing is chosen beforehand
-    asking.screen.do("key", "Return")
+    asking.keys("Return")
     until(lambda: ("confirm", None) in asking.commands(), "Enter")
     assert not asking.now("confirmed")
-    asking.screen.do("key", "3", "comma", "2")
+    asking.keys("3", "comma", "2")
     asking.waits("value", None)  # 3.2 is none of quarter steps
-    asking.screen.do("key", "5")
+    asking.keys("5")
     asking.waits("value", 3.25)
-    asking.screen.do("key", "BackSpace", "BackSpace", "KP_Decimal", "KP_7", "KP_5")
+    asking.keys("BackSpace", "BackSpace", "KP_Decimal", "KP_7", "KP_5")
     asking.waits("value", 3.75)
-    asking.screen.do("key", "Left", "Left")
+    asking.keys("Left", "Left")
     asking.waits("value", 3.25)
-    asking.screen.do("key", "KP_Enter")
+    asking.keys("KP_Enter")
     asking.waits("confirmed", True)
     assert asking.now("value") == 3.25
 
 
-def test_a_held_key_goes_on_to_the_end_and_stays_there(asking):
-    asking.say("ask")
+def test_a_held_key_goes_on_to_the_end_and_escape_is_the_menu_and_ends_nothing(asking):
+    asking.shown("ask")
     asking.screen.do("keydown", "Right")
     asking.waits("value", 6)
     asking.screen.do("keyup", "Right")
-    asking.screen.do("key", "space")
-    asking.waits("confirmed", True)
-
-
-def test_escape_is_the_menu_and_ends_nothing(asking):
-    asking.screen.do("key", "Escape", "x")
+    asking.keys("Escape", "x")
     until(lambda: asking.commands()[-2:] == [("menu", None), ("skip", None)], "menu and skip")
+    asking.keys("space")
+    asking.waits("confirmed", True)
 
 
 def halves(asking) -> list[int]:
     """How many pixels of each eye's half of the window are not black."""
-    x, y, w, h = asking.geometry()
-    whole = asking.screen.picture()[y : y + h, x : x + w].max(axis=2) > 60
-    return [int(whole[:, : w // 2].sum()), int(whole[:, w // 2 :].sum())]
+    return [int(half.sum()) for half in np.hsplit(asking.picture().max(axis=2) > 60, 2)]
 
 
 def test_pictures_stay_free_of_text(asking):
     """The help is there beside a question, over the left eye, goes with it, and cannot be called
     over what is shown.
     """
-    asking.say("show")
-    asking.screen.do("key", "h", "r")
+    asking.shown("show")
+    asking.keys("h", "r")
     time.sleep(0.5)  # as long as a help would take to be drawn, and more
     assert halves(asking) == [0, 0]
-    asking.say("ask")
+    asking.shown("ask")
     left, right = halves(asking)
     assert left == right > 0, "the question before both eyes: no help was waiting for it"
-    asking.screen.do("key", "h")
+    asking.keys("h")
     until(lambda: halves(asking)[0] != right, "the help")
-    asking.say("show")
+    asking.shown("show")
     assert halves(asking) == [0, 0]
-    asking.say("ask")
+    asking.shown("ask")
     assert halves(asking) == [left, right]
 
 
@@ -167,37 +139,32 @@ def marker(pictures: list[np.ndarray]) -> list[float]:
     """
     first, second = (picture.astype(int).sum(axis=2) for picture in pictures)
     upper = int(np.flatnonzero((first != second).any(axis=1))[0])
-    rows = slice(upper, upper + 25)  # number and pointer; the line and its words are below
-    return [
-        float(np.flatnonzero((a - b)[rows].max(axis=0) > 300).mean()) for a, b in ((first, second), (second, first))
-    ]
+    off = (first - second)[upper : upper + 25]  # number and pointer; the line and its words are below
+    return [float(np.flatnonzero((sign * off).max(axis=0) > 300).mean()) for sign in (1, -1)]
 
 
 @pytest.mark.parametrize("full_screen", [False, True], ids=["window", "full-screen"])
 def test_the_mouse_answers(asking, full_screen):
     if full_screen:
-        asking.screen.do("key", "F11")
+        asking.keys("F11")
         until(lambda: asking.geometry() == (0, 0, *SCREEN), "full screen")
-    asking.say("ask")
+    asking.shown("ask")
     pictures, places, values = [], [], []
     for across in (0.33, 0.62):
         before = len(asking.commands())
-        places.append(asking.to(across, 0.525)[0] - asking.geometry()[0])
+        places.append(asking.to(across, 0.525))
         until(lambda before=before: len(asking.commands()) > before, "a point")
-        asking.say("wait")
-        x, y, w, h = asking.geometry()
-        pictures.append(asking.screen.picture()[y : y + h, x : x + w // 2].copy())
+        asking.shown("wait")
+        pictures.append(np.hsplit(asking.picture(), 2)[0])
         values.append(asking.now("value"))
-    assert values[0] < values[1] and all(value * 4 % 4 for value in values), (
-        "between two words, so that only the marker is another"
-    )
+    assert values[0] < values[1] and all(value % 1 for value in values), "between two words: only the marker is another"
     # 20 steps over 0.84 of a text panel that is 0.94 of the half: the marker is within half a step
     # of the mouse.
     step = 0.84 * 0.94 * asking.geometry()[2] / 2 / 20
     assert np.allclose(marker(pictures), places, atol=step / 2 + 2)
     asking.to(1.62, 0.525)  # the same place before the right eye
     until(lambda: asking.commands()[-1][1][0] > 0, "a point")
-    asking.say("wait")
+    asking.shown("wait")
     assert asking.now("value") == values[1]
     asking.screen.do("click", "4")
     asking.waits("value", values[1] + 0.25)
@@ -210,14 +177,24 @@ def test_the_mouse_answers(asking, full_screen):
     assert not asking.now("captured")
 
 
-def test_beside_the_text_panel_the_mouse_does_nothing(asking):
-    asking.say("ask")
+def test_beside_the_text_panel_the_mouse_does_nothing_and_a_trial_takes_it_without_a_click(asking):
+    """Participants at a window do not know that they could click."""
+    asking.shown("ask")
     asking.to(0.5, 0.9)
     asking.screen.do("click", "1")
-    asking.screen.do("key", "2")
+    asking.keys("2")
     asking.waits("value", 2)
     assert {name for name, _ in asking.commands()} <= {"digit"}
     assert not asking.now("captured")
+    asking.shown("trial")
+    asking.waits("captured", True)
+    before = asking.now("turned")
+    asking.screen.do("mousemove_relative", "--", 60, 0)
+    asking.changes("turned", before)
+    asking.shown("ask")
+    asking.waits("captured", False)
+    asking.to(0.5, 0.525)
+    until(lambda: asking.now("value") is not None, "the mouse points at the scale")
 
 
 def stands_still(asking) -> bool:
@@ -225,66 +202,51 @@ def stands_still(asking) -> bool:
 
     The program tells of changes only, and may not have been running since its last line.
     """
-    asking.say("wait")
+    asking.shown("wait")
     before = asking.now("stands")
-    asking.say("wait")
+    asking.shown("wait")
     return asking.now("stands") == before
 
 
 def test_the_head_has_the_mouse_while_nothing_is_asked(asking):
-    asking.say("show")
+    asking.shown("show")
     asking.to(0.5, 0.5)
     asking.screen.do("click", "1")
     asking.waits("captured", True)
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", 60, 0)
-    until(lambda: asking.now("turned") != before, "a turn")
-    asking.screen.do("keydown", "w")
+    asking.changes("turned", before)
     stood = asking.now("stands")
-    until(lambda: asking.now("stands") != stood, "a walk")
-    asking.say("ask")  # in the middle of a walk
+    asking.screen.do("keydown", "w")
+    asking.changes("stands", stood)
+    asking.shown("ask")  # in the middle of a walk
     asking.waits("captured", False)
     until(lambda: stands_still(asking), "standing still")
     turned, stood = asking.now("turned"), asking.now("stands")
     asking.to(0.4, 0.525)
     asking.screen.do("keydown", "s")
-    asking.screen.do("key", "4")
+    asking.keys("4")
     asking.waits("value", 4)
     assert (asking.now("turned"), asking.now("stands")) == (turned, stood)
     asking.screen.do("keyup", "w", "keyup", "s")
-    asking.say("show")
+    asking.shown("show")
     asking.waits("captured", True)  # as it was before the question
     before = asking.now("turned")
     asking.screen.do("mousemove_relative", "--", -60, 0)
-    until(lambda: asking.now("turned") != before, "a turn")
-
-
-def test_a_trial_takes_the_mouse_without_a_click(asking):
-    """Participants at a window do not know that they could click."""
-    asking.say("ask")
-    assert not asking.now("captured")
-    asking.say("trial")
-    asking.waits("captured", True)
-    before = asking.now("turned")
-    asking.screen.do("mousemove_relative", "--", 60, 0)
-    until(lambda: asking.now("turned") != before, "a turn")
-    asking.say("ask")
-    asking.waits("captured", False)
-    asking.to(0.5, 0.525)
-    until(lambda: asking.now("value") is not None, "the mouse points at the scale")
+    asking.changes("turned", before)
 
 
 def test_words_are_typed(asking):
     """Letters that are keys of controls elsewhere are letters here; Enter and Esc stay keys."""
-    asking.say("words")
-    asking.screen.do("key", "H", "m", "x", "space", "1", "period", "r", "BackSpace", "W")
+    asking.shown("words")
+    asking.keys("H", "m", "x", "space", "1", "period", "r", "BackSpace", "W")
     asking.waits("text", "Hmx 1.W")
-    asking.screen.do("key", "Escape")
+    asking.keys("Escape")
     until(lambda: asking.commands()[-1] == ("menu", None), "the menu")
-    asking.screen.do("key", "Return")
+    asking.keys("Return")
     asking.waits("confirmed", True)
     assert asking.now("text") == "Hmx 1.W"
     assert {name for name, _ in asking.commands()} == {"type", "erase", "menu", "confirm"}
-    asking.say("ask")
-    asking.screen.do("key", "x")
+    asking.shown("ask")
+    asking.keys("x")
     until(lambda: asking.commands()[-1] == ("skip", None), "a key again")

@@ -33,22 +33,9 @@ class VirtualScreen:
     def __enter__(self) -> VirtualScreen:
         read, write = os.pipe()
         mode = f"{self.size[0]}x{self.size[1]}x24"
-        command = [
-            "Xvfb",
-            "-displayfd",
-            str(write),
-            "-screen",
-            "0",
-            mode,
-            "-fbdir",
-            str(self._folder),
-            "-nolisten",
-            "tcp",
-            "-noreset",
-            # A key that a busy machine keeps down for 0.7 s would be typed twice.
-            "-ardelay",
-            "3000",
-        ]
+        # A key that a busy machine keeps down for 0.7 s would be typed twice.
+        how = ["-nolisten", "tcp", "-noreset", "-ardelay", "3000", "-fbdir", str(self._folder)]
+        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", mode, *how]
         self._server = subprocess.Popen(command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as told:
@@ -60,17 +47,14 @@ class VirtualScreen:
     @property
     def environment(self) -> dict[str, str]:
         """For programs that are to be on this screen."""
-        kept = {
-            name: value for name, value in os.environ.items() if name not in ("WAYLAND_DISPLAY", "XDG_SESSION_TYPE")
-        }
+        apart = ("WAYLAND_DISPLAY", "XDG_SESSION_TYPE")
+        kept = {name: value for name, value in os.environ.items() if name not in apart}
         return {**kept, "DISPLAY": self.display}
 
     def do(self, *arguments: object) -> str:
         """xdotool with these arguments, as one who sits there: what it printed."""
-        command = ["xdotool", *map(str, arguments)]
-        done = subprocess.run(
-            command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE_S
-        )
+        how = {"capture_output": True, "text": True, "env": self.environment, "timeout": PATIENCE_S}
+        done = subprocess.run(["xdotool", *map(str, arguments)], check=False, **how)
         return done.stdout.strip()
 
     def geometry(self, window: str) -> tuple[int, int, int, int]:
@@ -88,11 +72,8 @@ class VirtualScreen:
         header = np.frombuffer(data, ">u4", 25)
         width, height, blue_first, line, colours = (int(header[k]) for k in (4, 5, 7, 12, 19))
         start = int(header[0]) + 12 * colours
-        pixels = (
-            np.frombuffer(data, np.uint8, line * height, start)
-            .reshape(height, line)[:, : 4 * width]
-            .reshape(height, width, 4)
-        )
+        rows = np.frombuffer(data, np.uint8, line * height, start).reshape(height, line)
+        pixels = rows[:, : 4 * width].reshape(height, width, 4)
         return pixels[..., 2::-1] if blue_first == 0 else pixels[..., 1:]
 
     def kill(self) -> None:

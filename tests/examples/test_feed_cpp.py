@@ -18,7 +18,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.gpu import download
 from hmdwarp.run import replay
 from hmdwarp.sources.feed import FeedOptions
-from hmdwarp.sources.feed.viewer import Viewer
+from hmdwarp.sources.feed.caller import Viewer
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

@@ -1,16 +1,15 @@
-"""A layer that is no picture, registered here alone.
-
-Drawn once a frame, sent, read by a warp and released.
-"""
+"""A layer that is no picture, registered here alone: drawn once a frame, sent, warped, released."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import attrs
 import numpy as np
 import pytest
+from heads import Eyes, Head
 
 from hmdwarp.client import build_plan
 from hmdwarp.client.warps import Warp, warps
@@ -20,13 +19,14 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.link.codec import Coding, pack
 from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target
-from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server.parts import Part, parts
 
 COUNT, STEP_NS, SIZE = 40, 10_000_000, (64, 48)
 FOV = Fov.symmetric(1.2, 1.0)
+EYES = Eyes(*((Pose((x, 0, 0)), FOV) for x in (-0.03, 0.03)))
+SLIDING = Head(lambda time_ns: Pose((time_ns * 1e-9, 1.6, 1.0)))  # to the right by 1 m/s
 
 
 @attrs.define(eq=False)
@@ -69,10 +69,8 @@ class PointsPart(Part):
 
     def of_frame(self, views: Sequence[View], drawing) -> Mapping[str, Any]:
         rng = np.random.default_rng(drawing.time_ns)
-        count = drawing.needs["dots"]
-        points = (
-            np.mean([view.pose.position_m for view in views], axis=0) + (0, 0, -2) + rng.normal(size=(count, 3)) / 3
-        )
+        middle = np.mean([view.pose.position_m for view in views], axis=0) + (0, 0, -2)
+        points = middle + rng.normal(size=(drawing.needs["dots"], 3)) / 3
         self.made.append(PointList(points.astype(np.float32)))
         return {"dots": self.made[-1]}
 
@@ -106,25 +104,7 @@ def as_pixels(points_m: np.ndarray, view: View) -> np.ndarray:
     return picture
 
 
-class TwoEyes:
-    def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        return tuple(View(world_from_head @ Pose((x, 0, 0)), FOV) for x in (-0.03, 0.03))
-
-
-class Sliding:
-    """A head that moves to the right by 1 m/s."""
-
-    def start(self) -> None:
-        pass
-
-    def head_at(self, time_ns: int) -> PoseSample:
-        return PoseSample(time_ns, Pose((time_ns * 1e-9, 1.6, 1.0)), Origin.MEASURED)
-
-    def close(self) -> None:
-        pass
-
-
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def registered(monkeypatch):
     for registry, entry in ((layers, Points), (parts, PointsPart), (warps, PointWarp)):
         list(registry)  # all are loaded before the copy, or they would be forgotten with it
@@ -133,18 +113,23 @@ def registered(monkeypatch):
     monkeypatch.setattr(PointsPart, "made", [])
 
 
-@pytest.mark.usefixtures("registered")
+@contextmanager
+def running(gpu, warp: str, codec: str = "none", latency_ms: int = 20):
+    said = {"scene": "planes", "warp": warp, "fill": "none", "lens": "none", "size": SIZE, "latency_ms": latency_ms}
+    options, plan = (
+        PipelineOptions(**said, coding=Coding(codec)),
+        build_plan((), warp, "none", "none", client_geometry=True),
+    )
+    run = Run(options, Source(options, load_scene("planes")), None, [plan], plan.needs)
+    target = Target(gpu, EYES, 100.0, latency_ms * 1_000_000)
+    with run.build(target, PoseRequest(SLIDING, None, SIZE, 1.0, plan.needs)) as made:
+        assert plan.layers == ("rendered.dots",) or warp != "dots"
+        yield made
+
+
 @pytest.mark.parametrize("codec", ["none", "h264"])
 def test_points_travel_with_frames_and_are_warped(gpu, codec):
-    options = PipelineOptions(
-        scene="planes", latency_ms=20, warp="dots", fill="none", lens="none", size=SIZE, coding=Coding(codec)
-    )
-    plan = build_plan((), "dots", "none", "none", client_geometry=True)
-    assert plan.layers == ("rendered.dots",)
-    requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
-    scene = load_scene("planes")
-    run = Run(options, Source(options, scene), None, [plan], plan.needs)
-    with run.build(Target(gpu, TwoEyes(), 100.0, 20_000_000), requested) as made:
+    with running(gpu, "dots", codec) as made:
         for number in range(8):
             made.loop.draw(number * STEP_NS)
             refresh = made.loop.show(number * STEP_NS)
@@ -157,23 +142,14 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
             wanted = as_pixels(shown.points_m, inputs.shown)
             assert np.array_equal(download(eye.shown.texture)[::-1], wanted)
             assert 0.5 * COUNT < wanted[..., 3].sum() <= COUNT
-        size = refresh.transit.size_bytes
-        if codec == "none":
-            assert size == 12 * COUNT, "nothing else is read, so nothing else is sent"
-        else:
-            assert size == len(pack(shown.points_m)), "once a frame, not once an eye, and nothing that is not read"
+        expected = 12 * COUNT if codec == "none" else len(pack(shown.points_m))
+        assert refresh.transit.size_bytes == expected, "once a frame, not once an eye, and nothing that is not read"
         assert [delivery.released for delivery in sent] == [1] * 5 + [0] * 3, "frames that were shown, and no more"
     assert [delivery.released for delivery in sent] == [1] * 8
 
 
-@pytest.mark.usefixtures("registered")
 def test_frames_without_points_have_none(gpu):
-    plan = build_plan((), "forward", "none", "none", client_geometry=True)
-    options = PipelineOptions(scene="planes", warp="forward", fill="none", lens="none", size=SIZE)
-    requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
-    scene = load_scene("planes")
-    run = Run(options, Source(options, scene), None, [plan], plan.needs)
-    with run.build(Target(gpu, TwoEyes(), 100.0, 0), requested) as made:
+    with running(gpu, "forward", latency_ms=0) as made:
         made.loop.draw(0)
         assert "dots" not in made.loop.show(0).inputs[0].rendered
     assert PointsPart.made == []

@@ -41,13 +41,6 @@ def test_neighbouring_names_cancel(a_from_b, b_from_c, point_in_c):
     assert np.abs((a_from_b @ b_from_c).transform(point_in_c) - through).max() <= ATOL
 
 
-@given(poses(), poses())
-def test_the_product_turns_the_way_matrices_do(a_from_b, b_from_c):
-    # Not its own inverse: a wrong order of factors or a transposed rotation passes every axiom
-    # above.
-    assert np.abs((a_from_b @ b_from_c).matrix() - a_from_b.matrix() @ b_from_c.matrix()).max() <= ATOL
-
-
 def test_a_known_turn():
     # 90 degrees about +y takes -z (ahead) to -x (left): a positive yaw looks left in right-handed
     # axes with y up.
@@ -84,55 +77,31 @@ def test_a_stored_pose_is_read_back_bit_for_bit(q, position):
     assert np.array_equal(settled.position_m, np.array(position))
 
 
-@given(poses(), poses())
-def test_relative_to_is_the_inverse_product_near_the_origin(pose, other):
-    assert pose.relative_to(other).isclose(other.inverse() @ pose, ATOL)
-    assert pose.relative_to(pose).isclose(Pose(), ATOL)
-    assert np.array_equal(pose.relative_to(pose).position_m, np.zeros(3))
-
-
 @given(
     vectors(st.sampled_from([1e6, -1e6, 999_999.875])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS
 )
 def test_relative_to_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
     """Steps of 1/1024 m are representable at 1e6 m, so the difference is known exactly and only the
-    turn rounds.
-    """
+    turn rounds."""
     eye, other = Pose(np.array(origin) + step, q), Pose(origin, q)
     wanted = other.rotation.as_matrix().T @ np.array(step)
     assert np.abs(eye.relative_to(other).position_m - wanted).max() <= 8 * UNIT * 8 / 1024
 
 
-@given(poses())
-def test_matrix_and_transform_agree(pose):
-    points = np.random.default_rng(0).normal(size=(5, 2, 3))
-    homogeneous = np.concatenate([points, np.ones((5, 2, 1))], axis=-1) @ pose.matrix().T
-    assert np.abs(pose.transform(points) - homogeneous[..., :3]).max() <= ATOL
-    assert np.array_equal(pose.matrix()[3], (0, 0, 0, 1))
-
-
-@pytest.mark.parametrize("axis", range(4))
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_numbers_that_are_not_finite_are_refused(axis, bad):
-    q, p = [0.1, 0.2, 0.3, 0.9], [1.0, 2.0, 3.0]
-    q[axis] = bad
-    with pytest.raises(InputError, match="4 finite numbers"):
-        Pose(p, q)
-    p[axis % 3] = bad
-    with pytest.raises(InputError, match="3 finite numbers"):
-        Pose(p)
-
-
-@pytest.mark.parametrize("zero", [(0, 0, 0, 0), (0.0, -0.0, 0.0, -0.0)])
-def test_the_zero_quaternion_is_refused(zero):
+def test_what_is_no_pose_is_refused():
+    for axis in range(4):
+        for bad in (math.nan, math.inf, -math.inf):
+            q, p = [0.1, 0.2, 0.3, 0.9], [1.0, 2.0, 3.0]
+            q[axis] = p[axis % 3] = bad
+            with pytest.raises(InputError, match="4 finite numbers"):
+                Pose((1, 2, 3), q)
+            with pytest.raises(InputError, match="3 finite numbers"):
+                Pose(p)
     with pytest.raises(InputError, match="no rotation"):
-        Pose((0, 0, 0), zero)
-
-
-@pytest.mark.parametrize("value", [(1, 2), [[1, 2, 3]], 3.0, "abc", ("1", "x", "2"), (1, (2, 3), 4), None, ()])
-def test_positions_of_another_shape_are_refused(value):
-    with pytest.raises(InputError, match="3 finite numbers"):
-        Pose(value)
+        Pose((0, 0, 0), (0.0, -0.0, 0.0, -0.0))
+    for value in ((1, 2), [[1, 2, 3]], 3.0, "abc", ("1", "x", "2"), (1, (2, 3), 4), None, ()):
+        with pytest.raises(InputError, match="3 finite numbers"):
+            Pose(value)
 
 
 def test_a_pose_cannot_be_changed_and_does_not_follow_what_it_was_made_of():
@@ -185,27 +154,10 @@ def test_towards_goes_straight_and_at_an_even_rate(pose, other, share):
 @given(poses(), poses(), SHARES)
 def test_towards_is_the_trace_interpolation(pose, other, share):
     """SLERP of quaternions (poses/quaternions.py) and of rotation vectors are the same arc, found
-    by two formulas.
-    """
+    by two formulas."""
     assume(turn_between(pose, other) < math.pi - 1e-3)  # at half a turn either way round is the shorter one
     wanted = Pose(pose.position_m, slerp(pose.orientation_xyzw.tolist(), other.orientation_xyzw.tolist(), share))
     assert turn_between(pose.towards(other, share), wanted) <= 1e-7
-
-
-@given(vectors(st.sampled_from([1e6, -1e6])), vectors(st.integers(-8, 8).map(lambda n: n / 1024)), QUATERNIONS)
-def test_towards_keeps_a_millimetre_a_thousand_kilometres_out(origin, step, q):
-    """A quarter of steps of 1/1024 m.
-
-    Representable at 1e6 m (2^-33 m apart), so it must be exact.
-    """
-    pose, other = Pose(origin, q), Pose(np.array(origin) + step, q)
-    assert np.array_equal(pose.towards(other, 0.25).position_m, np.array(origin) + 0.25 * np.array(step))
-
-
-def test_a_turn_too_small_for_its_cosine_is_still_halved():
-    """1e-8 rad leaves the quaternion's real part at 1; its angle is in the other three."""
-    other = Pose((0, 0, 0), (0, 0.5e-8, 0, 1))
-    assert abs(turn_between(Pose(), Pose().towards(other, 0.5)) - 0.5e-8) <= 1e-14
 
 
 # Another order of a sum of four products of numbers up to 1, and a square root: a few units in the
@@ -223,11 +175,6 @@ def test_turns_are_those_of_scipy(pose, other):
     assert np.abs(pose.relative_to(other).orientation_xyzw - between).max() <= SUMMED
 
 
-def test_the_cached_arrays_of_a_pose_are_read_only():
-    with pytest.raises(ValueError, match="read-only"):
-        Pose().rotation_matrix[0, 0] = 2
-
-
 @given(poses(), poses())
 def test_products_are_what_the_constructor_would_make(pose, other):
     """The short way there asks less, and makes the same bits."""
@@ -236,12 +183,6 @@ def test_products_are_what_the_constructor_would_make(pose, other):
         assert np.array_equal(made.orientation_xyzw, again.orientation_xyzw)
         assert np.array_equal(made.rotation_matrix, again.rotation_matrix)
         assert not (made.position_m.flags.writeable or made.orientation_xyzw.flags.writeable)
-
-
-def test_a_product_beyond_the_largest_float_is_refused():
-    far = Pose((1.7e308, 0, 0))
-    with pytest.raises(InputError, match="3 finite numbers"), np.errstate(over="ignore"):
-        far @ far
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -1,7 +1,4 @@
-"""Compiled programs.
-
-Errors with file and line, strict uniforms, the layout of arrays, group counts, and the cache.
-"""
+"""Compiled programs: errors with file and line, strict uniforms, group counts, includes."""
 
 from __future__ import annotations
 
@@ -11,12 +8,10 @@ import contexts
 import moderngl
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import hmdwarp.gpu.shaders
 from hmdwarp.errors import InputError, ShaderError
-from hmdwarp.gpu import Compute, Draw, Gpu, ShaderLibrary
+from hmdwarp.gpu import VERSION, Compute, Draw, Gpu, ShaderLibrary, flatten
 
 
 @pytest.fixture(scope="module")
@@ -78,15 +73,6 @@ def test_a_draw_names_the_stage_that_is_broken(gpu, shaders, guilty):
         (shaders / f"a.{stage[:4]}").write_text(text, encoding="utf-8")
     line = texts[guilty].count("\n")
     with pytest.raises(ShaderError, match=rf"^a\.{guilty[:4]}: (.|\n)*a\.{guilty[:4]}:{line}\b(.|\n)*missing"):
-        Draw(gpu.gl, "a.vert", "a.frag", {})
-
-
-def test_a_draw_whose_stages_do_not_fit_is_refused(gpu, shaders):
-    (shaders / "a.vert").write_text(
-        "out vec3 v;\nvoid main() { v = vec3(1.0); gl_Position = vec4(0.0); }\n", encoding="utf-8"
-    )
-    (shaders / "a.frag").write_text("in vec2 v;\nout vec4 c;\nvoid main() { c = v.xyxy; }\n", encoding="utf-8")
-    with pytest.raises(ShaderError, match="`v'|\"v\"|'v'|v "):
         Draw(gpu.gl, "a.vert", "a.frag", {})
 
 
@@ -154,35 +140,12 @@ def test_unknown_names_are_refused_and_unused_ones_are_not(gpu, shaders):
     ):
         program.uniforms.set(scaler=1.0)
     # All but `scalar` are optimised away, and may still be set.
-    program.uniforms.set(
-        scalar=2.0,
-        whole=1,
-        pair=(1, 2),
-        other_pair=(3, 4),
-        list=np.zeros(3),
-        vectors=np.zeros((2, 3)),
-        square=np.eye(3),
-        unused_square=np.eye(3),
-    )
+    program.uniforms.set(scalar=2.0, whole=1, other_pair=(3, 4), list=np.zeros(3), unused_square=np.eye(3))
     assert results(gpu, program, 1) == [2.0]
     for name in ("scalar", "other_pair", "unused_square", "list", "preset"):
         assert program.uniforms.declares(name)
     for name in ("Out", "o", "float", "main", "gl_Position", ""):
         assert not program.uniforms.declares(name)
-
-
-def test_uniforms_of_includes_and_of_both_stages_are_known(gpu, shaders):
-    (shaders / "a.glsl").write_text("uniform float from_include;\n", encoding="utf-8")
-    (shaders / "a.vert").write_text(
-        "uniform float in_vertex;\nvoid main() { gl_Position = vec4(in_vertex); }\n", encoding="utf-8"
-    )
-    (shaders / "a.frag").write_text(
-        '#include "a.glsl"\nout vec4 c;\nvoid main() { c = vec4(from_include); }\n', encoding="utf-8"
-    )
-    draw = Draw(gpu.gl, "a.vert", "a.frag", {})
-    draw.uniforms.set(from_include=1.0, in_vertex=2.0)
-    with pytest.raises(ShaderError, match="it has from_include, in_vertex"):
-        draw.uniforms.set(in_fragment=1.0)
 
 
 # A uniform whose name means something else in the branch that is taken.
@@ -213,49 +176,14 @@ def test_arrays_and_matrices_are_written_as_the_formulas_have_them(gpu, shaders,
     assert results(gpu, program, 16).tolist() == wanted
 
 
-@given(st.lists(st.floats(-1e30, 1e30), min_size=9, max_size=9))
-def test_matrices_times_vectors_as_numpy(shared_matrix_program, values):
-    gpu, program = shared_matrix_program
-    matrix = np.array(values).reshape(3, 3)
-    program.uniforms.set(m=matrix)
-    assert np.array_equal(results(gpu, program, 9).reshape(3, 3), matrix.astype(np.float32))
-
-
-@pytest.fixture(scope="module")
-def shared_matrix_program(gpu, tmp_path_factory):
-    root = tmp_path_factory.mktemp("shaders")
-    columns = "".join(f"vec3 c{k} = m * vec3({k == 0:d}, {k == 1:d}, {k == 2:d}); " for k in range(3))
-    stores = "".join(f"o[{r * 3 + c}] = c{c}[{r}]; " for r in range(3) for c in range(3))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hmdwarp.gpu.shaders, "folder", lambda name: root)
-        return gpu, compute(gpu, root, f"{HEAD}uniform mat3 m;\nvoid main() {{ {columns}{stores} }}")
-
-
-def test_the_last_value_counts_however_it_was_given(gpu, shaders):
-    program = compute(gpu, shaders, f"{HEAD}uniform vec2 v;\nvoid main() {{ o[0] = v.x; o[1] = v.y; }}")
-    for value in (np.array([1.0, 2.0]), (3.0, 4.0), np.array([1.0, 2.0]), np.array([1.0, 2.0]), [5.0, 6.0]):
-        program.uniforms.set(v=value)
-        assert results(gpu, program, 2).tolist() == list(value)
-
-
-def test_float64_is_rounded_to_the_nearest_float32(gpu, shaders):
-    program = compute(gpu, shaders, f"{HEAD}uniform float f[2];\nvoid main() {{ o[0] = f[0]; o[1] = f[1]; }}")
-    program.uniforms.set(f=np.array([0.1, 1 + 2.0**-25]))
-    assert results(gpu, program, 2).tolist() == [np.float32(0.1), 1.0]
-
-
-UNFIT = {"square": (np.eye(2), np.zeros(9)), "pair": [(1, 2, 3)], "list": [1.0], "whole": [1.5], "scalar": ["1"]}
-
-
-@pytest.mark.parametrize(("name", "value"), [(name, value) for name, values in UNFIT.items() for value in values])
-def test_values_that_do_not_fit_are_refused(gpu, shaders, name, value):
-    program = compute(
-        gpu,
-        shaders,
-        f"{HEAD}{UNIFORMS}void main() {{ o[0] = square[1][1] + pair.x + list[1] + float(whole) + scalar; }}",
-    )
-    with pytest.raises(ShaderError, match=rf"test\.comp: uniform '{name}' cannot take "):
-        program.uniforms.set(**{name: value})
+def test_values_that_do_not_fit_are_refused(gpu, shaders):
+    used = "o[0] = square[1][1] + pair.x + list[1] + float(whole) + scalar;"
+    program = compute(gpu, shaders, f"{HEAD}{UNIFORMS}void main() {{ {used} }}")
+    unfit = {"square": (np.eye(2), np.zeros(9)), "pair": [(1, 2, 3)], "list": [1.0], "whole": [1.5], "scalar": ["1"]}
+    for name, values in unfit.items():
+        for value in values:
+            with pytest.raises(ShaderError, match=rf"test\.comp: uniform '{name}' cannot take "):
+                program.uniforms.set(**{name: value})
 
 
 def read_only(values: list[float]) -> np.ndarray:
@@ -353,15 +281,10 @@ def test_every_pixel_is_visited_once(gpu, shaders, group, size):
 
 
 def test_rows_an_invocation_does_need_fewer_groups(gpu, shaders):
-    program = compute(gpu, shaders, "#define ROWS 4\nlayout(local_size_x = 8, local_size_y = 8) in;\nvoid main() {}")
-    assert program.groups(64, 64) == (8, 2)
-    assert program.groups(65, 65) == (9, 3)
-    assert (
-        compute(
-            gpu, shaders, "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8) in;\nvoid main() {}", ROWS=2
-        ).rows
-        == 2
-    )
+    text = "#ifndef ROWS\n#define ROWS 4\n#endif\nlayout(local_size_x = 8, local_size_y = 8) in;\nvoid main() {}"
+    program = compute(gpu, shaders, text)
+    assert program.groups(64, 64) == (8, 2) and program.groups(65, 65) == (9, 3)
+    assert compute(gpu, shaders, text, ROWS=2).rows == 2
 
 
 def test_more_groups_than_the_gpu_takes_are_refused(gpu, shaders):
@@ -394,24 +317,70 @@ def test_the_library_compiles_each_combination_once(gpu, shaders):
     assert len(library) == 5
 
 
-def test_a_failed_shader_is_not_cached(gpu, shaders):
-    library = ShaderLibrary(gpu.gl)
-    (shaders / "a.comp").write_text("broken", encoding="utf-8")
-    for _ in range(2):
-        with pytest.raises(ShaderError):
-            library.compute("a.comp")
-    assert len(library) == 0
-    (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
-    assert isinstance(library.compute("a.comp").program, moderngl.ComputeShader)
+# --- includes: each file once, and every line remembers where it came from ------------------------
 
 
-def test_what_was_released_is_forgotten_and_what_was_lost_is_released(gpu):
-    for _ in range(3):
-        gpu.gl.buffer(reserve=64).release()
-    lost = gpu.gl.buffer(reserve=64)
-    kept = gpu.gl.buffer(b"kept")
-    del lost
-    assert len(gpu.gl.objects) >= 4
-    gpu.forget_released()
-    assert len(gpu.gl.objects) == 0 and kept.read() == b"kept"
-    kept.release()
+def tree(root: Path, **files: str) -> Path:
+    """Files by name, __ for / and the first _ for the dot: a__b_glsl is a/b.glsl."""
+    for name, text in files.items():
+        path = root / name.replace("__", "/").replace("_", ".", 1)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return root
+
+
+def test_nested_includes_come_in_place_and_once(tmp_path):
+    root = tree(
+        tmp_path,
+        main_comp='// main\n#include "lib/a.glsl"\n#include "lib/b.glsl"\nvoid main() {}\n',
+        lib__a_glsl='int a1;\n#include "lib/c.glsl"\nint a2;\n',
+        lib__b_glsl='#include "lib/c.glsl"\nint b1;\n#include "lib/a.glsl"\n',
+        lib__c_glsl="int c1;\n",
+    )
+    flat = flatten("main.comp", root=root)
+    assert flat.lines == [VERSION, "// main", "int a1;", "int c1;", "int a2;", "int b1;", "void main() {}"]
+    assert flat.origins[1:] == [
+        ("main.comp", 1), ("lib/a.glsl", 1), ("lib/c.glsl", 1), ("lib/a.glsl", 3), ("lib/b.glsl", 2), ("main.comp", 4),
+    ]  # fmt: skip
+    assert flat.text == "\n".join(flat.lines) + "\n"
+
+
+def test_defines_come_first_and_the_version_before_them(tmp_path):
+    root = tree(tmp_path, main_comp="#version 460\nint m;\n")
+    flat = flatten("main.comp", {"PASS": 2, "COLOUR": 1}, root=root)
+    assert flat.lines == [VERSION, "#define PASS 2", "#define COLOUR 1", "int m;"]
+    assert flat.origins[-1] == ("main.comp", 2), "the file's own #version is dropped, its line numbers are kept"
+
+
+def test_a_missing_include_names_the_line_that_wanted_it(tmp_path):
+    root = tree(tmp_path, main_comp='int m;\n#include "lib/a.glsl"\n', lib__a_glsl='\n\n#include "lib/gone.glsl"\n')
+    with pytest.raises(
+        ShaderError, match=r"shader file 'lib/gone\.glsl' included by lib/a\.glsl:3: No such file"
+    ) as caught:
+        flatten("main.comp", root=root)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(ShaderError, match=r"'other\.comp' included by the program"):
+        flatten("other.comp", root=root)
+
+
+def test_messages_of_several_compilers_are_translated(tmp_path):
+    root = tree(tmp_path, main_comp='int m;\n#include "a.glsl"\nint n;\n', a_glsl="int a;\nint b;\n")
+    flat = flatten("main.comp", root=root)  # lines: version, m, a, b, n
+    for message, wanted in [
+        ("0:4(14): error: `foo' undeclared", "a.glsl:2(14): error: `foo' undeclared"),  # Mesa
+        (
+            '0(5) : error C1503: undefined variable "foo"',
+            'main.comp:3: error C1503: undefined variable "foo"',
+        ),  # NVIDIA
+        (
+            "ERROR: 0:2: 'foo' : undeclared identifier",
+            "ERROR: main.comp:1: 'foo' : undeclared identifier",
+        ),  # Apple, Intel, ANGLE
+        ("0:3(1): error\n0:5(2): error", "a.glsl:1(1): error\nmain.comp:3(2): error"),
+        ("0:99(1): error", "0:99(1): error"),  # beyond the text: left alone
+        ("error: linking failed", "error: linking failed"),
+        ("10:4 and 20(4)", "10:4 and 20(4)"),  # not a position in string 0
+        ("0(3) : error C7011: implicit cast from 0(4) to 0:4", "a.glsl:1: error C7011: implicit cast from 0(4) to 0:4"),
+        ("(0) : error C5145: must write to gl_Position", "(0) : error C5145: must write to gl_Position"),
+    ]:
+        assert flat.translate(message) == wanted

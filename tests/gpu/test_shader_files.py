@@ -1,12 +1,10 @@
-"""The shaders that are shipped.
-
-Each compiles as the program uses it, each side of each #if is used, each says what it is.
-"""
+"""The shaders that are shipped: each compiles as used, each side of each #if is taken."""
 
 from __future__ import annotations
 
 import re
 from contextlib import suppress
+from dataclasses import dataclass, field
 from itertools import combinations, product
 
 import attrs
@@ -40,8 +38,6 @@ from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
 
-from .preprocessor import Sides, value_of, walk
-
 ROOT = folder("shaders")
 FILES = sorted(p.relative_to(ROOT).as_posix() for p in ROOT.rglob("*.*"))
 STAGES = [name for name in FILES if not name.endswith(".glsl")]
@@ -63,10 +59,8 @@ class Recorder(ShaderLibrary):
 
 @pytest.fixture(scope="module")
 def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
-    """(file, defines) of everything the program compiles.
-
-    Every registered pass, the server with and without colour, the copy.
-    """
+    """(file, defines) of everything the program compiles. Every registered pass, the server with
+    and without colour, the copy."""
     before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
@@ -160,10 +154,8 @@ def _give_arrays_out(gpu: Gpu) -> None:
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
-    """As the plan may ask for it.
-
-    For the shown view with and without its depth, through each lens, with and without scan-out.
-    """
+    """As the plan may ask for it. For the shown view with and without its depth, through each lens,
+    with and without scan-out."""
     choice = parse_warp(spec)
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
@@ -193,9 +185,7 @@ def _present(gpu: Gpu) -> None:
 
 def _draw_every_content(gpu: Gpu) -> None:
     """Every scene that has more than plain surfaces, whole and in layers; mirrors in both ways.
-
-    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent.
-    """
+    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent."""
     drawn = {layer.name: layer.something for layer in layers if layer.drawn_by and layer.name != "scene_update"}
     everything = Needs(**{**drawn, "difference": frozenset({Simplified(share=1.0)})})
     for source in scenes:
@@ -270,10 +260,8 @@ def test_every_define_the_program_sets_is_read(variants):
 
 @together("name", FILES)
 def test_every_file_says_what_it_is(name):
-    """Three lines or more at the top: what it computes.
-
-    For a stage, spaces in and out and where the method is from.
-    """
+    """Three lines or more at the top: what it computes. For a stage, spaces in and out and where
+    the method is from."""
     text = (ROOT / name).read_text(encoding="utf-8")
     header = re.match(r"(//.*\n)+", text)
     assert header, "no comment at the top"
@@ -319,14 +307,6 @@ def read_though_writeonly(text: str) -> list[str]:
     ]
 
 
-def test_reading_what_is_writeonly_is_noticed():
-    block = "layout(std430) writeonly buffer B { uint a[3]; uint b; };\nvoid main() {\n    "
-    assert read_though_writeonly(block + "a[0] = b = 0u;\n}") == ["b"]
-    assert read_though_writeonly(block + "uint c = a[1];\n}") == ["a"]
-    assert read_though_writeonly(block + "atomicAdd(b, 1u);\n}") == ["b"]
-    assert not read_though_writeonly(block + "a[b0[1]] = 0u; // b\n    if (x) b = 1u;\n    else b = 2u;\n}")
-
-
 ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
 
 
@@ -334,11 +314,6 @@ ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
 def test_there_is_no_array_of_bool(name):
     """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
     assert not ARRAY_OF_BOOL.search(re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8")))
-
-
-def test_an_array_of_bool_is_noticed():
-    assert ARRAY_OF_BOOL.search("    bool before[25];") and ARRAY_OF_BOOL.search("bool[2] both = bool[](a, b);")
-    assert not ARRAY_OF_BOOL.search("bool is_full = any[0] > 0.0;")
 
 
 # --- the reader of this test --------------------------------------------------------------------
@@ -368,9 +343,72 @@ def test_the_reader_notices_sides_that_nobody_takes():
     assert sides_of(nested, {}, {"B": 1}) == {"1: #ifdef A", "2: #ifdef B", "3: #else"}
 
 
-def test_the_reader_evaluates_as_c_does():
-    assert value_of("defined(A) && !defined B", {"A": "1"})
-    assert not value_of("UNKNOWN", {})
-    assert value_of("A + 1 == B || 0", {"A": "2", "B": "(A + 1)"})
-    with pytest.raises(ValueError, match="does not know"):
-        value_of("A ? 1 : 0", {})
+# --- just enough of GLSL's preprocessor to tell which side of each #if is taken -------------------
+
+
+_DIRECTIVE = re.compile(r"^\s*#\s*(if|ifdef|ifndef|elif|else|endif|define|undef)\b\s*(.*?)\s*(?://.*)?$")
+_NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+@dataclass
+class Sides:
+    """Lines (as flattened) of conditionals: the sides there are, and those a variant takes. A
+    missing #else is a side too."""
+
+    known: set[tuple[object, str]] = field(default_factory=set)
+    taken: set[tuple[object, str]] = field(default_factory=set)
+
+
+def value_of(expression: str, defines: dict[str, str]) -> bool:
+    """An #if expression of integers, names, defined(), comparisons and && || !.
+
+    Unknown names are 0, as in C.
+    """
+    text = re.sub(
+        r"defined\s*\(\s*(\w+)\s*\)|defined\s+(\w+)", lambda m: str(int((m[1] or m[2]) in defines)), expression
+    )
+    for _ in range(8):  # defines made of defines
+        text = _NAME.sub(lambda m: f"({defines[m[0]]})" if m[0] in defines else "0", text)
+    text = re.sub(r"!(?!=)", " not ", text.replace("&&", " and ").replace("||", " or "))
+    if not re.fullmatch(r"[\d\s()<>=!+\-*/%andort]*", text):
+        raise ValueError(f"this reader does not know '#if {expression}'")
+    return bool(eval(text))  # noqa: S307 - digits and operators only
+
+
+def opens(word: str, rest: str, defines: dict[str, str]) -> bool:
+    """Whether `#word rest` opens its side."""
+    return value_of(rest, defines) if word == "if" else (rest in defines) == (word == "ifdef")
+
+
+def walk(lines: list[str], origins: list[object], sides: Sides) -> dict[str, str]:
+    """Add to `sides` what this text has and takes; returns the names defined at its end."""
+    defines: dict[str, str] = {}
+    stack: list[list] = []  # [origin of the #if, is live outside, has taken a side, is live, has #else]
+    for line, origin in zip(lines, origins, strict=True):
+        match = _DIRECTIVE.match(line)
+        if not match:
+            continue
+        word, rest = match.groups()
+        live = all(level[3] for level in stack)
+        if word in ("if", "ifdef", "ifndef"):
+            truth = live and opens(word, rest, defines)
+            stack.append([origin, live, truth, truth, False])
+            sides.known.add((origin, f"#{word} {rest}"))
+            sides.taken |= {(origin, f"#{word} {rest}")} if truth else set()
+        elif word in ("elif", "else"):
+            start, outside, had, _, _ = stack[-1]
+            truth = outside and not had and (word == "else" or value_of(rest, defines))
+            stack[-1] = [start, outside, had or truth, truth, word == "else"]
+            sides.known.add((origin, f"#{word} {rest}".strip()))
+            sides.taken |= {(origin, f"#{word} {rest}".strip())} if truth else set()
+        elif word == "endif":
+            start, outside, had, _, has_else = stack.pop()
+            if not has_else:
+                sides.known.add((start, "none of its sides"))
+                sides.taken |= {(start, "none of its sides")} if outside and not had else set()
+        elif live and word == "define":
+            name = _NAME.match(rest)[0]
+            defines[name] = rest[len(name) :].strip() or "1"
+        elif live:
+            defines.pop(rest, None)
+    return defines

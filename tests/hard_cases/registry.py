@@ -1,7 +1,5 @@
-"""The hard cases.
-
-Each one function, whose docstring says what it is, why it is hard and what must come out.
-"""
+"""The hard cases. Each one function, whose docstring says what it is, why it is hard and what must
+come out."""
 
 from __future__ import annotations
 

@@ -1,6 +1,5 @@
 """One rendered picture and one shown view, given as arrays, run through a warp and through its
-float64 twin.
-"""
+float64 twin."""
 
 from __future__ import annotations
 
@@ -10,7 +9,7 @@ from collections.abc import Iterator
 import attrs
 import numpy as np
 from reference.picture import GPU_SAMPLER_PIXELS
-from worlds import World
+from worlds import World, has_twin
 
 from hmdwarp.client import parse_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
@@ -28,18 +27,14 @@ def reads(name: str) -> tuple[str, ...]:
 
 
 def reads_depth(name: str) -> bool:
-    """Whether the warp moves things by their depth.
-
-    The others (none, rotation, environment) see no parallax at all.
-    """
+    """Whether the warp moves things by their depth. The others (none, rotation, environment) see no
+    parallax at all."""
     return any(part.endswith(("inverse_depth", "layers", "others")) for part in reads(name))
 
 
 def is_warped_by_the_frame_alone(name: str) -> bool:
     """Whether what it shows comes from the rendered picture: `environment` has pictures of its own.
-
-    With settings or without.
-    """
+    With settings or without."""
     return "rendered.colour" in parse_warp(name).entry.reads
 
 
@@ -50,10 +45,8 @@ def brings_more_pictures(name: str) -> bool:
 
 @attrs.frozen(eq=False)
 class Picture:
-    """colour (h, w, 4) with coverage in alpha, bottom row first; decided.
-
-    Where rounding may not choose otherwise; maker: "shader" or "twin".
-    """
+    """colour (h, w, 4) with coverage in alpha, bottom row first; decided. Where rounding may not
+    choose otherwise; maker: "shader" or "twin"."""
 
     maker: str
     colour: np.ndarray
@@ -66,10 +59,8 @@ class Picture:
 
 @functools.cache  # each warp has the same cases
 def landed(depths: bytes, size: Size, h: bytes, e: bytes, shown_size: Size, per_pixel: int = 8) -> np.ndarray:
-    """The nearest of what lands in each shown pixel, -1 where nothing does.
-
-    Each rendered pixel is a small square of points. depths, h, e: arrays of float64 as bytes.
-    """
+    """The nearest of what lands in each shown pixel, -1 where nothing does. Each rendered pixel is
+    a small square of points. depths, h, e: arrays of float64 as bytes."""
     out, inverse_depth = np.full(shown_size[::-1], -1.0), np.frombuffer(depths).reshape(size[::-1])
     forward = WarpMap(np.frombuffer(h).reshape(3, 3), np.frombuffer(e))
     usable = np.isfinite(inverse_depth) & (inverse_depth >= 0)
@@ -131,8 +122,13 @@ class Setting(World):
         self.colour = np.concatenate([noise * covered, covered], axis=2).astype(np.float16).astype(np.float64)
 
     def pictures(self, name: str) -> Iterator[Picture]:
-        """The shader's picture and the twin's, after the checks that hold in every case."""
+        """The shader's picture and the twin's, if the warp has one, after the checks that hold in
+        every case."""
         shader = Picture("shader", self.warp(self.gpu, name), np.ones(self.shown_size[::-1], bool))
+        if not has_twin(name):
+            self._check(shader, name)
+            yield shader
+            return
         wanted = self.reference(name)
         twin = Picture("twin", wanted.colour, ~wanted.undecided)
         for picture in (shader, twin):
@@ -150,10 +146,8 @@ class Setting(World):
         yield twin
 
     def _check(self, picture: Picture, name: str) -> None:
-        """Finite; coverage 0 or 1; nothing where there is no coverage.
-
-        No colour brighter or darker than all that went in.
-        """
+        """Finite; coverage 0 or 1; nothing where there is no coverage. No colour brighter or darker
+        than all that went in."""
         colour = picture.colour[picture.decided]
         assert np.isfinite(colour).all(), f"the {picture.maker} makes NaN or Inf"
         assert set(np.unique(colour[..., 3])) <= {0.0, 1.0}

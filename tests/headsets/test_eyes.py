@@ -1,4 +1,4 @@
-"""Eyes as they are: canted, unequal, set to any pupil distance, with a hidden area."""
+"""Eyes as they are: canted, unequal, with a hidden area; and pictures that are drawn for them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ import re
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given
+from client.test_multi import WALL, scene_of, square
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from replays import run
 from strategies import poses
+from worlds import read
 
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, guarded_eyes
 from hmdwarp.headsets import Headset, HeadsetEye, headset_names, load_headset
 from hmdwarp.run import needed_factors
+from hmdwarp.sources.server import Server
 
 from .bad_files import refusal
 
@@ -73,14 +78,6 @@ def test_left_and_right_exchanged_give_the_mirrored_views(headset, head):
     assert other.cants_deg == pytest.approx(headset.cants_deg[::-1])
     assert (other.across_deg, other.overlap_deg) == pytest.approx((headset.across_deg, headset.overlap_deg), abs=0.02)
     assert other.ipd_m == pytest.approx(headset.ipd_m)
-
-
-@given(HEADSETS)
-def test_mirrored_twice_is_the_same_eye(headset):
-    for eye in headset.eyes:
-        again = eye.mirrored().mirrored()
-        assert again.head_from_eye.isclose(eye.head_from_eye, 1e-15)
-        assert (again.fov, again.hidden, again.lens) == (eye.fov, eye.hidden, eye.lens)
 
 
 @given(HEADSETS, st.floats(-12, 12), st.floats(-12, 12))
@@ -190,3 +187,63 @@ def test_a_bad_eye_is_one_line(tmp_path, found, put, says):
     if "right = " in put:
         text = text.replace('right = "same"\n', "").replace("ipd_m = 0.06\n", 'ipd_m = 0.06\nright = "same"\n')
     assert text != CANTED and re.search(says, refusal(tmp_path, text))
+
+
+# --- what is drawn, warped and guarded for them ---------------------------------------------------
+
+
+SIZE = (67, 53)
+UNLIKE = ("index", "pimax-8k", "beyond-2e")
+ANY = st.one_of(st.sampled_from(UNLIKE).map(load_headset), MADE_UP)
+
+
+@given(ANY)
+@settings(max_examples=8)
+def test_left_and_right_exchanged_give_the_mirrored_picture(gpu, headset):
+    other = attrs.evolve(headset, eyes=tuple(eye.mirrored() for eye in headset.eyes[::-1]))
+    pictures = []
+    for side, eyes in ((1, headset), (-1, other)):
+        far, near = square(2.0, (side * 0.7, 0.3), 0.5, 0.5), square(1.5, (side * -0.2, -0.4), 0.3, 0.9)
+        server = Server(gpu, scene_of(far, near, WALL))
+        pictures.append([read(server.draw(view, SIZE).colour) for view in eyes.views(Pose((side * 0.1, 0, 0)))])
+        server.close()
+    for eye in (0, 1):
+        found, wanted = pictures[0][eye], pictures[1][1 - eye][:, ::-1]
+        # A pixel centre within rounding of an edge may fall to either side of it.
+        assert (np.abs(found - wanted).max(axis=-1) > 2e-3).mean() < 0.002
+        assert np.ptp(found[..., 0]) > 0.1
+
+
+@pytest.mark.parametrize("warp", ["rotation", "iterative", "forward"])
+@given(headset=MADE_UP)
+@settings(max_examples=4)
+def test_an_unmoved_head_sees_what_was_drawn_whatever_the_eyes(gpu, warp, headset):
+    server = Server(gpu, scene_of(square(1.5, (0.1, -0.2), 0.4, 0.6), WALL))
+    client = Compensator(gpu, build_plan((), warp, "none", "none", client_geometry=True), None, SIZE, SIZE, hides=True)
+    for view in headset.views(Pose((0.1, 0, 0))):
+        rendered = server.draw(view, SIZE)
+        shown = read(client.run(PassInputs(rendered, view)).shown.texture)
+        seen = view.hidden.seen(view.fov, SIZE)
+        assert np.array_equal(shown[seen], read(rendered.colour)[seen]) and 0.3 < seen.mean() < 1
+    client.close()
+    server.close()
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("warp", ["rotation", "forward", "iterative", "mesh", "multi"])
+def test_a_frame_without_latency_is_shown_as_it_is(gpu, tmp_path, name, warp):
+    made = run(tmp_path, gpu=gpu, headset=name, warp=warp, latency_ms=0, size=SIZE, seconds=0.05)
+    quality = made.summary["quality"]
+    assert (quality["psnr_db"]["mean"], quality["hole_share"]["mean"]) == (100, 0)  # 100: equal
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_a_wide_guard_leaves_no_border(gpu, tmp_path, name):
+    common = {
+        "headset": name, "trace": "fast-turns", "start_s": 2.0, "warp": "rotation", "latency_ms": 30, "size": SIZE,
+    }  # fmt: skip
+    border = [
+        run(tmp_path / str(guard), gpu=gpu, **common, guard=guard).summary["quality"]["border_share"]["mean"]
+        for guard in (1.0, 2.0)
+    ]
+    assert border[0] > 0 == border[1]

@@ -87,20 +87,6 @@ def test_pixels_without_colour_gain_none(repair):
     assert (gap.coverage == 0).all() and (gap.colour == 0).all()
 
 
-def test_float_pictures_are_guided_by_what_the_eye_sees():
-    """The same picture as bytes, as sRGB floats and as linear light: the same guesses."""
-    from hmdwarp.colour import linear_from_srgb
-
-    colour, depth = camera_picture()
-    pictures = {None: colour, "srgb": (colour / 255).astype(np.float32), "linear": linear_from_srgb(colour)}
-    covers = [
-        warp_image(one, depth, VIEW, BESIDE, encoding=encoding, repair="complete").coverage
-        for encoding, one in pictures.items()
-    ]
-    # sRGB to linear light and back is within 1e-6, and the weight's exponent within 1e-4 of itself.
-    assert all(np.abs(cover - covers[0]).max() < 1e-3 for cover in covers)
-
-
 def test_a_warper_repairs_each_picture_and_the_others():
     colour, depth = camera_picture()
     with Warper(SIZE, warp="multi", fill="none", repair="edges+complete") as warper:

@@ -118,24 +118,6 @@ def test_an_error_does_not_hide_the_frames_before_it(gpu):
             next(coming)
 
 
-def test_warnings_come_once_and_where_the_result_is_asked_for(gpu):
-    frame = frames(1)[0] | {"depth_m": np.full((50, 70), 2000.0)}
-    with Warper(SIZE, gpu=gpu) as warper, pytest.warns(UserWarning, match="millimetres") as caught:
-        for one in [warper.submit(**frame) for _ in range(3)]:
-            frame["depth_m"][:] = 1
-            one.result()
-    assert len(caught) == 1 and caught[0].filename == __file__
-
-
-def test_times_are_what_the_two_calls_took(gpu):
-    with Warper(SIZE, fill="memory+pyramid", gpu=gpu) as warper:
-        first, second = (warper.submit(**frame) for frame in frames(2))
-        times = first.result().time_ms
-        assert {"upload", "wait", "download", "host"} <= set(times) and min(times.values()) >= 0
-        assert set(warper.warp(**frames(1)[0]).time_ms) >= {"warp", "fill memory", "fill pyramid"}
-        assert second.result().time_ms["download"] > 0
-
-
 def test_what_is_pending_when_the_warper_is_closed_says_so(gpu):
     with Warper(SIZE, gpu=gpu) as warper:
         done, dropped = (warper.submit(**frame) for frame in frames(2))

@@ -1,9 +1,8 @@
-"""From the texts of the command line to a network, and what is said about texts that cannot be
-meant.
-"""
+"""From the texts of the command line to a network: delays, loss, and what is refused."""
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import attrs
@@ -13,35 +12,49 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import Bandwidth, GilbertElliott, LinkOptions, ResponseTime, TransitStats, response_figures
+from hmdwarp.link import (
+    Bandwidth,
+    GilbertElliott,
+    LinkOptions,
+    ResponseTime,
+    StageTimes,
+    TransitStats,
+    delay_models,
+    response_figures,
+)
 from hmdwarp.link.delays.models import ConstantDelay, NormalJitter, UniformJitter
+from hmdwarp.link.delays.trace import DelayTrace, read_delays
 
 MS = 1_000_000
-
-
-def test_default_options_delay_by_the_latency_alone():
-    options = LinkOptions.of({})
-    assert options == LinkOptions() == LinkOptions.of({"jitter": "constant", "loss": "none"})
-    assert options.is_plain
-    assert options.longest_ns(7) == options.typical_ns(7) == 7
 
 
 def test_each_text_says_what_it_should(tmp_path):
     trace = tmp_path / "delays.csv"
     trace.write_text("5\n7\n")
-    assert LinkOptions.of({"jitter": "uniform:20"}).delay == UniformJitter(20)
-    assert LinkOptions.of({"jitter": " normal : 1.5 "}).delay == NormalJitter(1.5)
-    assert LinkOptions.of({"jitter": ""}).delay == ConstantDelay()
+    said = [
+        ({"jitter": "uniform:20"}, {"delay": UniformJitter(20)}),
+        ({"jitter": " normal : 1.5 "}, {"delay": NormalJitter(1.5)}),
+        ({"jitter": ""}, {"delay": ConstantDelay()}),
+        ({"loss": "0.25"}, {"loss": GilbertElliott(0, 1, good=0.25)}),
+        ({"bandwidth": "50"}, {"bandwidth": Bandwidth(50, 250)}),
+        ({"bandwidth": "2.5", "queue": 100.0}, {"bandwidth": Bandwidth(2.5, 100)}),
+        ({"response": "fixed"}, {"response": None}),
+        ({"response": "sum"}, {"response": StageTimes(None, None, None)}),
+        ({"response": " sum : decode = measured , render=8"}, {"response": StageTimes(8.0, 0.0, None)}),
+        ({"response": "sum:render=8,encode=5,decode=4"}, {"response": StageTimes(8.0, 5.0, 4.0)}),
+    ]
+    for texts, fields in said:
+        options = LinkOptions.of(texts)
+        assert {name: getattr(options, name) for name in fields} == fields
+        assert options.is_plain == (options == LinkOptions()), texts
+    assert options.longest_ns(7) == options.typical_ns(7) == 17_000_007
+    plain = LinkOptions.of({"jitter": "constant", "loss": "none", "link_seed": 5})
+    assert plain.is_plain and plain.longest_ns(7) == plain.typical_ns(7) == 7
     assert LinkOptions.of({"delay_trace": trace}).delay.delays_ms == (5, 7)
     assert next(LinkOptions.of({"loss": "1"}).loss.samples(np.random.default_rng(0))), "the first frame too"
-    assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0, 1, good=0.25)
-    assert LinkOptions.of({"bandwidth": "50"}).bandwidth == Bandwidth(50, 250)
-    assert LinkOptions.of({"bandwidth": "2.5", "queue": 100.0}).bandwidth == Bandwidth(2.5, 100)
-    assert not any(
-        LinkOptions.of({name: text}).is_plain
-        for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
-    )
-    assert LinkOptions.of({"link_seed": 5}).is_plain
+
+
+RESPONSE = "expected fixed, sum, or sum:render=8"
 
 
 @pytest.mark.parametrize(
@@ -66,6 +79,11 @@ def test_each_text_says_what_it_should(tmp_path):
         ({"bandwidth": "50", "queue": math.nan}, "--queue nan ms: expected"),
         ({"queue": 100.0}, "--queue 100 ms without --bandwidth: expected"), ({"link_seed": -1}, "seed -1"),
         ({"jitter": "normal:5", "delay_trace": "delays.csv"}, "leave one of them out"),
+        ({"overload": "less"}, "overload 'less': expected drop or resolution"),
+        ({"server_rate": 0.0}, "server-rate 0 Hz: expected"),
+        *(({"response": text}, RESPONSE) for text in ("summ", "sum:", "fixed:3", "sum:render", "sum:render=x")),
+        *(({"response": text}, RESPONSE) for text in ("sum:warp=3", "sum:render=1,render=2")),
+        *(({"response": f"sum:render={text}"}, ": expected 0 to 60000 ms") for text in ("-1", "nan", "1e9")),
     ],
 )  # fmt: skip
 def test_texts_that_cannot_be_meant(given, message):
@@ -92,15 +110,16 @@ def test_any_text_is_understood_or_refused_with_a_sentence(text, which):
         assert str(error)
 
 
-def test_a_jitter_wider_than_the_latency_is_refused_when_the_latency_is_known():
+def test_a_latency_that_a_network_cannot_have_is_refused():
     with pytest.raises(InputError, match="uniform:20 around a latency of 10 ms would .* before they were sent"):
         LinkOptions.of({"jitter": "uniform:20"}).link(10 * MS)
+    for latency in (-1, -(10**12), math.nan, math.inf, -math.inf):
+        with pytest.raises(InputError, match=r"latency .* ms: expected 0 or more"):
+            LinkOptions().link(latency)
 
 
 def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
-    """What becomes of each frame without a limit of bandwidth does not depend on its size, nor on
-    whether the losses were drawn.
-    """
+    """Without a limit of bandwidth neither sizes of frames nor losses change their delays."""
 
     def delays(options: LinkOptions, size: int) -> dict[int, int]:
         link, out = options.link(100 * MS), {}
@@ -111,29 +130,122 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
         return out
 
     options = LinkOptions.of({"jitter": "normal:30", "loss": "0.14", "loss_burst": 3.3})
-    assert delays(options, 0) == delays(options, 10**6)
-    assert delays(options, 0) != delays(attrs.evolve(options, seed=1), 0)
-    lossless = delays(attrs.evolve(options, loss=None), 0)
-    both = delays(options, 0).keys() & lossless.keys()
-    assert len(both) > 50
-    assert all(delays(options, 0)[number] == lossless[number] for number in both)
+    found, lossless = delays(options, 0), delays(attrs.evolve(options, loss=None), 0)
+    assert found == delays(options, 10**6) != delays(attrs.evolve(options, seed=1), 0)
+    both = found.keys() & lossless.keys()
+    assert len(both) > 50 and all(found[number] == lossless[number] for number in both)
 
 
 def test_a_response_time_is_the_sum_of_its_parts():
+    """Work at both ends is measured; the rest of the way is the link's, each part once."""
     transit = TransitStats(3, 100, 5000, queue_ns=2 * MS, transfer_ns=3 * MS, delay_ns=40 * MS, hold_ns=5 * MS)
-    time = ResponseTime.of(transit, render_ms=6, encode_ms=4, decode_ms=2, warp_ms=1.5)
     work = {"render_ms": 6, "encode_ms": 4, "decode_ms": 2, "warp_ms": 1.5}
+    time = ResponseTime.of(transit, **work)
     assert time.parts() == {**work, "queue_ms": 7, "transfer_ms": 3, "round_trip_ms": 40}
-    assert time.total_ms == 63.5
-    # All that the link adds is in it.
-    assert time.queue_ms + time.transfer_ms + time.round_trip_ms == pytest.approx(
-        (transit.ready_ns - transit.sent_ns) / 1e6
-    )
+    assert time.total_ms == 63.5 == 13.5 + (transit.ready_ns - transit.sent_ns) / 1e6
 
 
-def test_means_of_the_parts_add_up_to_the_mean_of_the_sums():
-    times = [ResponseTime(render_ms=a, warp_ms=b) for a, b in [(1, 9), (2, 2), (9, 1)]]
+def test_figures_are_means_of_the_parts_and_ends_of_the_sums():
+    times = [ResponseTime(render_ms=1.0, warp_ms=float(number)) for number in range(101)]
     found = response_figures(times)
-    assert (found["render_ms"], found["warp_ms"], found["total_ms"]) == (4, 4, 8)
-    assert found["median_ms"] == 10 and found["p95_ms"] == 10  # of 10, 4 and 10
+    assert {name: found[f"{name}_ms"] for name in ("render", "warp", "total", "median", "p95")} == pytest.approx(
+        {"render": 1.0, "warp": 50.0, "total": 51.0, "median": 51.0, "p95": 96.0}
+    )
     assert response_figures([]) is None
+
+
+MANY = 20_000
+
+
+def drawn(model, latency_ns: int, count: int = MANY, seed: int = 1) -> np.ndarray:
+    return np.array(list(itertools.islice(model.samples(latency_ns, np.random.default_rng(seed)), count)))
+
+
+def example(name: str, folder):
+    (folder / "delays.csv").write_text("12\n90\n3.5\n")
+    arguments = {"constant": "", "trace": str(folder / "delays.csv")}
+    return delay_models.get(name).parse(arguments.get(name, "15"))
+
+
+@pytest.mark.parametrize("name", delay_models.names())
+@pytest.mark.parametrize("latency_ms", [15, 200])
+def test_every_model(name, latency_ms, tmp_path):
+    """Bounds hold, the mean is the stated one, the seed decides. The mean of n samples that spread
+    by s is within 5 s/sqrt(n) of it."""
+    model = example(name, tmp_path)
+    model.check(latency_ms * MS)
+    delays = drawn(model, latency_ms * MS)
+    assert 0 <= delays.min() <= delays.max() <= model.longest_ns(latency_ms * MS)
+    count = len(delays) // 3 * 3 if name == "trace" else len(delays)  # whole rounds of the file
+    assert abs(delays[:count].mean() - model.typical_ns(latency_ms * MS)) <= 5 * delays.std() / math.sqrt(count) + 1
+    assert isinstance(next(model.samples(latency_ms * MS, np.random.default_rng(1))), int)
+    assert (drawn(model, latency_ms * MS, 100) == delays[:100]).all()
+    if name in ("uniform", "normal"):
+        assert (drawn(model, latency_ms * MS, 100, seed=2) != delays[:100]).any()
+
+
+def test_a_trace_is_read_with_its_comments_and_heading_and_loops(tmp_path):
+    path = tmp_path / "delays.csv"
+    path.write_bytes("\ufeff# measured on a Sunday\r\ndelay_ms\r\n\r\n12.5\r\n  40 # a burst\r\n1e1\r\n".encode())
+    assert read_delays(path) == [12.5, 40.0, 10.0]
+    model = delay_models.get("trace").parse(str(path))
+    assert drawn(model, 999 * MS, 7).tolist() == [int(ms * MS) for ms in (12.5, 40, 10, 12.5, 40, 10, 12.5)]
+    assert (model.longest_ns(0), model.typical_ns(0)) == (40 * MS, 20_833_333)
+
+
+def lost(model: GilbertElliott, count: int = 50_000) -> np.ndarray:
+    return np.array(list(itertools.islice(model.samples(np.random.default_rng(3)), count)))
+
+
+def test_jitter_has_the_shape_that_it_is_named_for():
+    """Counts and deviations of n samples are within 5 of their own standard deviations."""
+    even, _ = np.histogram(drawn(UniformJitter(20), 200 * MS), bins=10, range=(180 * MS, 220 * MS))
+    assert even.sum() == MANY and np.abs(even - MANY / 10).max() < 5 * math.sqrt(MANY / 10)
+    delays = (drawn(NormalJitter(15), 200 * MS) / MS - 200) / 15
+    assert abs(delays.std() - 1) < 5 / math.sqrt(2 * MANY)
+    assert abs((np.abs(delays) < 1).mean() - 0.6827) < 5 * math.sqrt(0.6827 * 0.3173 / MANY)
+    truncated = drawn(NormalJitter(30), 10 * MS)
+    assert truncated.min() >= 0 and (truncated == 0).mean() < 1e-3, "none gathers at zero"
+    for model, latency_ns in ((UniformJitter(0), 200 * MS), (NormalJitter(0), 200 * MS), (NormalJitter(0), 0)):
+        assert set(drawn(model, latency_ns, 50).tolist()) == {latency_ns}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("1\n2\n-3\n", "line 3: '-3'"), ("ms\n1\nnan\n", "line 3: 'nan'"), ("nan\n", "line 1: 'nan'"),
+        ("1\ninf\n", "line 2: 'inf'"), ("1\n2,3\n", "line 2: '2,3'"), ("ms\nms\n1\n", "line 2: 'ms'"),
+        ("1\n60001\n", "line 2: '60001'"), ("1\n" + "x" * 100, "line 2: '" + "x" * 37 + "...'"),
+        ("", "holds no delay"), ("# nothing\nms\n", "holds no delay"), (b"\x89PNG\r\n\xff\xfe", "not a text file"),
+        (None, "no such file"),
+    ],
+)  # fmt: skip
+def test_traces_that_cannot_be_meant(text, message, tmp_path):
+    path = tmp_path / "delays.csv"
+    if text is not None:
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError) as caught:
+        DelayTrace.parse(str(path))
+    assert str(path) in str(caught.value) and message in str(caught.value)
+
+
+# By model: the share that is lost, how long a burst lasts, and by how much of it either may be off:
+# five standard deviations, each sqrt(2 / n) of it where 50,000 frames have n bursts.
+LOSSES = [
+    (GilbertElliott(0.07, 0.3), 0.07 / 0.37, 1 / 0.3, 0.14),
+    (GilbertElliott(0.1, 0.1, good=0.05, bad=0.5), 0.275, None, 0.11),
+    (GilbertElliott(0.2, 0.8), 0.2, 1.25, 0.06),  # without memory
+    (GilbertElliott(0, 0), 0, None, 0),
+    (GilbertElliott(0, 1, good=1), 1, None, 0),
+    (GilbertElliott(1, 0), 1, None, 1e-4),  # but for the first
+]
+
+
+@pytest.mark.parametrize(("model", "share", "lasts", "within"), LOSSES, ids=str)
+def test_losses_are_as_many_and_as_long_as_stated(model, share, lasts, within):
+    losses = lost(model)
+    assert model.mean == pytest.approx(share) and losses.mean() == pytest.approx(share, rel=within)
+    if lasts:
+        edges = np.flatnonzero(np.diff(losses.astype(int)))[int(losses[0]) :]
+        assert np.diff(edges)[::2].mean() == pytest.approx(lasts, rel=within)
+    assert (lost(model, 50) == losses[:50]).all(), "the seed decides"

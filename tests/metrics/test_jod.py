@@ -14,6 +14,7 @@ from replays import run
 
 import hmdwarp.headsets
 from hmdwarp.errors import MachineError
+from hmdwarp.experiments.bench import BenchOptions, bench
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Clips, Compared, ShownOn, preferring
 
@@ -27,24 +28,32 @@ def test_one_jod_is_three_of_four_people():
 
 
 @without_cvvdp
-def test_without_the_package_a_run_says_how_to_get_it(tmp_path):
-    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
-        run(tmp_path / "out", jod_s=0.2)
-    assert not (tmp_path / "out").exists()
+def test_without_the_package_a_run_or_a_bench_says_how_to_get_it(tmp_path):
+    bench_options = BenchOptions(recordings=("walk",), jod_s=0.2, out=tmp_path / "bench")
+    for make in (lambda: run(tmp_path / "out", jod_s=0.2), lambda: bench(bench_options)):
+        with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
+            make()
+    assert not [*tmp_path.iterdir()]
 
 
-def test_a_run_that_does_not_ask_for_it_does_not_import_it(tmp_path):
+def test_a_run_imports_it_only_where_asked_to_and_goes_on_after_a_crash(tmp_path, crashing_torch):  # noqa: F811
     there = {name for name in ("pycvvdp", "torch") if name in sys.modules}
-    result = run(tmp_path / "out")
-    assert "jod" not in result.summary
+    assert "jod" not in run(tmp_path / "plain").summary
     assert {name for name in ("pycvvdp", "torch") if name in sys.modules} == there
-
-
-def test_a_crash_while_rating_is_one_line_and_the_run_goes_on(tmp_path, crashing_torch):  # noqa: F811
     result = run(tmp_path / "out", jod_s=0.1, seconds=0.2, against="none")
     assert "jod" not in result.summary and result.summary["jod_failure"] == crashing_torch
     assert result.summary["notes"].count(crashing_torch) == 1
     assert not (tmp_path / "out" / "jod.csv").exists()
+
+
+def rated(shown: list[np.ndarray], truth: np.ndarray, second_s: float, pixels_per_degree: float) -> Clips:
+    """Of several pictures in the place of each true one."""
+    clips = Clips(second_s, ShownOn(60, pixels_per_degree))
+    for which, pictures in enumerate(shown):
+        for number, (picture, right) in enumerate(zip(pictures, truth, strict=True)):
+            clips.add(number, 0, which, Compared(picture, right, VIEW))
+    clips.finish()
+    return clips
 
 
 @with_cvvdp
@@ -52,13 +61,8 @@ def test_a_crash_while_rating_is_one_line_and_the_run_goes_on(tmp_path, crashing
 def test_the_truth_has_ten_and_more_error_has_less():
     rng = np.random.default_rng(0)
     truth = rng.integers(60, 180, (6, 64, 64, 3)).astype(np.uint8)
-    clips = Clips(0.1, ShownOn(60, 8.0))
-    for which, amplitude in enumerate((0, 6, 30)):
-        for number, picture in enumerate(truth):
-            noise = rng.integers(-amplitude, amplitude + 1, picture.shape)
-            shown = (picture + noise).astype(np.uint8)
-            clips.add(number, 0, which, Compared(shown, picture, VIEW))
-    clips.finish()
+    shown = [(truth + rng.integers(-most, most + 1, truth.shape)).astype(np.uint8) for most in (0, 6, 30)]
+    clips = rated(shown, truth, 0.1, 8.0)
     entries = [clips.entry(which, (0,)) for which in range(3)]
     assert entries[0]["mean"] == 10
     assert 10 > entries[1]["mean"] > entries[2]["mean"]
@@ -78,14 +82,8 @@ def test_error_finer_than_people_see_counts_less():
     """
     truth = np.full((4, 64, 64, 3), 120, np.uint8)
     shown = truth + (np.indices((64, 64)).sum(axis=0) % 2 * 6).astype(np.uint8)[None, :, :, None]
-    means = []
-    for pixels_per_degree in (8.0, 60.0):
-        clips = Clips(1, ShownOn(60, pixels_per_degree))
-        for number, (one, right) in enumerate(zip(shown, truth, strict=True)):
-            clips.add(number, 0, 0, Compared(one, right, VIEW))
-        clips.finish()
-        means.append(clips.entry(0)["mean"])
-    assert means[0] < means[1]
+    coarse, fine = (rated([shown], truth, 1, pixels_per_degree).entry(0)["mean"] for pixels_per_degree in (8.0, 60.0))
+    assert coarse < fine
 
 
 @with_cvvdp

@@ -30,23 +30,12 @@ def numbered(pairs):
     return [(*pair, number) for number, pair in enumerate(pairs)]
 
 
-@given(ROWS)
-def test_no_row_beats_one_of_the_front(pairs):
+@given(ROWS, st.lists(st.tuples(st.one_of(st.none(), COST), st.none()), max_size=5))
+def test_no_row_beats_one_of_the_front_and_unmeasured_ones_take_no_part(pairs, blanks):
     """Against the definition itself, every pair compared."""
     rows = numbered(pairs)
-    front = pareto(rows, costs)
-    assert front == [row for row in rows if not any(beats(other[:2], row[:2]) for other in rows)]
-
-
-@given(ROWS, st.lists(st.tuples(st.one_of(st.none(), COST), st.none()), max_size=5))
-def test_unmeasured_rows_take_no_part(pairs, blanks):
-    rows = numbered(pairs)
-    assert pareto([*numbered(blanks), *rows], costs) == pareto(rows, costs)
-
-
-def test_nan_is_refused():
-    with pytest.raises(HmdwarpError, match="not a number"):
-        pareto([(1.0, math.nan)], costs)
+    front = [row for row in rows if not any(beats(other[:2], row[:2]) for other in rows)]
+    assert pareto([*numbered(blanks), *rows], costs) == front
 
 
 def test_costs_of_a_row_of_the_bench():
@@ -58,3 +47,5 @@ def test_costs_of_a_row_of_the_bench():
     assert error_and_time(row, "psnr_db") == (-30.0, 7.0)
     assert error_and_time(row, "ssim") == (None, 7.0)
     assert pareto([row]) == [row]
+    with pytest.raises(HmdwarpError, match="not a number"):
+        pareto([(1.0, math.nan)], costs)

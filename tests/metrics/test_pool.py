@@ -9,6 +9,7 @@ import textwrap
 import threading
 import time
 import warnings
+from contextlib import suppress
 from multiprocessing import resource_tracker
 from pathlib import Path
 
@@ -22,6 +23,8 @@ from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.metrics import QUALITY, Compared, MeasuringProcesses, QualityJob, QualityPool, measure
 
 from .pictures import job, noise, turned
+
+BROKEN = attrs.evolve(job(1), rendered_size=(0, 0))  # a size of no pixels is our fault, not the input's
 
 
 def children() -> set[int]:
@@ -50,6 +53,14 @@ def run(workers: int, keys, **options):
     return pool
 
 
+def measured(processes: MeasuringProcesses, *jobs: QualityJob, **how) -> QualityPool:
+    pool = QualityPool(processes)
+    for number, each in enumerate(jobs):
+        pool.submit((number, 0), each, **how)
+    pool.wait()
+    return pool
+
+
 def test_the_same_bits_with_any_number_of_workers():
     keys = [(frame, eye) for frame in range(4) for eye in range(2)]
     here, one, two = run(0, keys, worst=2), run(1, keys, worst=2), run(2, reversed(keys), worst=2)
@@ -58,124 +69,76 @@ def test_the_same_bits_with_any_number_of_workers():
     for others in (one, two):
         for mine, theirs in zip(here.worst + here.kept, others.worst + others.kept, strict=True):
             assert mine.key == theirs.key and np.array_equal(mine.result.error_map, theirs.result.error_map)
-    assert all(
-        set(values) == set(QUALITY) and {type(v) for v in values.values()} == {float}
-        for values in here.results.values()
-    )
+    for values in here.results.values():
+        assert set(values) == set(QUALITY) and {type(value) for value in values.values()} == {float}
+    for kept in two.kept:
+        assert kept.key[0] % 3 == 0 and kept.result.error_map.shape == (30, 40)
+        assert np.array_equal(kept.job.rendered_picture, job(kept.key[0]).rendered_picture)
+    assert run(2, [(1, 0)]).worst == run(2, []).kept == []
 
 
-def test_runs_share_their_processes():
-    """A run finds nothing of the one before."""
+def test_runs_share_their_processes_which_begin_again_once_they_were_ended():
+    """A run finds nothing of the one before; as for the next case of a sweep, after one that
+    failed.
+    """
     others = children()
     with MeasuringProcesses(1) as processes:
-        first = QualityPool(processes)
-        first.submit((0, 0), job(0), keep=True)
-        first.wait()
+        first = measured(processes, job(0), keep=True)
         mine = children() - others
-        again = QualityPool(processes)
-        assert not again.results and not again.kept
-        again.submit((0, 0), job(0))
-        again.wait()
+        assert not QualityPool(processes).results and not QualityPool(processes).kept
+        again = measured(processes, job(0))
         assert again.results == first.results and children() - others == mine and len(mine) == 1
-
-
-def test_processes_that_were_ended_begin_again():
-    """As for the next case of a sweep, after one that failed."""
-    with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit(0, attrs.evolve(job(1), rendered_size=(0, 0)))
         with pytest.raises(HmdwarpError):
-            pool.wait()
+            measured(processes, BROKEN)
         processes.close()
-        again = QualityPool(processes)
-        again.submit(0, job(0))
-        again.wait()
-        assert list(again.results) == [0]
-
-
-@pytest.mark.parametrize("workers", [0, 1, 2])
-def test_waiting_is_until_all_is_measured(workers):
-    with MeasuringProcesses(workers) as processes:
-        pool = QualityPool(processes)
-        pool.wait()
-        for round_ in range(3):
-            keys = [(round_, number) for number in range(5)]
-            for key in keys:
-                pool.submit(key, job(key[1]))
-            pool.wait()
-            assert [key for key in pool.results if key[0] == round_] == keys
+        assert measured(processes, job(0)).results == first.results
 
 
 def test_regions_come_with_the_jobs_that_ask_for_them():
     wanted = attrs.evolve(job(1), regions=True)
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit((0, 0), wanted)
-        pool.submit((1, 0), job(1))
-        pool.wait()
-    assert list(pool.regions) == [(0, 0)]
-    assert pool.regions[0, 0] == measure(wanted).regions
+        pool = measured(processes, wanted, job(1))
+    assert pool.regions == {(0, 0): measure(wanted).regions}
     assert pool.results[0, 0] == pool.results[1, 0]
-    with pytest.raises(InputError, match="coverage"):
-        attrs.evolve(job(1), covered=None, regions=True)
 
 
-def test_a_kept_job_keeps_its_late_picture():
-    pool = run(1, [(0, 0), (1, 0), (3, 0)])
-    assert [kept.key for kept in pool.kept] == [(0, 0), (3, 0)]
-    assert np.array_equal(pool.kept[0].job.rendered_picture, job(0).rendered_picture)
-    assert pool.kept[0].result.error_map.shape == (30, 40)
-    assert pool.worst == []
-
-
-def test_figures_without_their_inputs_are_none():
+def test_figures_without_their_inputs_are_none_and_inputs_must_fit_together():
     now = Compared(noise(1), noise(2), turned(0))
     values = measure(QualityJob(now)).values
     missing = {name for name, value in values.items() if value is None}
     assert missing == {"flip", "ssim", "hole_share", "border_share", "flicker"}
-    covered = np.zeros((30, 40))
-    assert measure(QualityJob(now, covered=covered)).values["border_share"] is None
-    assert measure(QualityJob(now, covered=covered)).values["hole_share"] == 1
-
-
-def test_jobs_that_do_not_fit_together():
-    now = Compared(noise(1), noise(2), turned(0))
-    with pytest.raises(InputError, match="coverage"):
-        QualityJob(now, covered=np.ones((40, 30)))
-    with pytest.raises(InputError, match="inverse depth"):
-        QualityJob(now, truth_inverse_depth=np.ones((40, 30)))
+    values = measure(QualityJob(now, covered=np.zeros((30, 40)))).values
+    assert values["border_share"] is None and values["hole_share"] == 1
+    for given, words in (({"covered": np.ones((40, 30))}, "coverage"), ({"regions": True}, "coverage"),
+                         ({"truth_inverse_depth": np.ones((40, 30))}, "inverse depth")):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            QualityJob(now, **given)
     with pytest.raises(InputError, match="shapes"):
         Compared(noise(1), noise(2, (3, 3)), turned(0))
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
 def test_a_measurement_that_fails_is_one_clear_error(workers):
-    # A size of no pixels is our fault, not the input's.
-    broken = attrs.evolve(job(1), rendered_size=(0, 0))
     with MeasuringProcesses(workers) as processes:
         pool = QualityPool(processes)
         with pytest.raises(HmdwarpError, match=r"measuring picture \(7, \d+\) failed: \w+Error: "):
             for key in range(50):  # far more than wait: no submit hangs
-                pool.submit((7, key), broken)
+                pool.submit((7, key), BROKEN)
 
 
 def test_an_error_of_the_input_stays_one(monkeypatch):
+    def refused(_: QualityJob) -> None:
+        raise InputError("no such picture")
+
     monkeypatch.setattr("hmdwarp.metrics.pool.measure", refused)
-    pool = QualityPool(MeasuringProcesses(0))
     with pytest.raises(InputError, match=r"^measuring picture 3 failed: no such picture$"):
-        pool.submit(3, job(1))
-
-
-def refused(_: QualityJob) -> None:
-    raise InputError("no such picture")
+        QualityPool(MeasuringProcesses(0)).submit(3, job(1))
 
 
 def test_a_worker_that_dies_is_one_clear_error():
     others = children()
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
-        pool.submit(0, job(0))
-        pool.wait()
+        pool = measured(processes, job(0))
         (worker,) = children() - others
         os.kill(worker, signal.SIGKILL)
         ended = r"picture \d+ failed: a measuring process ended \(killed, perhaps for memory\); use fewer"
@@ -205,7 +168,7 @@ def test_no_more_jobs_than_two_for_each_worker_are_held():
     """With the only worker stopped, one job is with it and one waits; the third submit waits."""
     others = children()
     with MeasuringProcesses(1) as processes:
-        pool = QualityPool(processes)
+        pool = measured(processes)
         pool.submit(0, job(0))
         pool.wait()
         (worker,) = children() - others
@@ -226,21 +189,6 @@ def test_no_more_jobs_than_two_for_each_worker_are_held():
         pool.wait()
     assert len(waiting) <= 2
     assert list(pool.results) == list(range(6))
-
-
-def test_leaving_by_an_exception_drops_the_rest():
-    with pytest.raises(KeyboardInterrupt), MeasuringProcesses(2) as processes:
-        pool = QualityPool(processes)
-        for key in range(3):
-            pool.submit(key, job(key))
-        raise KeyboardInterrupt
-
-
-def test_processes_without_work_are_none():
-    with MeasuringProcesses(2) as processes:
-        pool = QualityPool(processes)
-        pool.wait()
-    assert pool.results == {}
 
 
 SCRIPT = """
@@ -271,7 +219,13 @@ def a_script(folder: Path) -> Path:
 
 def workers_of(process: subprocess.Popen) -> list[Path]:
     """Measuring processes in the session of a program."""
-    return [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has just ended
+            session = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[3])
+            if session == process.pid and b"spawn_main" in (folder / "cmdline").read_bytes():
+                found.append(folder)
+    return found
 
 
 def test_ctrl_c_in_a_terminal(tmp_path):
@@ -280,9 +234,8 @@ def test_ctrl_c_in_a_terminal(tmp_path):
     The loop alone hears it, and nothing is printed but its own words.
     """
     command = [sys.executable, "-X", "dev", "-W", "error", a_script(tmp_path)]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(command, **pipes, start_new_session=True)
     with process:
         assert process.stdout.readline() == "ready\n", process.stderr.read()
         os.killpg(process.pid, signal.SIGINT)
@@ -300,17 +253,3 @@ def test_workers_end_with_a_program_that_is_killed(tmp_path):
         process.wait()
         while workers_of(process):
             time.sleep(0.01)  # until the last has ended: it hears of it as soon as it may run
-
-
-def _works(stat: Path) -> bool:
-    try:
-        return b"spawn_main" in (stat.parent / "cmdline").read_bytes()
-    except OSError:
-        return False
-
-
-def _session(stat: Path) -> int:
-    try:
-        return int(stat.read_text().rsplit(")", 1)[1].split()[3])
-    except OSError:
-        return -1

@@ -29,11 +29,8 @@ def listens(socket: Path) -> bool:
 
     Source: proc(5), /proc/net/unix; the fourth column is __SO_ACCEPTCON.
     """
-    for line in Path("/proc/net/unix").read_text(encoding="utf-8").splitlines()[1:]:
-        fields = line.split()
-        if fields[-1] == str(socket) and int(fields[3], 16) & 0x10000:
-            return True
-    return False
+    lines = map(str.split, Path("/proc/net/unix").read_text(encoding="utf-8").splitlines()[1:])
+    return any(fields[-1] == str(socket) and int(fields[3], 16) & 0x10000 for fields in lines)
 
 
 class Monado:
@@ -85,7 +82,7 @@ class Monado:
         self._send(signal.SIGCONT)
 
     def kill(self) -> None:
-        """It is gone at once. Nothing happens where none runs."""
+        """It is gone at once, if there is one."""
         if self._process is not None:
             self._process.kill()
             self._process.wait()

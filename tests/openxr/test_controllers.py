@@ -5,23 +5,20 @@ After a reconnection too.
 
 from __future__ import annotations
 
-import time
+import itertools
 
 import numpy as np
 import pytest
+from display.virtual_screen import until
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.display import CONTROLS, Command, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay
-from hmdwarp.display.openxr.actions import Actions
 from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs
-from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.dialog_panels import ACTING_CONTROLS, CONTROLLERS, MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import ACTING_CONTROLS
 from hmdwarp.study.dialogs.dialog_panels import CONTROLS as STUDY_CONTROLS
-from hmdwarp.study.dialogs.question_dialog import QuestionDialog
-from hmdwarp.study.scales import load_scale
 
 from .live_runs import SMALL, Here, quick
 from .remote_head import RemoteHead
@@ -30,6 +27,21 @@ pytestmark = pytest.mark.usefixtures("no_screen")
 
 
 PERIOD_NS = 50_000_000  # of the runtime, 20 frames a second
+
+
+places = itertools.count()
+
+
+def hold(remote: RemoteHead, display: OpenXrDisplay, hand: str, **states: float) -> None:
+    """Set buttons and axes of a hand, and wait until the runtime has them.
+
+    A new place of the head goes after them on the same connection: once the runtime reports it, it
+    has them too.
+    """
+    place = Pose((0.0, 1.6 + 0.001 * next(places), 0.0))
+    remote.hold(hand, **states)
+    remote.put(place)
+    until(lambda: display.source.head_at(display.now_ns()).pose.isclose(place, 1e-4), "the states")
 
 
 class Controllers:
@@ -42,33 +54,19 @@ class Controllers:
     def __init__(self, display: OpenXrDisplay, remote: RemoteHead) -> None:
         self.display, self._remote = display, remote
         self.real_ns: list[int] = []
-        self._count_time(display._connection.actions)
-        self._places = 0
-        for hand in ("left", "right"):
-            self.set(hand)
-        self.frames(3)
-
-    def _count_time(self, actions: Actions) -> None:
-        sync = actions.sync
+        sync = display._connection.actions.sync
 
         def counted(now_ns: int, shown: int) -> None:
             self.real_ns.append(now_ns)
             sync(len(self.real_ns) * PERIOD_NS, shown)
 
-        actions.sync = counted
+        display._connection.actions.sync = counted
+        for hand in ("left", "right"):
+            self.set(hand)
+        self.frames(3)
 
     def set(self, hand: str, **states: float) -> None:
-        """Set buttons and axes, and wait until the runtime has them.
-
-        A new place of the head goes after them on the same connection: once the runtime reports it,
-        it has them too.
-        """
-        self._places += 1
-        place = Pose((0.0, 1.6 + 0.001 * self._places, 0.0))
-        self._remote.hold(hand, **states)
-        self._remote.put(place)
-        while not self.display.source.head_at(self.display.now_ns()).pose.isclose(place, 1e-4):
-            time.sleep(0.001)
+        hold(self._remote, self.display, hand, **states)
 
     def hold(self, hand: str, frames: int = 8, **states: float) -> list[str]:
         """Set these for some frames; return the names of the requests."""
@@ -80,19 +78,24 @@ class Controllers:
         pressed = self.hold(hand, **states)
         return pressed + self.hold(hand, **dict.fromkeys(states, 0))
 
-    def frames(self, count: int, label: MessagePanel | str = "") -> list[Command]:
+    def frames(self, count: int) -> list[Command]:
         asked: list[Command] = []
         while count:
             if self.display.wait() is not None:
-                self.display.show(None, label)
+                self.display.show(None)
                 count -= 1
             asked += self.display.commands()
         return asked
 
 
 @pytest.fixture
-def display(monado):
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=STUDY_CONTROLS))
+def controls():
+    return STUDY_CONTROLS
+
+
+@pytest.fixture
+def display(monado, controls):
+    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=controls))
     yield made
     made.close()
 
@@ -108,12 +111,9 @@ def test_every_kind_of_controller_is_known_by_these_names(display):
 
 
 def test_each_button_is_one_command(hands):
-    assert hands.press("right", trigger_click=1, trigger_value=1) == ["confirm"]
-    assert hands.press("left", trigger_click=1, trigger_value=1) == ["confirm"]
+    for pressed, asked in ((PRESSED, ["confirm"]), ({"b_click": 1}, ["menu"]), ({"system_click": 1}, [])):
+        assert hands.press("left", **pressed) == asked == hands.press("right", **pressed)  # the last is the runtime's
     assert hands.press("right", a_click=1) == ["confirm"]
-    assert hands.press("left", b_click=1) == ["menu"]
-    assert hands.press("right", b_click=1) == ["menu"]
-    assert hands.press("left", system_click=1) == []  # the runtime's
 
 
 def test_the_stick_steps_and_goes_on(hands):
@@ -126,25 +126,6 @@ def test_the_stick_steps_and_goes_on(hands):
     assert hands.hold("right", frames=4, thumbstick_x=0.9, thumbstick_y=0) == ["right"]
 
 
-def test_a_question_is_answered_by_hand(hands):
-    scale = load_scale("acr")
-    asked = QuestionDialog(Ask("trial/1/acr/quality", scale, scale.items[0], "trial", 1), lambda: 0.0, CONTROLLERS)
-
-    def seen(name: str, **states: float) -> None:
-        hands.set("right", **states)
-        asked.handle(hands.frames(4, asked.panel()))
-        hands.set("right", **dict.fromkeys(states, 0))
-        asked.handle(hands.frames(4, asked.panel()))
-
-    seen("confirm", trigger_click=1)
-    assert not asked.confirmed
-    seen("right", thumbstick_x=1)
-    seen("right", thumbstick_x=1)
-    assert (asked.value, asked.confirmed) == (4, False)
-    seen("confirm", trigger_click=1)
-    assert (asked.value, asked.confirmed) == (4, True)
-
-
 def test_held_keys_go_by_the_clock_of_the_display(hands, display):
     hands.real_ns.clear()
     for _ in range(5):
@@ -155,28 +136,28 @@ def test_held_keys_go_by_the_clock_of_the_display(hands, display):
 
 
 def test_after_a_reconnection_they_are_heard_again(display, monado):
-    with RemoteHead() as remote:
-        hands = Controllers(display, remote)
-        assert hands.press("right", a_click=1) == ["confirm"]
-    monado.kill()
-    with pytest.raises(Lost):
-        hands.frames(50)
-    assert display.commands() == []
-    monado.start()
-    assert display.reopen()
-    with RemoteHead() as remote:
-        hands = Controllers(display, remote)
-        assert hands.press("right", a_click=1) == ["confirm"]
+    for is_last in (False, True):
+        with RemoteHead() as remote:
+            hands = Controllers(display, remote)
+            assert hands.press("right", a_click=1) == ["confirm"]
+        if not is_last:
+            monado.kill()
+            with pytest.raises(Lost):
+                hands.frames(50)
+            assert display.commands() == []
+            monado.start()
+            assert display.reopen()
 
 
 EYE = np.array((0.2, 1.4, -0.3))
 PULLED = {"squeeze_value": 1, "squeeze_force": 1}
 LOOSE = dict.fromkeys(PULLED, 0)
+PRESSED = {"trigger_click": 1, "trigger_value": 1}
 # Where the right hand aims from EYE, and how far it has gone to the right; and its buttons.
 DONE: list[tuple[str, float, dict[str, float]]] = [
     ("lamp", 0.0, {}),
-    ("lamp", 0.0, {"trigger_click": 1, "trigger_value": 1}),
-    ("lamp", 0.0, {"trigger_click": 0, "trigger_value": 0}),
+    ("lamp", 0.0, PRESSED),
+    ("lamp", 0.0, dict.fromkeys(PRESSED, 0)),
     ("ball", 0.0, {}),
     ("ball", 0.0, PULLED),
     ("ball", 0.2, PULLED),
@@ -184,7 +165,7 @@ DONE: list[tuple[str, float, dict[str, float]]] = [
     ("lamp", 0.0, PULLED),  # what cannot be grabbed
     ("door", 0.0, PULLED),  # nor what the hand passes over then
     ("door", 0.0, LOOSE),
-    ("door", 0.0, {"trigger_click": 1, "trigger_value": 1}),
+    ("door", 0.0, PRESSED),
 ]
 
 
@@ -197,18 +178,14 @@ def aimed(name: str, aside_m: float) -> Pose:
 
 def test_a_live_session_is_acted_in_by_hand(monado, remote_head, monkeypatch, tmp_path):
     """The trigger does what the thing aimed at takes; what is squeezed follows the hand."""
-    here, out, left, places = Here(monkeypatch), tmp_path / "head.csv", list(DONE), iter(range(100))
+    here, out, left = Here(monkeypatch), tmp_path / "head.csv", list(DONE)
 
     def after(number: int) -> None:
         if number % 4 or not left:
             return
         name, aside_m, buttons = left.pop(0)
-        place = Pose((0.0, 1.6 + 0.001 * next(places), 0.0))
         remote_head.aim("right", aimed(name, aside_m))
-        remote_head.hold("right", **buttons)
-        remote_head.put(place)
-        while not here.head().isclose(place, 1e-4):  # then the runtime has all of it
-            time.sleep(0.001)
+        hold(remote_head, here.watched, "right", **buttons)
 
     here.run(quick(scene="playroom", warp="none", record=out, pictures=4 * (len(DONE) + 2)), after)
     done = read_inputs(inputs_beside(out))
@@ -224,69 +201,42 @@ def test_a_live_session_is_acted_in_by_hand(monado, remote_head, monkeypatch, tm
         assert np.allclose(event.direction, -pose.rotation_matrix[:, 2], atol=1e-5)
 
 
-def test_in_a_study_whose_scene_reacts_a_trigger_acts_and_confirms_at_once(monado, remote_head):
+@pytest.mark.parametrize("controls", [ACTING_CONTROLS], ids=["acting"])
+def test_in_a_study_whose_scene_reacts_a_trigger_acts_and_confirms_at_once(hands, remote_head):
     """By which a trial knows that it confirms nothing there; A confirms alone."""
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=ACTING_CONTROLS))
-    try:
-        hands, found = Controllers(made, remote_head), []
-        remote_head.aim("right", aimed("lamp", 0.0))
-        for pressed in (
-            {"trigger_click": 1, "trigger_value": 1},
-            {"trigger_click": 0, "trigger_value": 0},
-            {"a_click": 1},
-        ):
-            hands.set("right", **pressed)
-            found += [asked for asked in (hands.frames(1) for _ in range(8)) if asked]
-        assert [[command.control for command in asked] for asked in found] == [["confirm", "push"], ["confirm"]]
-        assert [command.hand is not None for command in found[0]] == [False, True]
-    finally:
-        made.close()
+    remote_head.aim("right", aimed("lamp", 0.0))
+    found = []
+    for pressed in (PRESSED, dict.fromkeys(PRESSED, 0), {"a_click": 1}):
+        hands.set("right", **pressed)
+        found += [asked for asked in (hands.frames(1) for _ in range(8)) if asked]
+    assert [[command.control for command in asked] for asked in found] == [["confirm", "push"], ["confirm"]]
+    assert [command.hand is not None for command in found[0]] == [False, True]
 
 
-def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, monado):
-    hands = Controllers(display, remote_head)
+def test_without_anybodys_attention_nothing_is_asked_for(hands, display):
+    """Monado takes the focus away from nobody who is alone: what it answers then is made up."""
+    not_focused, actions = 8, display._connection.actions
     assert display._connection.session.state == State.FOCUSED
-    _focus_is_elsewhere(display)
+    actions._calls = lambda name, *more: not_focused if name == "xrSyncActions" else display._calls(name, *more)
     assert hands.hold("right", a_click=1) == []
-    display._connection.actions._calls = display._calls
+    actions._calls = display._calls
     assert hands.hold("right", frames=4) == []  # held since then, for somebody else
     assert hands.hold("right", frames=4, a_click=0) == []
     assert hands.hold("right", frames=4, a_click=1) == ["confirm"]
 
 
-def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
-    """Monado takes the focus away from nobody who is alone.
-
-    What it answers then is XR_SESSION_NOT_FOCUSED (8).
-    """
-
-    def calls(name: str, *arguments: object) -> int:
-        return 8 if name == "xrSyncActions" else display._calls(name, *arguments)
-
-    display._connection.actions._calls = calls
+@pytest.mark.parametrize("controls", [tuple(control for control in CONTROLS if not control.buttons)], ids=["none"])
+def test_where_no_control_has_a_button_nothing_is_asked(display):
+    assert display._connection.actions is None
 
 
-def test_where_no_control_has_a_button_nothing_is_asked(monado):
-    controls = tuple(control for control in CONTROLS if not control.buttons)
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=controls))
-    try:
-        assert made._connection.actions is None
-    finally:
-        made.close()
-
-
-def test_a_runtime_that_knows_no_such_controllers_is_no_trouble(monado, monkeypatch):
+def test_a_runtime_that_knows_no_such_controllers_is_no_trouble(request, monkeypatch):
     """It refuses their names; the display goes on without them."""
-    monkeypatch.setattr(
-        "hmdwarp.display.openxr.actions.PROFILES",
-        {"/interaction_profiles/nobody/nothing": (("confirm", "/user/hand/left/input/x/click"),)},
-    )
-    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=STUDY_CONTROLS))
-    try:
-        for _ in range(3):
-            if made.wait() is not None:
-                made.show(None)
-        assert made.commands() == []
-        assert made._connection.actions.refused == ["/interaction_profiles/nobody/nothing"]
-    finally:
-        made.close()
+    profiles = {"/interaction_profiles/nobody/nothing": (("confirm", "/user/hand/left/input/x/click"),)}
+    monkeypatch.setattr("hmdwarp.display.openxr.actions.PROFILES", profiles)
+    display = request.getfixturevalue("display")
+    for _ in range(3):
+        if display.wait() is not None:
+            display.show(None)
+    assert display.commands() == []
+    assert display._connection.actions.refused == [*profiles]

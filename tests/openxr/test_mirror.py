@@ -5,7 +5,7 @@ GLX's context draws for the runtime, the left eye is seen, the keys do what they
 
 from __future__ import annotations
 
-import subprocess
+import signal
 import time
 
 import numpy as np
@@ -23,23 +23,14 @@ WINDOW = 480
 SIZE = (120, 120)  # of the window's shape, in whole pixels of it
 
 
-def press(*keys: str) -> None:
-    """In the window that has the keyboard, as a user does."""
-    subprocess.run(["xdotool", "key", *keys], check=True)
+@pytest.fixture
+def wobbling(runtime):
+    made = runtime(WOBBLING, UNSEEN)
+    made.start()
+    return made
 
 
-def until(display, seen) -> None:
-    """Frames, until something was seen."""
-    for _ in range(20_000):
-        if display.wait() is not None:
-            display.show(None, "a text")
-        if seen():
-            return
-    pytest.fail("not seen within 20,000 refreshes")
-
-
-def test_the_left_eye_is_on_the_screen(runtime, screen, monkeypatch):
-    runtime(WOBBLING, UNSEEN).start()
+def test_the_left_eye_is_on_the_screen(wobbling, screen, monkeypatch):
     here, found = Here(monkeypatch), []
 
     def after(number: int) -> None:
@@ -59,49 +50,66 @@ def test_the_left_eye_is_on_the_screen(runtime, screen, monkeypatch):
     assert this < 0.7 * other_eye and this < 0.3 * upside_down
 
 
-def test_keys_are_the_controls(runtime, screen):
-    runtime(WOBBLING, UNSEEN).start()
+def test_keys_are_the_controls(wobbling, screen):
     display, asked = OpenXrDisplay(DisplayOptions(size=SIZE)), []
+
+    def until(seen) -> None:
+        for _ in range(20_000):
+            if display.wait() is not None:
+                display.show(None, "a text")
+            if seen():
+                return
+        pytest.fail("not seen within 20,000 refreshes")
+
+    def all_heard() -> bool:
+        asked.extend(display.commands())
+        return len(asked) >= 3
+
+    def changed() -> float:
+        return (screen.picture()[:WINDOW, :WINDOW] != before).mean()
+
     try:
-        press(
-            "t", "shift+f", "bracketleft", "v", "r"
-        )  # one view and the runtime's own recentring: the last two are nothing here
-
-        def all_heard() -> bool:
-            asked.extend(display.commands())
-            return len(asked) >= 3
-
-        until(display, all_heard)
+        # One view and the runtime's own recentring: the last two are nothing here.
+        screen.do("key", "t", "shift+f", "bracketleft", "v", "r")
+        until(all_heard)
         assert asked == [Command("warp"), Command("fill", back=True), Command("latency", back=True)]
         before = screen.picture()[:WINDOW, :WINDOW]
-        press("h")
-        until(display, lambda: (screen.picture()[:WINDOW, :WINDOW] != before).mean() > 0.05)
-        press("Escape")  # closes the help
-        until(display, lambda: (screen.picture()[:WINDOW, :WINDOW] != before).mean() < 0.05)
-        press("Escape")
+        screen.do("key", "h")
+        until(lambda: changed() > 0.05)
+        screen.do("key", "Escape")  # closes the help
+        until(lambda: changed() < 0.05)
+        screen.do("key", "Escape")
         with pytest.raises(Closed, match="window was closed"):
-            until(display, lambda: False)
+            until(lambda: False)
     finally:
         display.close()
 
 
-def test_a_screen_that_is_gone_ends_it_with_everything_written(runtime, screen, tmp_path):
-    runtime(WOBBLING, UNSEEN).start()
-    with Program(tmp_path) as program:
-        program.until_recorded(5)
-        screen.kill()
-        assert program.status() == 0
-        assert "the connection to the screen broke" in program.said
-        assert program.recorded() >= 5
-
-
-def test_a_window_closed_while_the_runtime_is_away_ends_it(runtime, screen, tmp_path):
-    monado = runtime(WOBBLING, UNSEEN)
-    monado.start()
+@pytest.mark.parametrize("is_away", [False, True])
+def test_what_ends_it_leaves_everything_written(wobbling, screen, tmp_path, is_away):
+    """A screen that is gone, and a window that is closed while the runtime is away."""
     with Program(tmp_path, "--reconnect", "60") as program:
         program.until_recorded(5)
-        monado.kill()
-        program.until_said("waiting up to 60 s")
-        press("Escape")
-        assert program.status() == 0
-        assert "the window was closed" in program.said
+        if is_away:
+            wobbling.kill()
+            program.until_told("waiting up to 60 s")
+            screen.do("key", "Escape")
+        else:
+            screen.kill()
+        status, told = program.ended()
+        assert status == 0 and program.recorded() >= 5
+        assert ("the window was closed" if is_away else "the connection to the screen broke") in told
+
+
+def test_the_headset_is_taken_where_there_is_one_and_else_the_window(runtime, screen, tmp_path):
+    monado = runtime(WOBBLING, UNSEEN)
+    with Program(tmp_path, "--source", "auto", "--no-panel") as program:
+        program.until_told("no headset: the OpenXR runtime's service does not answer")
+        program.until_recorded(5)
+        program.send(signal.SIGINT)
+        assert program.ended()[0] == 0
+    monado.start()
+    with Program(tmp_path, "--source", "auto", "--pictures", "3", "--force") as program:
+        status, told = program.ended()
+    assert status == 0 and "no headset" not in told
+    assert "Monado" in program.recording.read_text(encoding="utf-8")

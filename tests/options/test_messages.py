@@ -40,19 +40,19 @@ OFFERED = {option.name for options in commands.values() for option in options}
 
 def refusals(field: attrs.Attribute[Any]) -> list[str]:
     """What is said of values that the option cannot have, by its parser and its validator."""
-    said = []
+    said, option = [], option_of(field)
+    checks = (option.parse, field.validator and (lambda one: field.validator(None, field, one)))
     for value in WRONG:
-        for check in (option_of(field).parse, field.validator and (lambda one: field.validator(None, field, one))):
+        for check in filter(None, checks):
             try:
-                if check:
-                    check([value] if option_of(field).kind is list else value)
+                check([value] if option.kind is list else value)
             except InputError as error:
                 said.append(str(error))
             except AttributeError:
                 pass  # of the object, which a validator of several fields looks at
             except (TypeError, ValueError):
                 # A parser takes texts; a converter has made of them what the validator gets.
-                if check is not option_of(field).parse and field.converter is None:
+                if check is not option.parse and field.converter is None:
                     raise
     return said
 

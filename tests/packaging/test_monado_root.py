@@ -31,7 +31,7 @@ def allowed(monkeypatch) -> None:
 
 def test_without_rights_the_tests_are_skipped_with_the_reason(folder):
     """Nobody may; who runs this as root becomes nobody first."""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/openxr/test_harness.py"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/openxr"]
     if os.geteuid() == 0:
         if not shutil.which("setpriv"):
             pytest.skip("there is no setpriv (util-linux) to become nobody with")

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from replays import contents, each_refresh, run, small, suited
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
-from hmdwarp.run import LiveOptions, live
 
 NARROW = {"bandwidth": "40", "queue": 60.0}  # Planes at 96x80: frames of 184,320 bytes, at 60 Hz 88 Mbit/s
+HAVE_EFFECTS = ("cockpit", "greenhouse", "gallery", "workshop", "parade")
 SLOW = {"response": "sum:render=50"}  # Three periods of 60 Hz: a quarter of the pixels fits, nothing more
 
 
@@ -46,32 +44,6 @@ def test_given_times_are_in_proportion_to_the_pixels(tmp_path):
     assert (parts["render"], parts["decode"]) == pytest.approx((50 * 0.5**2, 20 * 0.5**2))
 
 
-@pytest.mark.parametrize("name", sorted(suited()))
-def test_every_warp_takes_frames_of_any_size(tmp_path, name):
-    late, whole = both(tmp_path, warp=name, fill="pyramid", guard=1.2)
-    assert late["psnr_db"] > min(whole["psnr_db"] - 3, 20), "coarser, and not torn"
-    # Points that are scattered one by one cannot cover a picture of more pixels; all others close.
-    if not name.startswith("forward"):
-        assert late["hole_share"] < whole["hole_share"] + 0.05
-
-
-@pytest.mark.parametrize("scene", ["cockpit", "greenhouse", "gallery", "workshop", "parade"])
-def test_the_layers_of_effects_are_of_the_same_resolution(tmp_path, scene):
-    late, whole = both(tmp_path, scene=scene, warp="iterative", fill="pyramid", trace="walk")
-    assert late["psnr_db"] > 24, "coarser, and not torn"
-
-
-def both(folder, **options) -> tuple[dict, dict]:
-    """The figures of frames of a quarter of the pixels, and of whole ones."""
-    options |= {"latency_ms": 30.0, "metrics_every": 15, "seconds": 0.5}
-    late = run(folder / "late", network=network("resolution", SLOW), **options).summary
-    whole = run(folder / "whole", **options).summary
-    assert late["link"]["resolution"]["frames"]["0.5"] > 10
-    return tuple(
-        {name: summary["quality"][name]["mean"] for name in ("psnr_db", "hole_share")} for summary in (late, whole)
-    )
-
-
 def test_a_codec_goes_on_at_each_size_after_losses_too(tmp_path):
     link = network("resolution", {"response": "sum:encode=50"}, loss="0.08", loss_burst=1.7, link_seed=2)
     options = {"coding": Coding("h264", 12), "latency_ms": 30.0, "seconds": 1.5, "images": 2}
@@ -97,15 +69,22 @@ def test_every_texture_comes_back_to_the_server():
     assert len(seen) > 1
 
 
-def test_a_live_run_lowers_it_too(tmp_path):
-    live(
-        LiveOptions(
-            scene="planes", source="offscreen", trace="look-around", headset="flat-90", size=(96, 80), pictures=40,
-            latency_ms=30.0, network=network("resolution", NARROW), fill="none", lens="none", rate_hz=60.0,
-            guard=1.0, out=tmp_path / "live",
-        )
-    )  # fmt: skip
-    link = json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["link"]
-    assert link["resolution"]["frames"]["1"] < 15 and link["frames"]["dropped"] == 0
-    page = (tmp_path / "live" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
-    assert "50% of the width and height" in page and "changes of resolution" in page
+EFFECTS = {scene: {"scene": scene, "warp": "iterative", "trace": "walk"} for scene in HAVE_EFFECTS}
+
+
+@pytest.mark.parametrize("which", [*sorted(suited()), *EFFECTS])
+def test_every_warp_takes_frames_of_any_size_and_so_do_layers_of_effects(tmp_path, which):
+    """Frames of a quarter of the pixels are coarser than whole ones, and not torn."""
+    options = EFFECTS.get(which, {"warp": which, "guard": 1.2})
+    options |= {"fill": "pyramid", "latency_ms": 30.0, "metrics_every": 15, "seconds": 0.5}
+    late = run(tmp_path / "late", network=network("resolution", SLOW), **options).summary
+    assert late["link"]["resolution"]["frames"]["0.5"] > 10
+    found = late["quality"]
+    if which in EFFECTS:
+        assert found["psnr_db"]["mean"] > 24
+        return
+    whole = run(tmp_path / "whole", **options).summary["quality"]
+    assert found["psnr_db"]["mean"] > min(whole["psnr_db"]["mean"] - 3, 20)
+    # Points that are scattered one by one cannot cover a picture of more pixels; all others close.
+    if not which.startswith("forward"):
+        assert found["hole_share"]["mean"] < whole["hole_share"]["mean"] + 0.05

@@ -9,7 +9,7 @@ import pytest
 from commands import hmdwarp
 from replays import CHEAPER, scene_for
 
-from hmdwarp.client import parse_fills, parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.client.strategies import options_of_strategy, strategies
 from hmdwarp.errors import InputError, PlanError
@@ -39,22 +39,6 @@ def name(request) -> str:
     return request.param
 
 
-def test_a_strategy_sets_options_that_there_are(name):
-    sets = options_of_strategy(name)
-    assert set(sets) <= {option.name for option in options_of(PipelineOptions)} - {"strategy"}
-    if "warp" in sets:
-        parse_warp(sets["warp"])
-    parse_fills(sets.get("fill", "none"))
-    effects.forced(sets.get("effects", "auto"))
-
-
-def test_a_strategy_says_what_it_is(name):
-    strategy = strategies.get(name)
-    told = (strategy.summary, strategy.crosses, strategy.client, strategy.late, strategy.source)
-    assert all(text and text == text.strip() and not text.endswith(".") for text in told)
-    assert set(strategy.classes) <= {1, 2, 3} and strategy.classes
-
-
 @pytest.mark.parametrize("scene", scenes.names())
 def test_what_crosses_is_what_the_strategy_says(scene):
     """In each scene that it is for; `others` are frames that came before, or of the other eye."""
@@ -75,34 +59,33 @@ def test_what_crosses_is_what_the_strategy_says(scene):
     assert suited >= 11
 
 
-def test_the_plan_is_that_of_the_options_it_sets(name):
-    scene = load_scene(scene_for(name))
-    by_name = PipelineOptions.of({"strategy": name})
-    by_hand = PipelineOptions.of(options_of_strategy(name))
+def test_a_strategy_is_the_options_that_it_sets_and_says_what_it_is(name):
+    strategy, sets, scene = strategies.get(name), options_of_strategy(name), load_scene(scene_for(name))
+    told = (strategy.summary, strategy.crosses, strategy.client, strategy.late, strategy.source)
+    assert all(text and text == text.strip() and not text.endswith(".") for text in told)
+    assert set(strategy.classes) <= {1, 2, 3} and strategy.classes
+    assert set(sets) <= {option.name for option in options_of(PipelineOptions)} - {"strategy"}
+    effects.forced(sets.get("effects", "auto"))
+    assert "fills" not in strategy.client or sets.get("fill") != "none"
+    by_name, by_hand = PipelineOptions.of({"strategy": name}), PipelineOptions.of(sets)
     assert build_plan_for(by_name, None, scene) == build_plan_for(by_hand, None, scene)
-    assert by_name.strategy == name
+    assert by_name.strategy == name == live_options({"strategy": name}).strategy
+    # Several pictures besides the newest frame's own.
+    assert name != "views" or parse_warp(sets["warp"]).settings.views > 1
 
 
-def test_replay_runs_it_and_says_so(name, tmp_path):
+DRIVERS = {"replay": ("look-around", "--workers", 0), "live": ("--source", "offscreen", "--trace", "look-around")}
+
+
+@pytest.mark.parametrize("driver", DRIVERS)
+def test_every_driver_runs_it_and_says_so(name, driver, tmp_path):
     name = CHEAPER.get(name, name)
-    chosen = ("--strategy", name, "--scene", scene_for(name), *SMALL)
-    done = hmdwarp("replay", "look-around", *chosen, "--workers", 0, "--out", tmp_path / "run", page=False)
+    chosen = ("--strategy", name, "--scene", scene_for(name), *SMALL, "--out", tmp_path / "run")
+    done = hmdwarp(driver, *DRIVERS[driver], *chosen, page=False)
     assert (done.returncode, done.stderr) == (0, "")
     summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
     assert summary["strategy"] == name
-    assert summary["quality"]["psnr_db"]["mean"] > 5
-
-
-def test_live_runs_it(name, tmp_path):
-    name = CHEAPER.get(name, name)
-    where = ("--source", "offscreen", "--trace", "look-around", "--out", tmp_path / "live")
-    done = hmdwarp("live", "--strategy", name, "--scene", scene_for(name), *SMALL, *where, page=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads((tmp_path / "live" / "summary.json").read_text(encoding="utf-8"))["strategy"] == name
-
-
-def test_a_study_condition_takes_it(name):
-    assert live_options({"strategy": name}).strategy == name
+    assert driver == "live" or summary["quality"]["psnr_db"]["mean"] > 5
 
 
 @pytest.mark.parametrize(
@@ -118,30 +101,16 @@ def test_a_study_condition_takes_it(name):
         ({"strategy": "impostor"}, "did you mean 'imposter'"),
     ],
 )
-def test_options_that_exclude_each_other_are_refused(said, words):
+def test_options_that_exclude_each_other_are_refused(said, words, tmp_path):
     with pytest.raises(InputError, match=words):
         build_plan_for(PipelineOptions.of(said), None, None)
-
-
-def test_a_strategy_beside_other_passes_is_refused_in_python_too():
     with pytest.raises(InputError, match="strategy 'imposter' with fill"):
         PipelineOptions(strategy="imposter")
+    chosen = PipelineOptions.of({"strategy": "depth_image", "warp": "forward", "fill": "interpolate"})
+    assert (chosen.warp, chosen.fill) == ("forward", "interpolate")
 
 
 def test_a_client_that_cannot_run_it_is_refused_with_the_reason(tmp_path: Path):
     done = hmdwarp("replay", "look-around", "--strategy", "light", "--client", "class-1", "--out", tmp_path / "run")
     assert done.returncode == 2 and "class-1" in done.stderr and "nothing of the scene" in done.stderr
     assert not (tmp_path / "run").exists()
-
-
-def test_depth_image_leaves_warp_and_fill_free():
-    chosen = PipelineOptions.of({"strategy": "depth_image", "warp": "forward", "fill": "interpolate"})
-    assert (chosen.warp, chosen.fill) == ("forward", "interpolate")
-
-
-def test_a_strategy_does_what_it_says_of_holes_and_of_pictures():
-    for name in strategies.names():
-        if "fills" in strategies.get(name).client:
-            assert options_of_strategy(name).get("fill") != "none", name
-    # Several besides the newest frame's own.
-    assert parse_warp(options_of_strategy("views")["warp"]).settings.views > 1

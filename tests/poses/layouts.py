@@ -1,16 +1,15 @@
 """How head traces of many layouts are read: files with known truth, a table for docs/traces.md.
 
 Each layout is written from the recording `walk`: which way the person looked and which way was up
-is known. Numbers and names are those of public files of that kind.
+is known. `layouts.toml` has them.
 """
 
 from __future__ import annotations
 
 import gzip
-import json
 import tempfile
 import textwrap
-from collections.abc import Callable
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -20,204 +19,49 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
-from hmdwarp.poses.reading.axes import Axes, parse_axes
+from hmdwarp.poses.reading.axes import parse_axes
 
 EPOCH_NS = 1_700_000_000 * 10**9
 RIGHT, OPTION, REFUSED, WRONG = "right by itself", "warned, with the option", "refused, with the option", "wrong"
-_PLAIN = "openxr"
 
 
-@attrs.frozen
+@attrs.frozen(kw_only=True)
 class Layout:
-    """A kind of file: its axes, how a row is written, and what a user has to state."""
+    """A kind of file: its axes, how a pose is written, and what a user has to state."""
 
     name: str
-    axes: str
-    text: Callable[[list[Row]], str]
+    row: str  # of one pose; see `written`
+    axes: str = "openxr"
+    header: str = ""
+    join: str = "\n"
+    end: str = ""
     stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
     packed: bool = False
-    proof: str = ""  # what says so: documents of the data set or of its maker, and for the plain ones of OpenXR
+    # What says so: documents of the data set or of its maker, and for the plain ones of OpenXR.
+    proof: str = "OpenXR 1.1, 2.16"
 
 
-@attrs.frozen
-class Row:
-    """One pose in the axes of a file: nanoseconds, position, quaternion xyzw, rotation matrix."""
-
-    ns: int
-    p: list[float]
-    q: list[float]
-    m: list[list[float]]
-
-    @property
-    def s(self) -> str:
-        """Seconds, every digit."""
-        return f"{self.ns // 10**9}.{self.ns % 10**9:09d}"
-
-    def euler(self) -> list[float]:
-        """Return Unity's angles about x, y and z in degrees."""
-        z, x, y = Rotation.from_quat(self.q).as_euler("zxy", degrees=True)
-        return [x, y, z]
-
-
-def _csv(header: str, row: Callable[[Row], list], separator: str = ",") -> Callable[[list[Row]], str]:
-    def text(rows: list[Row]) -> str:
-        return "\n".join([*([header] if header else []), *(separator.join(map(str, row(r))) for r in rows), ""])
-
-    return text
-
-
-def _cm(values: list[float]) -> list[float]:
-    return [100 * v for v in values]
-
-
-def _wxyz(q: list[float]) -> list[float]:
-    return [q[3], *q[:3]]
-
-
-def _aria(rows: list[Row]) -> str:
-    header = "graph_uid,tracking_timestamp_us,utc_timestamp_ns,tx_world_device,ty_world_device,tz_world_device,"
-    header += "qx_world_device,qy_world_device,qz_world_device,qw_world_device,"
-    header += "gravity_x_world,gravity_y_world,gravity_z_world,quality_score"
-    lines = [
-        ",".join(map(str, ["ab", (r.ns + late) // 1000, r.ns + late, *r.p, *r.q, 0, 0, -9.81, 1.0]))
-        for r in rows
-        for late in (0, 90_000)
-    ]
-    return "\n".join([header, *lines, ""])
-
-
-def _matrix_4x4(r: Row) -> list[float]:
-    return [*(v for row, t in zip(r.m, r.p, strict=True) for v in (*row, t)), 0.0, 0.0, 0.0, 1.0]
-
-
-def _json_lines(rows: list[Row]) -> str:
-    named = ((r, dict(zip("xyz", r.p, strict=True)), dict(zip("xyzw", r.q, strict=True))) for r in rows)
-    return "\n".join(json.dumps({"time": r.ns / 1e6, "position": p, "orientation": q}) for r, p, q in named)
-
-
-def _frames(rows: list[Row]) -> str:
-    frames = [{"timestamp": r.ns / 1e9, "transform_matrix": np.reshape(_matrix_4x4(r), (4, 4)).tolist()} for r in rows]
-    return json.dumps({"camera_angle_x": 1.2, "frames": frames})
-
-
-def _bodies(rows: list[Row]) -> str:
-    names = ("LeftHand", "CenterEyeAnchor", "RightHand")
-    lines = [
-        ",".join(map(str, [name, r.s, *([0.1, 0.9, 0.2, 0, 0, 0, 1] if "Hand" in name else [*r.p, *r.q])]))
-        for r in rows
-        for name in names
-    ]
-    return "\n".join(["device,time,px,py,pz,qx,qy,qz,qw", *lines, ""])
-
-
-_ASL = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
-_POSE = "px,py,pz,qx,qy,qz,qw"
-_HEAD = "HeadPosX,HeadPosY,HeadPosZ,HeadOrientationW,HeadOrientationX,HeadOrientationY,HeadOrientationZ"
-_RDF = "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z"
-_ALYX = "delta_time_ms;timestamp;hmd_pos_x;hmd_pos_y;hmd_pos_z;hmd_rot_x;hmd_rot_y;hmd_rot_z;hmd_rot_w"
-_HOLOLENS = "timestamp,HeadX,HeadY,HeadZ,HeadRotX,HeadRotY,HeadRotZ,HeadRotW"
-_TUM = "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw"
-_QUEST3 = "timestamp[ns],t_wo_x[m],t_wo_y[m],t_wo_z[m],q_wo_w,q_wo_x,q_wo_y,q_wo_z"
-_ROS = "header.stamp.sec,header.stamp.nanosec,pose.position.x,pose.position.y,pose.position.z,"
-_ROS += "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w"
-
-
-def _plain(r: Row) -> list:
-    return [r.s, *r.p, *r.q]
-
-
-def _asl(r: Row) -> list:
-    return [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)]
-
-
-def _questset(r: Row) -> list:
-    return [*r.p, *_wxyz(r.q), 0.1, 0.9, 0.2, r.s]
-
-
-def _ros(r: Row) -> list:
-    return [*divmod(EPOCH_NS + r.ns, 10**9), *r.p, *r.q]
-
-
-# Name, axes, how its text is made, what a user states, who says so; None: OpenXR.
-_TABLE = (
-    ("OpenXR logger, CSV", _PLAIN, _csv(f"time_s,{_POSE}", _plain), {}, None),
-    (
-        *("WebXR logger, JSON lines, gzip", _PLAIN, _json_lines, {}),
-        "WebXR Device API, XRReferenceSpace: y up, -z forward",
-    ),
-    (
-        *("QuestSet (Quest 2)", _PLAIN, _csv(f"{_HEAD},LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,time", _questset), {}),
-        "its README: x across, y up, z in depth; signs by the gestures of its sample",
-    ),
-    ("rows of head and hands", _PLAIN, _bodies, {}, None),
-    (
-        *("HoloLens logger (Unity)", "unity", _csv(_HOLOLENS, _plain), {"axes": "unity"}),
-        "Unity manual, Transform: left-handed, y up, z forward",
-    ),
-    (
-        *("UXF tracker (Unity, Euler angles)", "unity", _csv(_RDF, lambda r: [r.s, *r.p, *r.euler()])),
-        {"euler": "ZXY,deg", "axes": "unity"},
-        "its PositionRotationTracker.cs: Transform.position and eulerAngles of Unity",
-    ),
-    (
-        *("who-is-alyx (OpenVR, centimetres)", _PLAIN, _csv(_ALYX, lambda r: ["11.1", r.s, *_cm(r.p), *r.q], ";")),
-        {"scale": 0.01},
-        "its Readme: OpenVR, right-handed, y up; z and w change their sign for Unity",
-    ),
-    (
-        *("Unreal logger (centimetres)", "unreal", _csv(f"Time,{_POSE}", lambda r: [r.s, *_cm(r.p), *r.q])),
-        *({"axes": "unreal"}, "Unreal Engine documentation, coordinate system and spaces"),
-    ),
-    (
-        *("TUM RGB-D ground truth", "tum-rgbd", _csv(_TUM, _plain, " "), {"axes": "tum-rgbd"}),
-        "its page, file formats: optical centre of the colour camera; heights lie along z",
-    ),
-    ("evo, bare .tum of an OpenXR head", _PLAIN, _csv("", _plain, " "), {}, None),
-    (
-        *("eight bare columns, w first", _PLAIN, _csv("", lambda r: [r.s, *r.p, *_wxyz(r.q)], " ")),
-        *({"quat_order": "wxyz"}, None),
-    ),
-    (
-        *("EuRoC MAV", "euroc", _csv(_ASL, _asl), {"axes": "euroc"}),
-        "T_BS of cam0 in its sensor.yaml: the camera's x is the body's y, its y the body's -x",
-    ),
-    ("TUM-VI", "tum-vi", _csv(_ASL, _asl), {"axes": "tum-vi"}, "T_cam_imu of its camchain.yaml"),
-    (
-        *("Aria MPS, HOT3D (Aria)", "aria", _aria, {"axes": "aria"}),
-        "gravity_z_world of the file; Aria's viewers turn pictures by 90 degrees to be upright",
-    ),
-    (
-        *("HOT3D (Quest 3), turned device", "hot3d-quest3", _csv(_QUEST3, lambda r: [r.ns, *r.p, *_wxyz(r.q)])),
-        {"axes": "hot3d-quest3"},
-        "its camera_models.json (optical axes along +x) and viewer (world y up)",
-    ),
-    (
-        *("ARKit, 4x4 matrices", "arkit", _csv("", lambda r: [r.s, *_matrix_4x4(r)], " "), {}),
-        "ARKit documentation, WorldAlignment.gravity: (0, -1, 0) is down, (0, 0, -1) ahead",
-    ),
-    (
-        *("KITTI odometry, 3x4 matrices", "kitti", _csv("", lambda r: _matrix_4x4(r)[:12], " ")),
-        *({"rate": 90.0, "axes": "kitti"}, "its devkit readme: left camera, z forward, rows of the first frame"),
-    ),
-    (
-        *("nerfstudio transforms.json", "nerfstudio", _frames, {"axes": "nerfstudio"}),
-        "nerfstudio documentation, data conventions",
-    ),
-    ("ROS 2 bag as CSV", "ros", _csv(_ROS, _ros), {}, "ROS REP 103"),
-)
-LAYOUTS = [Layout(*row[:4], "gzip" in row[0], row[4] or "OpenXR 1.1, 2.16") for row in _TABLE]
+_TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+LAYOUTS = [Layout(name=name, **said) for name, said in _TABLE.items()]
 
 
 def written(layout: Layout, truth: PoseTrack, folder: Path) -> Path:
     """Write a file of the layout that holds `truth`."""
-    axes: Axes = parse_axes(layout.axes)
+    axes, rows = parse_axes(layout.axes), []
     turned = axes.world.T @ Rotation.from_quat(truth.orientation_xyzw).as_matrix() @ axes.head
-    quaternions = Rotation.from_matrix(turned).as_quat().tolist()
-    places = (truth.position_m @ axes.world).tolist()
-    rows = [Row(*row) for row in zip(truth.time_ns.tolist(), places, quaternions, turned.tolist(), strict=True)]
-    text = layout.text(rows).encode()
+    turns, places = Rotation.from_matrix(turned), truth.position_m @ axes.world
+    needed = "{angles" in layout.row  # some heads have none: gimbal lock
+    angles = turns.as_euler("zxy", degrees=True).tolist() if needed else [()] * len(truth)
+    numbers = (truth.time_ns, places, turns.as_quat(), turned.reshape(-1, 9))
+    for (ns, p, q, m), zxy in zip(zip(*(each.tolist() for each in numbers), strict=True), angles, strict=True):
+        stamps = {"s": f"{ns // 10**9}.{ns % 10**9:09d}", "ms": ns / 1e6, "ns": ns, "late_ns": ns + 90_000}
+        stamps |= {"us": [(ns + late) // 1000 for late in (0, 90_000)], "unix_ns": EPOCH_NS + ns}
+        stamps |= {"unix": divmod(EPOCH_NS + ns, 10**9), "m": m, "angles": zxy, "cm": [100 * metres for metres in p]}
+        named = dict(zip(("x", "y", "z", "qx", "qy", "qz", "qw"), (*p, *q), strict=True))
+        rows.append(layout.row.format(**stamps, **named))
+    text = f"{layout.header}\n".lstrip("\n") + layout.join.join(rows) + f"{layout.end}\n"
     path = folder / ("head.csv.gz" if layout.packed else "head.csv")
-    path.write_bytes(gzip.compress(text) if layout.packed else text)
+    path.write_bytes(gzip.compress(text.encode()) if layout.packed else text.encode())
     return path
 
 

@@ -1,25 +1,34 @@
-"""Trace formats.
-
-A contract over all of them, what is written comes back bit for bit, and axes come out as OpenXR's.
-"""
+"""Trace formats: a contract over all; what a reader assumes is told; no layout is read wrong."""
 
 from __future__ import annotations
 
 import io
+import json
+import re
 import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from recorded_folders import taken, write_colmap
+from regenerate import assumed_list
+from ros_bags import HAS_ROSBAGS, write_ros1
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import MachineError, TraceError
 from hmdwarp.poses import PoseTrack, TraceOptions, load_trace
+from hmdwarp.poses.assumptions import By, first_stated
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.reading.axes import parse_up
-from hmdwarp.poses.reading.header import find_columns
 
+from . import layouts
+from .test_other_files import FILES, GOLDEN, STATED
+from .test_trace_command import run
 from .traces import WRITERS, head, kinds, rows, same_motion, save, unit_quaternions, write
 
 TRACK = head(100)
@@ -111,26 +120,6 @@ def upright_zup(track: PoseTrack = TRACK) -> PoseTrack:
     return track.evolve(orientation_xyzw=Rotation.from_matrix(matrices).as_quat())
 
 
-AXES = ["y", "+y", "-y", "z", "-z", "x", "-x", "-y,z,x", "x,y,z", "x,z,y", "z,-x,y", "X, Z, Y"]
-
-
-@pytest.mark.parametrize("text", AXES)
-@given(unit_quaternions, st.lists(st.floats(-10, 10), min_size=3, max_size=3))
-def test_axes_carry_points_of_the_head_along(text, q, place):
-    """A point fixed to the head, given in the file's axes, lands where the converted pose puts the
-    converted point.
-    """
-    axes = parse_up(text)
-    point = np.array([0.3, -0.2, 0.5])
-    in_file = Rotation.from_quat(q).apply(point) + place
-    position, orientation = np.array([place]), np.array([q])
-    axes.apply(position, orientation)
-    assert np.allclose(
-        Rotation.from_quat(orientation[0]).apply(axes.world @ point) + position[0], axes.world @ in_file, rtol=0,
-        atol=1e-14,
-    )  # fmt: skip
-
-
 @pytest.mark.parametrize(
     ("text", "up"), [("y", 1), ("-y", -1), ("z", 2), ("-z", -2), ("x", 0), ("-y,z,x", 2), ("x,z,y", 2)]
 )
@@ -179,17 +168,6 @@ def test_up_z_changes_nothing_where_the_format_has_z_up(tmp_path):
     assert not same_motion(plain.track, load_trace(path, TraceOptions(up="y")).track, atol=0.1)
 
 
-def test_words_of_column_names():
-    euroc = "timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []"
-    euroc += ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]"
-    found = find_columns(euroc.split(","))
-    assert (found.clocks, found.position, found.orientation) == (((0, "ns"),), (1, 2, 3), (5, 6, 7, 4))
-    hmd = "frame,utc_date,TimeStamp,left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,head_pos_x,head_pos_y,head_pos_z"
-    hmd += ",head_rot_x,head_rot_y,head_rot_z,head_rot_w"
-    found = find_columns(hmd.split(","))
-    assert (found.clocks[0][0], found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
-
-
 def test_a_stated_format_is_not_second_guessed(tmp_path):
     path = write(tmp_path / "tum.txt", rows(TRACK), header="", separator=" ")
     assert same_motion(load_trace(path, TraceOptions(format="tum")).track, TRACK)
@@ -203,3 +181,103 @@ def test_mcap_without_its_packages_names_the_line_to_type(tmp_path, monkeypatch)
     monkeypatch.setitem(sys.modules, "mcap.reader", None)
     with pytest.raises(MachineError, match=r"this needs mcap, which is not installed: pip install '\.\[mcap\]'"):
         load_trace(path)
+
+
+def by(loaded) -> dict[str, By]:
+    """Who says each fact."""
+    return {assumption.what: assumption.by for assumption in loaded.assumptions}
+
+
+def test_facts_that_the_user_states_are_the_users(tmp_path):
+    path = write(tmp_path / "a.csv", rows(TRACK), "a,b,c,d,e,f,g,h")
+    stated = TraceOptions(columns="t=a,p=b+c+d,q=e+f+g+h", axes="openxr", scale=1.0, time_unit="s")
+    assert {what for what, who in by(load_trace(path, stated)).items() if who is not By.USER} == {"pose"}
+
+
+def test_trace_info_prints_nobody_with_the_option(tmp_path):
+    path = write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")
+    text = run("info", path)
+    assert "default; set with --axes" in text
+    data = json.loads(run("info", path, "--json"))
+    assert {"what": "clock", "value": "seconds", "by": "default", "option": "--time-unit"} in data["assumptions"]
+
+
+def test_notes_name_what_nobody_says(tmp_path):
+    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes
+    assert any(
+        "not stated in the files" in note and "length 1 m per unit (override with --scale)" in note for note in notes
+    )
+    assert sum(note.count("--axes") for note in notes) == 1
+    assert load_trace("walk").notes == []
+
+
+def test_the_first_that_states_a_fact_is_believed():
+    assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
+    assert first_stated(None, None, None) == (None, By.DEFAULT)
+
+
+# One file of each format: written here, or the first of `files/` that was read as that.
+SAMPLES: dict[str, Callable[[Path], Path]] = {
+    "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
+    "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
+    **{form.name: partial(save, TRACK, name=form.name) for form in formats if form.writes},
+}
+
+
+for _name, _format in re.findall(r"^# (.+)\nformat: (.+)$", GOLDEN.read_text(encoding="utf-8"), re.M):
+    if _name not in STATED:
+        SAMPLES.setdefault(_format, lambda _, name=_name: FILES / name)
+
+
+_MARKS = {param.values[0]: param.marks for param in WRITERS}
+_MARKS["rosbag"] = (pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed"),)
+_OWN_NAMES = ("colmap", "rosbag")
+_OPTIONS = {"colmap": TraceOptions(rate=90.0)}  # of files without a clock
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=_MARKS.get(name, ())) for name in formats.names()])
+def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
+    assert name in SAMPLES, "a new format needs a sample in files/: see test_other_files.py"
+    loaded = load_trace(SAMPLES[name](tmp_path if name in _OWN_NAMES else tmp_path / "a.csv"), _OPTIONS.get(name))
+    assert loaded.format == name
+    entries = {assumption.what: assumption for assumption in loaded.assumptions}
+    known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
+    if any(defect.kind == "no-position" for defect in loaded.defects):
+        known.remove("length")
+    assert set(entries) == known
+    assert all(assumption.value and assumption.by in By for assumption in loaded.assumptions)
+    for stated in formats.get(name).assumes():
+        found = entries.get(stated.what)
+        if stated.by is By.FORMAT and found is not None:
+            assert found.by in (By.FORMAT, By.FILE), f"{found} is stated by the format"
+            assert found.by is By.FILE or np.isin(stated.value.split()[0], found.value.split())
+        if found is not None and found.by is By.FORMAT:
+            assert stated.by in (By.FORMAT, By.FILE), f"{found}, but the format says nothing of it"
+
+
+def test_the_page_has_what_each_format_assumes():
+    """`make docs OPTIONS=trace-formats` writes the table."""
+    page = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
+    listed = assumed_list("formats")
+    assert "; assumed: " in listed and listed in page, "'make docs OPTIONS=trace-formats' writes it"
+
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
+    """`make docs OPTIONS=trace-layouts` writes the table."""
+    assert len({layout.name for layout in layouts.LAYOUTS}) == len(layouts.LAYOUTS)
+    truth = load_trace("walk").track
+    outcomes = {layout.name: layouts.verdict(layout, truth, tmp_path) for layout in layouts.LAYOUTS}
+    assert [name for name, (outcome, _) in outcomes.items() if outcome == layouts.WRONG] == []
+    page = (ROOT / "docs" / "traces.md").read_text(encoding="utf-8")
+    assert layouts.contradicted_text() in page
+    for layout in layouts.LAYOUTS:
+        assert layouts.line(layout, *outcomes[layout.name]) in page
+
+
+def test_a_file_that_is_read_wrong_is_called_wrong(tmp_path):
+    """The verdict can fail: a left-handed world whose preset nobody states is a mirror image."""
+    mirrored = attrs.evolve(layouts.LAYOUTS[0], name="mirrored", axes="world=-x,y,-z head=-x,y,-z")
+    assert layouts.verdict(mirrored, load_trace("walk").track, tmp_path)[0] == layouts.WRONG

@@ -7,16 +7,14 @@ import math
 
 import numpy as np
 import pytest
-from conftest import DEVELOPMENT_TRACES
 from eyes import with_eyes
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, predict, quaternions, synthesise
+from hmdwarp.poses import PoseTrack, foreseen_gaze, gaze_facts, load_trace, predict, synthesise
 from hmdwarp.poses.formats import formats
 from hmdwarp.poses.predictors import predictors
-from hmdwarp.poses.track import SACCADE_DEG_S
 
 MS = 1_000_000
 NONE = (math.nan,) * 3
@@ -155,20 +153,3 @@ def test_eyenavgs_has_the_turn_of_the_gaze_in_the_world(tmp_path):
     found = load_trace(tmp_path / "user1.csv").track.gaze
     known = np.arange(20) != 7
     assert np.allclose(found[known], np.array(eyes)[known], atol=1e-12) and np.isnan(found[7]).all()
-
-
-@pytest.mark.parametrize("name", ["eyenavgs_rutgers/user116_drjohnson.csv", "eyenavgs_nthu/user21_trian.csv"])
-def test_real_eyes_turn_against_the_head_and_look_a_little_down(name):
-    """What the vestibulo-ocular reflex does: were an axis or a turn wrong, a sign would be."""
-    path = DEVELOPMENT_TRACES / name
-    if not path.exists():
-        pytest.skip("shared/traces is not here")
-    loaded = load_trace(path).track
-    seconds, q = np.diff(loaded.time_ns) * 1e-9, loaded.orientation_xyzw
-    turned = quaternions.rotate(quaternions.conjugate(q[:-1]), quaternions.vector_between(q[:-1], q[1:]))
-    left, up = np.arctan2(-loaded.gaze[:, 0], -loaded.gaze[:, 2]), np.arcsin(loaded.gaze[:, 1])
-    assert -25 < np.degrees(np.median(up)) < 0
-    for axis, angles in ((1, left), (0, up)):
-        head, eye = turned[:, axis] / seconds, np.diff(angles) / seconds
-        slow = (np.abs(eye) < math.radians(SACCADE_DEG_S)) & (np.abs(head) > math.radians(5))
-        assert np.corrcoef(head[slow], eye[slow])[0, 1] < -0.1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import json
-import struct
 
 import numpy as np
 import pytest
@@ -17,7 +16,9 @@ from .traces import found, head, kinds, same_motion, save
 
 READER = pytest.importorskip("mcap.reader", reason="mcap is not installed (pip install '.[mcap]')")
 WRITER = pytest.importorskip("mcap.writer")
-pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed (pip install '.[mcap]')")
+ROS_WRITER = pytest.importorskip(
+    "mcap_ros2.writer", reason="mcap-ros2-support is not installed (pip install '.[mcap]')"
+)
 EPOCH_NS = 1_700_000_000 * 10**9
 
 _HEADER = "std_msgs/Header header\n"
@@ -44,42 +45,18 @@ ROS = {
 }
 
 
-class Cdr:
-    """ROS 2's encoding, by its rules: little-endian, numbers aligned to their size."""
-
-    def __init__(self) -> None:
-        self.body = b""
-
-    def put(self, kind: str, *values: float) -> Cdr:
-        for value in values:
-            self.body += b"\0" * (-len(self.body) % struct.calcsize(kind)) + struct.pack(f"<{kind}", value)
-        return self
-
-    def text(self, value: str) -> Cdr:
-        self.put("I", len(value) + 1).body += value.encode() + b"\0"
-        return self
-
-    def header(self, ns: int, frame: str) -> Cdr:
-        return self.put("i", ns // 10**9).put("I", ns % 10**9).text(frame)
-
-    def bytes(self) -> bytes:
-        return b"\x00\x01\x00\x00" + self.body
-
-
-def ros_message(kind: str, ns: int, numbers, child: str = "head", parent: str = "map") -> bytes:
-    """A message whose pose is the seven numbers."""
-    cdr = Cdr()
-    if kind.endswith("TFMessage"):
-        cdr.put("I", 1)
-    cdr.header(ns, parent)
-    if kind.endswith(("TFMessage", "TransformStamped", "Odometry")):
-        cdr.text(child)
-    cdr.put("d", *numbers)
-    if kind.endswith(("Odometry", "PoseWithCovarianceStamped")):
-        cdr.put("d", *[0.0] * 36)
+def message(kind: str, ns: int, numbers, child: str = "head", parent: str = "map") -> dict:
+    """The parts of a message whose pose is the seven numbers."""
+    place, turn = dict(zip("xyz", numbers, strict=False)), dict(zip("xyzw", numbers[3:], strict=True))
+    made = {"header": {"stamp": {"sec": ns // 10**9, "nanosec": ns % 10**9}, "frame_id": parent}}
+    if kind.endswith(("TFMessage", "TransformStamped")):
+        made |= {"child_frame_id": child, "transform": {"translation": place, "rotation": turn}}
+        return {"transforms": [made]} if kind.endswith("TFMessage") else made
+    pose, unknown = {"position": place, "orientation": turn}, [0.0] * 36
     if kind.endswith("Odometry"):
-        cdr.put("d", *[0.0] * 42)
-    return cdr.bytes()
+        still = dict.fromkeys(("linear", "angular"), dict.fromkeys("xyz", 0.0))
+        made |= {"child_frame_id": child, "twist": {"twist": still, "covariance": unknown}}
+    return made | {"pose": pose if kind.endswith("PoseStamped") else {"pose": pose, "covariance": unknown}}
 
 
 def in_ros(track):
@@ -89,27 +66,37 @@ def in_ros(track):
     return np.hstack([track.position_m @ basis, q[:, :3] @ basis, q[:, 3:]]).tolist()
 
 
-class Bag:
-    """An MCAP file that is being written."""
+def each(track):
+    """The time and the seven numbers of each sample, in the axes of ROS."""
+    return zip(track.time_ns.tolist(), in_ros(track), strict=True)
 
-    def __init__(self, path, **how) -> None:
-        self.path, self.stream = path, path.open("wb")
-        self.writer = WRITER.Writer(self.stream, **how)
-        self.writer.start()
-        self._channels: dict[str, int] = {}
 
-    def add(self, topic: str, name: str, ns: int, data: bytes, *, encoding="cdr", schema=None) -> None:
-        if topic not in self._channels:
-            text = schema or (f"\n{'=' * 80}\n".join([ROS.get(name, "float64 x"), *_TAIL])).encode()
-            kind = {"cdr": "ros2msg", "json": "jsonschema", "protobuf": "protobuf"}.get(encoding, encoding)
-            found = self.writer.register_schema(name, kind, text)
-            self._channels[topic] = self.writer.register_channel(topic, encoding, found)
-        self.writer.add_message(self._channels[topic], ns, data, ns)
+def ros_bag(path, messages, **how):
+    """A recording of ROS 2: each message has its topic, kind, the time it was logged, and parts."""
+    with path.open("wb") as stream:
+        writer = ROS_WRITER.Writer(stream, **how)
+        schemas = {
+            kind: writer.register_msgdef(kind, f"\n{'=' * 80}\n".join([text, *_TAIL])) for kind, text in ROS.items()
+        }
+        for topic, kind, logged_ns, parts in messages:
+            writer.write_message(topic, schemas[kind], parts, logged_ns, logged_ns)
+        writer.finish()
+    return path
 
-    def done(self):
-        self.writer.finish()
-        self.stream.close()
-        return self.path
+
+def other_bag(path, messages, **how):
+    """A recording of anything: topic, name, time, bytes, encoding and schema of each message."""
+    with path.open("wb") as stream:
+        writer, channels = WRITER.Writer(stream, **how), {}
+        writer.start()
+        for topic, name, ns, data, encoding, schema in messages:
+            if topic not in channels:
+                kind = {"cdr": "ros2msg", "json": "jsonschema"}.get(encoding, encoding)
+                found = writer.register_schema(name, kind, schema)
+                channels[topic] = writer.register_channel(topic, encoding, found)
+            writer.add_message(channels[topic], ns, data, ns)
+        writer.finish()
+    return path
 
 
 def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
@@ -130,44 +117,35 @@ def test_other_tools_find_a_pose_in_frame_in_a_written_file(tmp_path):
 @pytest.mark.parametrize("kind", ROS)
 def test_poses_of_ros_2_are_read_in_the_axes_of_ros(tmp_path, kind):
     track = load_trace("walk").track
-    bag = Bag(tmp_path / "bag.mcap")
-    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
-        bag.add("/vr/head", kind, EPOCH_NS + ns, ros_message(kind, EPOCH_NS + ns, numbers))
-    loaded = load_trace(bag.done())
+    sent = (("/vr/head", kind, EPOCH_NS + ns, message(kind, EPOCH_NS + ns, numbers)) for ns, numbers in each(track))
+    loaded = load_trace(ros_bag(tmp_path / "bag.mcap", sent))
     assert same_motion(loaded.track, track)
     assert "by the format" in loaded.axes and "contradict" not in loaded.axes
     assert "= /vr/head" in loaded.columns
 
 
-def test_the_stamp_of_a_message_counts_not_when_it_was_logged(tmp_path):
+@pytest.mark.parametrize("stamped", [True, False])
+def test_the_stamp_of_a_message_counts_not_when_it_was_logged(tmp_path, stamped):
     """Unless the messages have none, which is said."""
-    kind, track = "geometry_msgs/msg/PoseStamped", head()
-    times = track.time_ns.tolist()
-    stamped, bare = Bag(tmp_path / "stamped.mcap"), Bag(tmp_path / "bare.mcap")
-    for i, (ns, numbers) in enumerate(zip(times, in_ros(track), strict=True)):
-        stamped.add("/head", kind, EPOCH_NS + ns + (i % 3) * 1_000_000, ros_message(kind, EPOCH_NS + ns, numbers))
-        bare.add("/head", kind, EPOCH_NS + ns, ros_message(kind, 0, numbers))
-    loaded = load_trace(stamped.done())
-    assert same_motion(loaded.track, track) and "stamp-missing" not in kinds(loaded)
-    loaded = load_trace(bare.done())
-    assert same_motion(loaded.track, track) and "stamp-missing" in kinds(loaded)
+    kind, track, late = "geometry_msgs/msg/PoseStamped", head(), 1_000_000 if stamped else 0
+    sent = (
+        ("/head", kind, EPOCH_NS + ns + i % 3 * late, message(kind, (EPOCH_NS + ns) * stamped, numbers))
+        for i, (ns, numbers) in enumerate(each(track))
+    )
+    loaded = load_trace(ros_bag(tmp_path / "bag.mcap", sent))
+    assert same_motion(loaded.track, track) and ("stamp-missing" in kinds(loaded)) != stamped
 
 
 def test_the_head_is_chosen_by_its_name_and_named(tmp_path):
     """Among a robot's topics and frames; static transforms are no head; --device takes another."""
-    track = head()
-    pose, frames = "geometry_msgs/msg/PoseStamped", "tf2_msgs/msg/TFMessage"
-    long = "the_left_hand_of_a_person_with_a_very_long_name"
-    still = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
-    bag = Bag(tmp_path / "bag.mcap")
-    bag.add("/tf_static", frames, 0, ros_message(frames, 0, still, "head_camera_mount"))
-    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
-        bag.add("/imu", "sensor_msgs/msg/Imu", ns, b"\0" * 8)
-        bag.add("/arm", pose, ns, ros_message(pose, ns, still))
-        bag.add("/tf", frames, ns, ros_message(frames, ns, still, f"{long}_1"))
-        bag.add("/tf", frames, ns, ros_message(frames, ns, [5.0, *still[1:]], f"{long}_2"))
-        bag.add("/tf", frames, ns, ros_message(frames, ns, numbers, "hmd"))
-    path = bag.done()
+    pose, frames, still = "geometry_msgs/msg/PoseStamped", "tf2_msgs/msg/TFMessage", [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+    long, track = "the_left_hand_of_a_person_with_a_very_long_name", head()
+    sent = [("/tf_static", frames, 0, message(frames, 0, still, "head_camera_mount"))]
+    for ns, numbers in each(track):
+        sent.append(("/arm", pose, ns, message(pose, ns, still)))
+        bodies = ((f"{long}_1", still), (f"{long}_2", [5.0, *still[1:]]), ("hmd", numbers))
+        sent += [("/tf", frames, ns, message(frames, ns, where, body)) for body, where in bodies]
+    path = ros_bag(tmp_path / "bag.mcap", sent)
     loaded = load_trace(path)
     assert same_motion(loaded.track, track)
     assert "= /tf hmd" in loaded.columns and "devices-interleaved" in kinds(loaded)
@@ -176,26 +154,26 @@ def test_the_head_is_chosen_by_its_name_and_named(tmp_path):
 
 
 def test_a_pose_in_a_moving_frame_is_reported(tmp_path):
-    kind, track = "tf2_msgs/msg/TFMessage", head()
-    bag = Bag(tmp_path / "bag.mcap")
-    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
-        bag.add("/tf", kind, ns, ros_message(kind, ns, [ns * 1e-9, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "base", "odom"))
-        bag.add("/tf", kind, ns, ros_message(kind, ns, numbers, "head", "base"))
-    loaded = load_trace(bag.done())
+    kind, sent = "tf2_msgs/msg/TFMessage", []
+    for ns, numbers in each(head()):
+        base = [ns * 1e-9, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+        sent.append(("/tf", kind, ns, message(kind, ns, base, "base", "odom")))
+        sent.append(("/tf", kind, ns, message(kind, ns, numbers, "head", "base")))
+    loaded = load_trace(ros_bag(tmp_path / "bag.mcap", sent))
     assert "frame 'base', which is itself in frame 'odom'" in str(found(loaded, "frame-nested"))
 
 
 def test_json_of_foxglove_is_read(tmp_path):
-    track = head()
-    bag = Bag(tmp_path / "bag.mcap")
-    for ns, (x, y, z, a, b, c, w) in zip(track.time_ns.tolist(), in_ros(track), strict=True):
+    track, sent = head(), []
+    for ns, numbers in each(track):
         one = {
             "timestamp": {"sec": ns // 10**9, "nsec": ns % 10**9}, "parent_frame_id": "world", "child_frame_id": "head",
-            "translation": {"x": x, "y": y, "z": z}, "rotation": {"x": a, "y": b, "z": c, "w": w},
+            "translation": dict(zip("xyz", numbers, strict=False)),
+            "rotation": dict(zip("xyzw", numbers[3:], strict=True)),
         }  # fmt: skip
         data = json.dumps({"transforms": [one]}).encode()
-        bag.add("/tf", "foxglove.FrameTransforms", ns, data, encoding="json", schema=b"{}")
-    assert same_motion(load_trace(bag.done()).track, track)
+        sent.append(("/tf", "foxglove.FrameTransforms", ns, data, "json", b"{}"))
+    assert same_motion(load_trace(other_bag(tmp_path / "bag.mcap", sent)).track, track)
 
 
 def test_protobuf_of_foxglove_is_read(tmp_path):
@@ -212,29 +190,25 @@ def test_protobuf_of_foxglove_is_read(tmp_path):
         "PoseInFrame": {"timestamp": "Time", "frame_id": "string", "pose": "Pose"},
     }  # fmt: skip
     for name, parts in fields.items():
-        message = file.message_type.add(name=name)
+        kind_of_message = file.message_type.add(name=name)
         for number, (part, kind) in enumerate(parts.items(), 1):
-            field = message.field.add(name=part, number=number, label=1, type=kinds_of.get(kind, 11))
+            field = kind_of_message.field.add(name=part, number=number, label=1, type=kinds_of.get(kind, 11))
             if kind not in kinds_of:
                 field.type_name = f".foxglove.{kind}"
     made = message_factory.GetMessages([file])["foxglove.PoseInFrame"]
-    track = head()
-    bag = Bag(tmp_path / "bag.mcap")
-    for ns, (x, y, z, a, b, c, w) in zip(track.time_ns.tolist(), in_ros(track), strict=True):
-        pose = {"position": {"x": x, "y": y, "z": z}, "orientation": {"x": a, "y": b, "z": c, "w": w}}
+    track, sent, schema = head(), [], files.SerializeToString()
+    for ns, numbers in each(track):
+        pose = message("PoseStamped", ns, numbers)["pose"]
         data = made(timestamp={"seconds": ns // 10**9, "nanos": ns % 10**9}, frame_id="world", pose=pose)
-        how = {"encoding": "protobuf", "schema": files.SerializeToString()}
-        bag.add("/head", "foxglove.PoseInFrame", ns, data.SerializeToString(), **how)
-    assert same_motion(load_trace(bag.done()).track, track)
+        sent.append(("/head", "foxglove.PoseInFrame", ns, data.SerializeToString(), "protobuf", schema))
+    assert same_motion(load_trace(other_bag(tmp_path / "bag.mcap", sent)).track, track)
 
 
 def test_a_file_that_was_cut_off_is_read_up_to_there_and_one_in_gzip_whole(tmp_path):
     """A recorder that crashed left no index, and half a chunk."""
     kind, track = "geometry_msgs/msg/PoseStamped", head()
-    bag = Bag(tmp_path / "bag.mcap", chunk_size=4096)
-    for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):
-        bag.add("/head", kind, ns, ros_message(kind, ns, numbers))
-    raw = bag.done().read_bytes()
+    sent = (("/head", kind, ns, message(kind, ns, numbers)) for ns, numbers in each(track))
+    raw = ros_bag(tmp_path / "bag.mcap", sent, chunk_size=4096).read_bytes()
     cut, packed = tmp_path / "cut.mcap", tmp_path / "bag.mcap.gz"
     cut.write_bytes(raw[: len(raw) // 2])
     loaded = load_trace(cut)
@@ -255,11 +229,10 @@ def test_damage_is_refused(tmp_path):
 
 
 def test_a_file_without_poses_is_refused_with_what_it_holds(tmp_path):
-    bag = Bag(tmp_path / "bag.mcap")
-    bag.add("/imu", "sensor_msgs/msg/Imu", 0, b"\0" * 8)
-    bag.add("/old", "geometry_msgs/PoseStamped", 0, b"\0" * 8, encoding="ros1", schema=b"x")
+    sent = [("/imu", "sensor_msgs/msg/Imu", 0, b"\0" * 8, "cdr", b"float64 x")]
+    sent.append(("/old", "geometry_msgs/PoseStamped", 0, b"\0" * 8, "ros1", b"x"))
     with pytest.raises(TraceError, match=r"/imu \(sensor_msgs/Imu, cdr\), /old \(geometry_msgs/PoseStamped, ros1\)"):
-        load_trace(bag.done())
+        load_trace(other_bag(tmp_path / "bag.mcap", sent))
 
 
 def test_another_file_named_as_mcap_is_refused(tmp_path):
@@ -270,7 +243,7 @@ def test_another_file_named_as_mcap_is_refused(tmp_path):
 
 
 def test_a_chunk_that_unpacks_to_more_than_it_may_is_refused(tmp_path):
-    bag = Bag(tmp_path / "bag.mcap", chunk_size=1 << 26)
-    bag.add("/head", "geometry_msgs/msg/PoseStamped", 0, bytes(17 << 20))
+    sent = [("/head", "geometry_msgs/msg/PoseStamped", 0, bytes(17 << 20), "cdr", b"float64 x")]
+    path = other_bag(tmp_path / "bag.mcap", sent, chunk_size=1 << 26)
     with pytest.raises(TraceError, match="more than 16777216 bytes, unpacked"):
-        load_trace(bag.done())
+        load_trace(path)

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from hmdwarp import resources
 from hmdwarp.cli.trace import app
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.poses import KINDS, load_trace
+from hmdwarp.poses import load_trace
 from hmdwarp.poses.formats import formats
 
 from .traces import WRITERS, head, rows, same_motion, write
@@ -157,24 +157,6 @@ def test_places_that_cannot_be_written(tmp_path):
     assert "is a directory" in refused("convert", path, tmp_path)
     assert "cannot write" in refused("convert", path, tmp_path / "missing" / "out.csv")
     assert "cannot write" in refused("synth", "still", "--out", path / "below" / "out.csv")
-
-
-def test_wrong_names_get_the_nearest_known_one(tmp_path):
-    assert "did you mean 'euroc'" in refused("convert", "walk", tmp_path / "o", "--to", "eurok")
-    only = "read, not written: expected one of euroc, mcap, native, tum"
-    assert only in refused("convert", "walk", tmp_path / "o", "--to", "questset")
-    assert "did you mean 'reversals'" in refused("synth", "reversal", "--out", tmp_path / "o")
-    assert "did you mean 'still'" in refused("info", "stil")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_help_names_all_that_can_be_chosen():
-    convert, synth, info = (" ".join(run(c, "--help").split()) for c in ("convert", "synth", "info"))
-    for entry in formats:
-        assert entry.name in info
-        assert not entry.writes or entry.name in convert
-    for kind in KINDS:
-        assert kind in synth
 
 
 def test_a_plot_is_drawn_and_tells_an_upright_head_from_one_on_its_side(tmp_path):

@@ -1,4 +1,4 @@
-"""PoseTrack: what it accepts, and the pose at any instant."""
+"""PoseTrack: what it accepts, the pose at any instant, its figures; a recording that goes on."""
 
 from __future__ import annotations
 
@@ -10,9 +10,24 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from hmdwarp.errors import TraceError
 from hmdwarp.geometry import Pose
-from hmdwarp.poses import SHORTEST_GAP_NS, Origin, PoseSource, PoseTrack, RecordedSource
+from hmdwarp.poses import (
+    ERROR_PERCENTILES,
+    LATENCIES_MS,
+    SHORTEST_GAP_NS,
+    LoopedSource,
+    Origin,
+    PoseSource,
+    PoseTrack,
+    RecordedSource,
+    analyse,
+    error_row,
+    folded,
+    load_trace,
+    quaternions,
+    synthesise,
+)
 
-from .traces import head
+from .traces import head, unit_quaternions
 
 TRACK = head(100)
 GAPPED = PoseTrack(
@@ -126,3 +141,199 @@ def test_a_recorded_source_is_a_pose_source():
     assert source.head_at(7).pose.isclose(TRACK.at(7).pose, atol=0)
     source.close()
     source.close()
+
+
+def spinning(deg_per_s: float, m_per_s: float = 0.0, seconds: float = 5.0) -> PoseTrack:
+    t = np.arange(int(seconds * 90)) / 90
+    place = t[:, None] * np.array([m_per_s, 0, 0])
+    return PoseTrack(
+        np.rint(t * 1e9).astype(np.int64),
+        place,
+        Rotation.from_euler("Y", deg_per_s * t[:, None], degrees=True).as_quat(),
+    )
+
+
+def test_a_steady_turn():
+    figures = analyse(spinning(60, 0.5))
+    # Stamps are rounded to 1 ns of 11 ms: 1e-7 of the speed.
+    assert np.allclose(figures.angular_speed_deg_s, 60, rtol=2e-7)
+    assert np.allclose(figures.linear_speed_m_s, 0.5, rtol=2e-7)
+    for row in figures.errors:
+        held, ahead = row.errors["none"], row.errors["constant_velocity"]
+        assert np.allclose(held.percentiles, 0.06 * row.latency_ms, rtol=1e-6)
+        assert held.lag == pytest.approx(0.06 * row.latency_ms, rel=1e-6) and held.lead == held.lead_share == 0
+        assert np.allclose(ahead.percentiles, 0.06 * max(row.latency_ms - 100, 0), rtol=1e-6, atol=1e-4)
+
+
+def test_rate_duration_gaps_and_jumps():
+    track = head(100)
+    late = track.time_ns + np.where(np.arange(100) > 49, 2_000_000_000, 0)
+    figures = analyse(track.evolve(time_ns=late, jumps=(10,)))
+    assert figures.samples == 100
+    assert figures.duration_s == pytest.approx(99 / 60 + 2)
+    assert figures.rate_hz == pytest.approx(60, rel=1e-6)
+    assert figures.mean_rate_hz == pytest.approx(99 / (99 / 60 + 2))
+    (gap,) = figures.gaps
+    assert (gap["start_s"], round(gap["length_s"] * 1e3)) == (int(track.time_ns[49]) / 1e9, 2017)
+    assert figures.jumps == 1
+
+
+def test_statistics_stop_at_gaps():
+    """Two turns at 30 deg/s, 90 degrees apart: the step between must not show."""
+    a = spinning(30, seconds=2)
+    b = Rotation.from_euler("Y", 90, degrees=True) * Rotation.from_quat(a.orientation_xyzw)
+    track = PoseTrack(
+        np.concatenate([a.time_ns, a.time_ns + 3_000_000_000]),
+        np.zeros((2 * len(a), 3)),
+        np.concatenate([a.orientation_xyzw, b.as_quat()]),
+    )
+    figures = analyse(track)
+    assert np.allclose(figures.angular_speed_deg_s, 30, rtol=1e-6)
+    assert all(np.allclose(r.errors["none"].percentiles, 0.03 * r.latency_ms, rtol=1e-6) for r in figures.errors)
+
+
+@pytest.mark.parametrize("latency_ms", [20, 100, 400])
+def test_the_error_table_by_another_route(latency_ms):
+    """SciPy's Slerp and rotation objects on a plain grid, one instant after the other."""
+    track = load_trace("look-around").track
+    at = Slerp(track.time_ns / 1e9, Rotation.from_quat(track.orientation_xyzw))
+    grid = np.arange(track.start_ns + (latency_ms + 50) * 1_000_000, track.end_ns + 1, 5_000_000)
+    now, then, before = (at((grid - back * 1_000_000) / 1e9) for back in (0, latency_ms, latency_ms + 50))
+    speed = (then * before.inv()).as_rotvec() / 0.05
+    guesses = [then, Rotation.from_rotvec(speed * min(latency_ms / 1e3, 0.1)) * then]
+    row = error_row(track, latency_ms)
+    assert row.count == len(grid)
+    for guess, found in zip(guesses, (row.errors["none"], row.errors["constant_velocity"]), strict=True):
+        errors = np.degrees((guess.inv() * now).magnitude())
+        # float seconds are good to 4e-15 s and the turn is at most 400 deg/s; predictions magnify
+        # by up to 9.
+        assert np.allclose(found.percentiles, np.percentile(errors, ERROR_PERCENTILES), rtol=0, atol=1e-9)
+        assert found.mean == pytest.approx(errors.mean(), abs=1e-9)
+
+
+def test_too_short_for_a_latency_is_nan_not_a_guess():
+    figures = analyse(head(10))
+    assert [r.count > 0 for r in figures.errors] == [ms + 50 <= 150 for ms in LATENCIES_MS]
+    assert all(np.isnan(error.percentiles).all() for error in figures.errors[-1].errors.values())
+    alone = analyse(PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1.0]]))
+    assert np.isnan(alone.angular_speed_deg_s).all()
+
+
+def test_a_very_long_track_is_thinned_evenly():
+    hours = spinning(1, seconds=0.5)
+    stretched = hours.evolve(time_ns=np.arange(len(hours)) * 10**11, max_gap_ns=10**12)
+    row = error_row(stretched, 20)
+    assert 150_000 < row.count <= 200_001
+
+
+TRACK_LOOPED = synthesise("walk", seed=1, seconds=1)
+
+
+class Clock:
+    now_ns = 0
+
+    def __call__(self) -> int:
+        return self.now_ns
+
+
+@given(st.integers(-(10**12), 10**13), st.integers(1, 10**11))
+def test_time_stays_inside_and_never_jumps(since_ns, length_ns):
+    here, next_ = (folded(at, length_ns).since_ns for at in (since_ns, since_ns + 1))
+    assert 0 <= here <= length_ns
+    assert abs(next_ - here) <= 1
+    assert folded(since_ns + 2 * length_ns, length_ns).since_ns == here or since_ns < 0
+
+
+def test_the_first_time_through_it_is_the_track_and_then_its_mirror_image():
+    source, track = LoopedSource(TRACK_LOOPED, Clock()), TRACK_LOOPED
+    for after_ns in (0, 1, 123_456_789, track.duration_ns):
+        expected = track.at(track.start_ns + after_ns).pose
+        for asked_ns in (after_ns, 2 * track.duration_ns - after_ns, 2 * track.duration_ns + after_ns):
+            sample = source.head_at(asked_ns)
+            assert sample.time_ns == asked_ns
+            assert np.array_equal(sample.pose.position_m, expected.position_m)
+            assert np.array_equal(sample.pose.orientation_xyzw, expected.orientation_xyzw)
+
+
+def test_restart_begins_anew():
+    clock = Clock()
+    source = LoopedSource(TRACK_LOOPED, clock)
+    clock.now_ns = 700_000_000
+    source.restart()
+    sample = source.head_at(clock.now_ns)
+    assert np.array_equal(sample.pose.position_m, TRACK_LOOPED.pose(0).position_m)
+    assert sample.read_ns == clock.now_ns
+
+
+# A product of unit quaternions sums four products of numbers below 1: a few units of 1.1e-16 each,
+# doubled by going to an angle.
+ATOL = 5e-15
+
+
+def angle(a, b) -> float:
+    return float((Rotation.from_quat(a).inv() * Rotation.from_quat(b)).magnitude())
+
+
+@given(unit_quaternions, unit_quaternions)
+def test_product_inverse_and_rotation_are_scipys(a, b):
+    assert angle(quaternions.multiply(a, b), (Rotation.from_quat(a) * Rotation.from_quat(b)).as_quat()) < ATOL
+    assert angle(quaternions.conjugate(a), Rotation.from_quat(a).inv().as_quat()) < ATOL
+    v = np.array([0.3, -2.0, 5.0])
+    assert np.allclose(quaternions.rotate(a, v), Rotation.from_quat(a).apply(v), rtol=0, atol=5e-14)
+
+
+@given(unit_quaternions)
+def test_log_and_exp_are_inverse_and_scipys(q):
+    log = quaternions.to_rotation_vector(q)
+    assert np.linalg.norm(log) <= np.pi + 1e-12
+    assert angle(quaternions.from_rotation_vector(log), q) < ATOL
+
+
+@given(unit_quaternions, unit_quaternions, st.sampled_from([0.0, 1e-12, 1.0]))
+def test_turns_of_one_in_plain_floats_are_scipys(a, b, share):
+    """From one towards the other, by all, next to nothing or nothing: there and back."""
+    wanted = (
+        Rotation.from_quat(a),
+        Rotation.from_rotvec(share * (Rotation.from_quat(b) * Rotation.from_quat(a).inv()).as_rotvec()),
+    )
+    q = quaternions.turned(a.tolist(), wanted[1].as_rotvec().tolist())
+    assert angle(q, (wanted[1] * wanted[0]).as_quat()) < 2 * ATOL
+    v = np.array(quaternions.turn(a.tolist(), q))
+    assert np.linalg.norm(v) <= np.pi + 1e-12
+    assert angle(Rotation.from_rotvec(v).as_quat(), wanted[1].as_quat()) < 3 * ATOL  # three products
+
+
+@given(unit_quaternions, st.floats(0, 1))
+def test_slerp_is_scipys(a, share):
+    b = quaternions.multiply(quaternions.from_rotation_vector(np.array([0.2, -0.7, 0.4])), a)
+    wanted = Slerp([0, 1], Rotation.from_quat([a, b]))(share).as_quat()
+    assert angle(quaternions.slerp(a.tolist(), b.tolist(), share), wanted) < 2e-14
+    many = quaternions.slerp_many(a[None], b[None], np.array([share]))[0]
+    assert np.allclose(many, quaternions.slerp(a.tolist(), b.tolist(), share), rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 1e-300, 1e-12, 1e-8, 1e-3, 1.0, np.pi - 1e-8, np.pi])
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 1.0])
+@given(unit_quaternions)
+def test_slerp_turns_by_its_share_of_any_angle(turn_rad, share, a):
+    axis = np.array([1.0, 2.0, -2.0]) / 3
+    b = quaternions.multiply(quaternions.from_rotation_vector(turn_rad * axis), a)
+    q = np.array(quaternions.slerp(a.tolist(), b.tolist(), share))
+    # Near 180 degrees the arc may run either way round: the angle from a is the same.
+    assert abs(np.linalg.norm(q) - 1) < 1e-14
+    assert abs(float(quaternions.angle_between(a, q)) - share * turn_rad) < 1e-14
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=30))
+def test_signs_become_continuous_without_changing_a_rotation(flips):
+    smooth = quaternions.from_rotation_vector(np.linspace(0, 5, len(flips))[:, None] * np.array([0.1, 1.0, 0.2]))
+    flipped = np.where(np.array(flips)[:, None], -smooth, smooth)
+    mended = flipped.copy()
+    changes = sum(a != b for a, b in zip(flips, flips[1:], strict=False))
+    if len(flips) > 10:  # steps are then below 90 degrees of quaternion arc, so a negative product can only be a flip
+        assert len(quaternions.make_continuous(mended)) == changes
+    else:
+        quaternions.make_continuous(mended)
+    assert (np.einsum("ij,ij->i", mended[1:], mended[:-1]) >= 0).all()
+    assert np.array_equal(np.abs(mended), np.abs(flipped))
+    assert np.array_equal(mended[0], flipped[0])

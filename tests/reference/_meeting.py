@@ -75,10 +75,8 @@ class Rays:
         return seen, np.abs(w) <= 64 * FLOAT32_UNIT * (1 + depth * np.linalg.norm(moved))
 
     def error(self, shown_depth: Array) -> Array:
-        """(h, w): pixels by which the shader's place of a point may be off.
-
-        It adds two more products and a quotient to the bound's.
-        """
+        """(h, w): pixels by which the shader's place of a point may be off. It adds two more
+        products and a quotient to the bound's."""
         bound = pixel_error_bound(
             WarpMap.between(self.shown, self.shown_size, self.view, self.size), self.shown_size, np.abs(shown_depth)
         )
@@ -146,8 +144,7 @@ def _may_land(pixels: Array, error: Array, shown_size: tuple[int, int]) -> Mask:
 
 def meet(picture: RenderedPicture, rays: Rays, guess: Array) -> Meetings:
     """One step from a guess (shown inverse depth) to the plane of the texel that the ray is over at
-    that depth.
-    """
+    that depth."""
     guess_known = guess >= 0
     r = rays.rendered_depth(np.where(guess_known, guess, 0))
     with np.errstate(invalid="ignore", over="ignore"):
@@ -224,8 +221,7 @@ def _from_border(place: Array, size: tuple[int, int]) -> Array:
 
 def is_nearer(depth: Array, other: Array) -> tuple[Mask, Mask]:
     """Whether `depth` is nearer than `other` (-1: nothing) by more than rounding, and whether that
-    is a close call.
-    """
+    is a close call."""
     beyond = depth * (1 - SAME) - other - FARTHEST
     close = np.abs(beyond) <= SAME / 4 * np.maximum(depth, other) + FARTHEST / 4
     return np.where(other < 0, depth >= 0, beyond > 0), close & (depth >= 0) & (other >= 0)

@@ -1,6 +1,5 @@
 """Pixels to rays to pixels, through the world, and how far a float32 evaluation of the warp map may
-be off.
-"""
+be off."""
 
 from __future__ import annotations
 
@@ -29,8 +28,7 @@ class Places:
 
 def world_directions(view: View, size: tuple[int, int], at: Array | None = None) -> Array:
     """(h, w, 3) directions in the world through the pixel centres, or the pixels `at`, of length 1
-    along the view axis.
-    """
+    along the view axis."""
     rays = view.rays(size) if at is None else rays_through(view, size, at)
     return rays @ view.pose.rotation.as_matrix().T
 

@@ -1,7 +1,5 @@
-"""The rendered picture as a surface, and shown rays drawn into it.
-
-What the twins of the gathers that search the rendered depth share.
-"""
+"""The rendered picture as a surface, and shown rays drawn into it. What the twins of the gathers
+that search the rendered depth share."""
 
 from __future__ import annotations
 
@@ -43,8 +41,7 @@ class RaysInRendered:
         directions: Array | None = None,
     ) -> RaysInRendered:
         """Through the pixel centres of the shown view, or along `directions` (..., 3) of length 1
-        along its axis.
-        """
+        along its axis."""
         rays = world_directions(shown, shown_size) if directions is None else directions
         moved = shown.pose.position_m - rendered.pose.position_m
         axis = rendered.pose.rotation.as_matrix() @ np.array([0.0, 0.0, -1.0])
@@ -103,10 +100,8 @@ class Found:
 
 @attrs.frozen(eq=False)
 class RenderedSurface:
-    """A rendered inverse depth (h, w).
-
-    Neighbours are connected if they differ by at most tolerance * (the farther's + floor).
-    """
+    """A rendered inverse depth (h, w). Neighbours are connected if they differ by at most tolerance
+    * (the farther's + floor)."""
 
     inverse_depth: Array
     tolerance: float
@@ -129,10 +124,8 @@ class RenderedSurface:
         return np.minimum(fraction, 1 - fraction).min(axis=-1) <= error
 
     def at(self, place: Array, error: Array, joined: Array | float = 0.0, joined_error: Array | float = 0.0) -> Found:
-        """The plane of the texel at each place (..., 2).
-
-        joined: 1/m by which neighbours may differ in any case and be connected, and its error.
-        """
+        """The plane of the texel at each place (..., 2). joined: 1/m by which neighbours may differ
+        in any case and be connected, and its error."""
         texel = self.texel(place)
         centre = texel + 0.5
         off = np.nan_to_num(place) - centre

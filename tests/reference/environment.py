@@ -1,7 +1,5 @@
-"""Twin of the environment warp.
-
-Each shown ray, projected onto the face it comes nearest to the axis of.
-"""
+"""Twin of the environment warp. Each shown ray, projected onto the face it comes nearest to the
+axis of."""
 
 from __future__ import annotations
 
@@ -14,12 +12,8 @@ from reference.picture import ReferencePicture, TwinInputs, sample_covered
 
 
 def environment(inputs: TwinInputs) -> ReferencePicture:
-    """Every face looked into as a picture of its own view.
-
-    Each ray takes the face whose axis it is nearest to.
-
-    Rays that rounding may put on either of two faces are undecided.
-    """
+    """Every face looked into as a picture of its own view. Each ray takes the face whose axis it is
+    nearest to. Rays that rounding may put on either of two faces are undecided."""
     side = inputs.cube.shape[1] // 3
     rays = inputs.directions(inputs.shown)
     views = face_views(View(inputs.rendered.pose, inputs.shown.fov), side)
@@ -44,10 +38,8 @@ def environment(inputs: TwinInputs) -> ReferencePicture:
 
 
 def direction_error(inputs: TwinInputs) -> Array:
-    """(h, w): how far each coordinate of the shader's direction may be off.
-
-    8 u of the sum of its terms, as in pixel_error_bound.
-    """
+    """(h, w): how far each coordinate of the shader's direction may be off. 8 u of the sum of its
+    terms, as in pixel_error_bound."""
     shown, rendered, size = inputs.shown, inputs.rendered, inputs.shown_size
     turn = np.abs(rendered.pose.rotation.as_matrix().T @ shown.pose.rotation.as_matrix())
     to_tangent = np.abs(np.linalg.inv(shown.fov.pixel_from_tangent(size)))

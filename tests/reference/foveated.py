@@ -1,7 +1,5 @@
-"""Twins of server/foveate.comp and effects/expand.comp: sums over whole blocks, and positions.
-
-By the edges and centres of columns and rows, where the shaders count pixels. Bottom row first.
-"""
+"""Twins of server/foveate.comp and effects/expand.comp: sums over whole blocks, and positions. By
+the edges and centres of columns and rows, where the shaders count pixels. Bottom row first."""
 
 from __future__ import annotations
 

@@ -1,17 +1,15 @@
-"""Twin of a warp that looks through the lens itself.
-
-The lens's ray for each colour of each panel pixel, handed to the warp's own twin.
-"""
+"""Twin of a warp that looks through the lens itself. The lens's ray for each colour of each panel
+pixel, handed to the warp's own twin."""
 
 from __future__ import annotations
 
 import attrs
 import numpy as np
 
-from hmdwarp.geometry import View
+from hmdwarp.geometry import Fov, View
 from hmdwarp.headsets import COLOURS, Headset
 from reference._rays import FLOAT32_UNIT, Array, Places
-from reference.lens_curve import tangent_from_lens
+from reference.lens import tangent_from_lens
 from reference.picture import ReferencePicture, TwinInputs, near_edge
 from reference.scanout import Twin, scanned_out
 
@@ -29,7 +27,7 @@ def fused(
     out = np.zeros((*panel_size[::-1], 4))
     tolerance, undecided = np.zeros(panel_size[::-1]), np.zeros(panel_size[::-1], bool)
     for channel, colour in enumerate(COLOURS):
-        pixels, error = looked_at(headset, eye, panel_size, inputs, colour)
+        pixels, error = looked_at(headset, eye, panel_size, inputs.shown.fov, inputs.shown_size, colour)
         # One more product and addition than for a pixel centre, and a map at the lens's axis: 4
         # more units of the same terms.
         looking = attrs.evolve(inputs, places=Places(pixels, error, rounding=1.5))
@@ -44,7 +42,7 @@ def fused(
 
 
 def looked_at(
-    headset: Headset, eye: int, panel_size: tuple[int, int], inputs: TwinInputs, colour: str
+    headset: Headset, eye: int, panel_size: tuple[int, int], fov: Fov, shown_size: tuple[int, int], colour: str
 ) -> tuple[Array, Array]:
     """(h, w, 2) the pixel of the shown view where each panel pixel sees that colour, in polar form.
 
@@ -61,8 +59,8 @@ def looked_at(
     radius, angle = np.hypot(on_lens[..., 0], on_lens[..., 1]), np.arctan2(on_lens[..., 1], on_lens[..., 0])
     along = tangent_from_lens(lens, np.stack([radius, np.zeros_like(radius)], axis=-1), colour)[..., 0]
     tangent = np.stack([along * np.cos(angle), along * np.sin(angle)], axis=-1)
-    left, right, down, up = inputs.shown.fov.tangents
-    low, per_tangent = np.array([left, down]), np.array(inputs.shown_size) / np.array([right - left, up - down])
+    left, right, down, up = fov.tangents
+    low, per_tangent = np.array([left, down]), np.array(shown_size) / np.array([right - left, up - down])
 
     k = np.abs(lens.coefficients[colour]) * lens.tangent_per_unit
     powers = radius[..., None] ** (2 * np.arange(len(k)))

@@ -22,8 +22,7 @@ def shift(inputs: TwinInputs) -> ReferencePicture:
 
 def similarity(inputs: TwinInputs) -> ReferencePicture:
     """A turn and scale about the middle of the view, fitted to rays close around it that meet the
-    plane at the median depth.
-    """
+    plane at the median depth."""
     r = median_inverse_depth(inputs.inverse_depth)
     return _from_the_middle(inputs, r, lambda ring, seen: (ring.conj() @ seen) / (ring.conj() @ ring))
 
@@ -59,8 +58,7 @@ def _from_the_middle(inputs: TwinInputs, r: float, fitted) -> ReferencePicture:
 
 def _middle_bound(inputs: TwinInputs, r: float, moved: Array, past: float) -> Array:
     """That of the planar map at the middle, with its derivative off by 32 units in each pixel from
-    there.
-    """
+    there."""
     given = inputs.places or Places(pixel_centres(inputs.shown_size))
     middle = np.array(inputs.shown_size) / 2
     from_middle = np.linalg.norm(np.nan_to_num(given.pixels) - middle, axis=-1)
@@ -185,10 +183,8 @@ def _where_depth_agrees(
 
 
 def _agrees(inverse_depth: Array, texel: Array, expected: Array, tolerance: float, floor: float):
-    """Whether the texel lies inside the picture and holds the expected depth.
-
-    And whether that is a close call.
-    """
+    """Whether the texel lies inside the picture and holds the expected depth. And whether that is a
+    close call."""
     most = np.array(inverse_depth.shape[1::-1]) - 1
     clipped = np.clip(texel, 0, most)
     inside = (texel == clipped).all(axis=-1)

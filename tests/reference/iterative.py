@@ -22,10 +22,8 @@ FARTHEST_BITS, NEAREST_BITS = (
 
 
 def iterative(inputs: TwinInputs) -> ReferencePicture:
-    """Each shown ray meets the rendered surface where its guess no longer moves.
-
-    What still moves is a hole.
-    """
+    """Each shown ray meets the rendered surface where its guess no longer moves. What still moves
+    is a hole."""
     settings, size = inputs.settings, inputs.size
     if settings.fringe == "front":
         inputs = attrs.evolve(inputs, inverse_depth=with_fringes_moved(inputs.inverse_depth, settings))
@@ -57,8 +55,7 @@ def iterative(inputs: TwinInputs) -> ReferencePicture:
 
 def with_fringes_moved(inverse_depth: Array, settings: IterativeSettings) -> Array:
     """The depth (h, w) where pixels beside a nearer surface have that of the nearest of their four
-    neighbours; in float32, as the shader compares.
-    """
+    neighbours; in float32, as the shader compares."""
     own = inverse_depth.astype(np.float32)
     cross = ndimage.generate_binary_structure(2, 1)
     nearest = ndimage.maximum_filter(own, footprint=cross, mode="constant")
@@ -111,10 +108,8 @@ def _plain_look(
 
 
 def first_guess(inputs: TwinInputs, surface: RenderedSurface) -> tuple[Array, Array, Bools]:
-    """(h, w) per shown pixel.
-
-    The guess of its cell, its error, and whether another block may win there.
-    """
+    """(h, w) per shown pixel. The guess of its cell, its error, and whether another block may win
+    there."""
     keys, texels, unsure = _in_front(inputs)
     high, wide = keys.shape
     left, right, down, up = inputs.shown.fov.tangents
@@ -138,11 +133,8 @@ def first_guess(inputs: TwinInputs, surface: RenderedSurface) -> tuple[Array, Ar
 
 
 def _in_front(inputs: TwinInputs) -> tuple[Array, Array, Bools]:
-    """Per cell of shown pixels.
-
-    The largest key of the blocks that land there (0: none), its rendered texel, whether rounding
-    may change it.
-    """
+    """Per cell of shown pixels. The largest key of the blocks that land there (0: none), its
+    rendered texel, whether rounding may change it."""
     wide, high = inputs.size
     cells = tuple(-(-n // BLOCK) for n in inputs.shown_size)
     padded = np.zeros((-(-high // BLOCK) * BLOCK, -(-wide // BLOCK) * BLOCK))
@@ -190,10 +182,8 @@ def _splat_block(
 
 
 def _box(inputs: TwinInputs, column: int, row: int, nearest: float, farthest: float):
-    """What a block covers of the shown picture: lowest and highest pixel, their error.
-
-    None where it reaches beside the shown eye.
-    """
+    """What a block covers of the shown picture: lowest and highest pixel, their error. None where
+    it reaches beside the shown eye."""
     rendered, wide, high = inputs.rendered, *inputs.size
     left, right, down, up = rendered.fov.tangents
     corners = np.array([(column + dx, row + dy) for dy in (0, BLOCK) for dx in (0, BLOCK)], float)

@@ -1,7 +1,5 @@
-"""Twin of the layered warp.
-
-Every ray against every layer, the nearest meeting that was uncovered stays.
-"""
+"""Twin of the layered warp. Every ray against every layer, the nearest meeting that was uncovered
+stays."""
 
 from __future__ import annotations
 
@@ -42,8 +40,7 @@ def layered(inputs: TwinInputs) -> ReferencePicture:
 
 def _uncovered(front: RenderedPicture, rays: Rays, found: Meetings) -> tuple[Mask, Mask]:
     """Whether what covers the found place in the visible layer lies on the shown ray within the
-    picture, a pixel from its border or more; and where that is uncertain.
-    """
+    picture, a pixel from its border or more; and where that is uncertain."""
     place = np.where(found.met[..., None], np.nan_to_num(found.place), 0)
     x, y = np.clip(np.floor(place).astype(int), 0, np.array(rays.size) - 1).transpose(2, 0, 1)
     depth = front.inverse_depth[y, x]

@@ -58,10 +58,8 @@ class MotionAsked:
         return self.colour.shape[1::-1]
 
     def keys(self) -> NDArray[np.int64]:
-        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body.
-
-        A body beyond the table or at rest is nothing.
-        """
+        """(h, w) what each pixel moves with: 0 nothing, SOFT, or its body. A body beyond the table
+        or at rest is nothing."""
         moves = [not drawn.isclose(shown, 1e-12) for drawn, shown in self.poses]
         known = np.isin(self.ids, 1 + np.flatnonzero(moves))
         keys = np.where(known, self.ids, 0)
@@ -72,10 +70,8 @@ class MotionAsked:
 
 @attrs.frozen(eq=False)
 class MovedPicture:
-    """What the pass should leave.
-
-    The picture, and its inverse depth with its own tolerance (h, w).
-    """
+    """What the pass should leave. The picture, and its inverse depth with its own tolerance (h,
+    w)."""
 
     picture: ReferencePicture
     inverse_depth: Array
@@ -83,10 +79,8 @@ class MovedPicture:
 
 
 def moved_picture(inputs: MotionAsked) -> MovedPicture:
-    """Everything that moves, moved; holes where it was.
-
-    What a place within SNAP_PX shows otherwise is tolerance, or undecided.
-    """
+    """Everything that moves, moved; holes where it was. What a place within SNAP_PX shows otherwise
+    is tolerance, or undecided."""
     squares = _Squares.of(inputs)
     exact = _looked(inputs, squares, np.zeros(2))
     beside = [
@@ -141,10 +135,8 @@ class _Squares:
 
 
 def _corner(inputs: MotionAsked, keys: NDArray, row: int, column: int, dx: int, dy: int) -> tuple[Array, Array, float]:
-    """A corner of a pixel's square.
-
-    Its place in the world after the motion, its rendered pixel, its inverse depth.
-    """
+    """A corner of a pixel's square. Its place in the world after the motion, its rendered pixel,
+    its inverse depth."""
     around = [(row + dy - 1 + b, column + dx - 1 + a) for a in (0, 1) for b in (0, 1)]
     members = _surface(inputs, keys, (row, column), around)
     inverse_depth = float(np.mean([inputs.inverse_depth[at] for at in members]))
@@ -202,10 +194,8 @@ def _strain(inputs: MotionAsked, a: tuple[int, int], b: tuple[int, int]) -> Arra
 
 @attrs.frozen(eq=False)
 class _Look:
-    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w).
-
-    Index of the moving pixel, -1 for what stands still.
-    """
+    """What rays met: colour (h, w, 4), inverse depth (h, w), owner (h, w). Index of the moving
+    pixel, -1 for what stands still."""
 
     colour: Array
     inverse_depth: Array

@@ -1,7 +1,5 @@
-"""Twin of the multi warp: every ray against every rendered picture.
-
-Depth, then confidence, then the newer decides.
-"""
+"""Twin of the multi warp: every ray against every rendered picture. Depth, then confidence, then
+the newer decides."""
 
 from __future__ import annotations
 
@@ -17,10 +15,8 @@ CLOSE = 64 * FLOAT32_UNIT  # Depths and ratios are some ten float32 operations f
 
 
 def multi(inputs: TwinInputs) -> ReferencePicture:
-    """The newest picture, then the others in turn.
-
-    An eye that has not moved and sees no more than before gets the newest alone.
-    """
+    """The newest picture, then the others in turn. An eye that has not moved and sees no more than
+    before gets the newest alone."""
     newest = RenderedPicture(inputs.colour, inputs.inverse_depth, inputs.rendered)
     shape = inputs.shown_size[::-1]
     colour, tolerance = np.zeros((*shape, 4)), np.zeros(shape)
@@ -50,10 +46,8 @@ def _is_unmoved(inputs: TwinInputs) -> bool:
 
 
 def _confidence(rays: Rays, depth: Array) -> Array:
-    """How densely the picture sampled a place on the ray.
-
-    By how much nearer it is to its eye than to the shown one.
-    """
+    """How densely the picture sampled a place on the ray. By how much nearer it is to its eye than
+    to the shown one."""
     moved = rays.shown.pose.position_m - rays.view.pose.position_m
     points = np.maximum(depth, 0)
     ratio = project(world_directions(rays.shown, rays.shown_size), moved, points, rays.view, rays.size)[2]
@@ -74,8 +68,7 @@ def _is_better(depth: Array, sure: Array, depth_before: Array, sure_before: Arra
 
 def _is_contradicted(inputs: TwinInputs, newest: RenderedPicture, found: Meetings) -> tuple[Mask, Mask]:
     """Whether the newest picture, at the pixel in which the found point appears there, holds
-    something farther; and close calls.
-    """
+    something farther; and close calls."""
     moved, size = inputs.shown.pose.position_m - newest.view.pose.position_m, inputs.size
     points = np.where(found.met, found.depth, 0)
     pixels, expected, w = project(world_directions(inputs.shown, inputs.shown_size), moved, points, newest.view, size)

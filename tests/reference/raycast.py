@@ -55,8 +55,7 @@ def nearest(*found: Hits) -> Hits:
 
 def cast_quads(quads: ArrayLike, eye: Array, rays: Array) -> Hits:
     """Rays (n, 3) from `eye` against quads given as (centre, right, up) half edges, shape (k, 3,
-    3). uv runs -1..1 on the quad.
-    """
+    3). uv runs -1..1 on the quad."""
     out = _empty(len(rays))
     for index, (centre, right, up) in enumerate(np.asarray(quads, np.float64)):
         normal = np.cross(right, up)
@@ -73,10 +72,8 @@ def cast_quads(quads: ArrayLike, eye: Array, rays: Array) -> Hits:
 
 
 def cast_spheres(spheres: ArrayLike, eye: Array, rays: Array) -> Hits:
-    """Rays (n, 3) from `eye`, outside all spheres, against spheres (k, 4): centre and radius.
-
-    uv is not set.
-    """
+    """Rays (n, 3) from `eye`, outside all spheres, against spheres (k, 4): centre and radius. uv is
+    not set."""
     out = _empty(len(rays))
     squared = np.einsum("ij,ij->i", rays, rays)
     for index, (*centre, radius) in enumerate(np.asarray(spheres, np.float64)):
@@ -93,10 +90,8 @@ def cast_spheres(spheres: ArrayLike, eye: Array, rays: Array) -> Hits:
 
 
 def cast_triangles(corners: ArrayLike, eye: Array, rays: Array) -> Hits:
-    """Rays (n, 3) from `eye` against triangles (m, 3, 3), both sides.
-
-    uv are the barycentric weights of corners 1 and 2.
-    """
+    """Rays (n, 3) from `eye` against triangles (m, 3, 3), both sides. uv are the barycentric
+    weights of corners 1 and 2."""
     corners = np.asarray(corners, np.float64)
     start, edge_1, edge_2 = corners[:, 0] - eye, corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     out = _empty(len(rays))

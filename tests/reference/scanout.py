@@ -1,7 +1,5 @@
-"""Twin of a warp that follows the scan-out.
-
-Every row has a view of its own, by SLERP, and is handed to the warp's own twin alone.
-"""
+"""Twin of a warp that follows the scan-out. Every row has a view of its own, by SLERP, and is
+handed to the warp's own twin alone."""
 
 from __future__ import annotations
 
@@ -37,10 +35,8 @@ def direction_error(first: View, last: View) -> float:
 
 
 def row_view(first: View, last: View, row: float, rows: int) -> View:
-    """The view of a row counted from the bottom, which lights up last.
-
-    Row 0 of a display of `rows` is shown at (rows - 1/2) / rows.
-    """
+    """The view of a row counted from the bottom, which lights up last. Row 0 of a display of `rows`
+    is shown at (rows - 1/2) / rows."""
     return View(first.pose.towards(last.pose, 1 - (row + 0.5) / rows), first.fov)
 
 
@@ -67,11 +63,8 @@ def scanned_out(inputs: TwinInputs, last: View, twin: Twin) -> ReferencePicture:
 
 
 def turned_pixels(inputs: TwinInputs, places: Array, angle: float) -> Array:
-    """(h, w).
-
-    By how many pixels of the shown view a turn by `angle` (radians, small) may move what is seen at
-    `places`.
-    """
+    """(h, w). By how many pixels of the shown view a turn by `angle` (radians, small) may move what
+    is seen at `places`."""
     left, right, down, up = inputs.shown.fov.tangents
     per_tangent = np.max(np.array(inputs.shown_size) / np.array([right - left, up - down]))
     rays = rays_through(inputs.shown, inputs.shown_size, places)

@@ -31,8 +31,7 @@ def forward(inputs: TwinInputs) -> ReferencePicture:
 
 def forward_raster(inputs: TwinInputs) -> ReferencePicture:
     """Each drawn pixel painted in turn, from the top row of the picture to the bottom one, each
-    from left to right.
-    """
+    from left to right."""
     landed = _Landings.of(inputs)
     up, right = np.divmod(landed.source, inputs.size[0])
     return _painted(inputs, landed, np.lexsort((right, -up)))
@@ -40,8 +39,7 @@ def forward_raster(inputs: TwinInputs) -> ReferencePicture:
 
 def forward_ordered(inputs: TwinInputs) -> ReferencePicture:
     """Each drawn pixel painted in turn, in McMillan's order around the shown eye's place in the
-    rendered picture.
-    """
+    rendered picture."""
     landed = _Landings.of(inputs)
     x0, y0, towards = _epipole(inputs)
     up, right = np.divmod(landed.source, inputs.size[0])
@@ -58,10 +56,8 @@ def forward_ordered(inputs: TwinInputs) -> ReferencePicture:
 
 
 def _epipole(inputs: TwinInputs) -> tuple[int, int, bool]:
-    """The rendered pixel that the shown eye appears in, and whether it lies ahead.
-
-    As angles from the rendered eye, not by the warp map.
-    """
+    """The rendered pixel that the shown eye appears in, and whether it lies ahead. As angles from
+    the rendered eye, not by the warp map."""
     rendered = inputs.rendered
     x, y, z = rendered.pose.rotation.inv().apply(inputs.shown.pose.position_m - rendered.pose.position_m)
     left, right, down, up = rendered.fov.tangents
@@ -79,11 +75,8 @@ def _epipole(inputs: TwinInputs) -> tuple[int, int, bool]:
 
 @attrs.frozen(eq=False)
 class _Landings:
-    """What lands inside the shown picture.
-
-    Index of the drawn pixel, index of the shown one, inverse depth there; and the shown pixels
-    (flat) that rounding alone may give to others.
-    """
+    """What lands inside the shown picture. Index of the drawn pixel, index of the shown one,
+    inverse depth there; and the shown pixels (flat) that rounding alone may give to others."""
 
     source: NDArray[np.int64]
     slot: NDArray[np.int64]
@@ -124,8 +117,7 @@ def _as_ordered(inverse_depth: Array) -> Array:
 
 def _near_ties(slot: Array, depth: Array, pixels: int) -> np.ndarray:
     """Shown pixels whose two nearest landings are closer in depth than float32 tells apart, but not
-    infinitely far.
-    """
+    infinitely far."""
     marked = np.zeros(pixels, bool)
     if len(slot) > 1:
         same = slot[1:] == slot[:-1]

@@ -18,8 +18,7 @@ LEAST_RUN = 1e-9  # pixels per 1/m
 
 def search(inputs: TwinInputs) -> ReferencePicture:
     """Each shown ray to the first quarter texel whose plane it meets within, or `gap` pixels
-    beside.
-    """
+    beside."""
     settings, size = inputs.settings, inputs.size
     surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
     rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
@@ -77,11 +76,8 @@ def _taken(values: Array, index: Array) -> Array:
 
 
 def _segment(rays: RaysInRendered, run: Array, size: tuple[int, int]) -> tuple[Array, Array]:
-    """(h, w) each.
-
-    The largest and the smallest inverse depth at which the ray lies in the rendered picture, before
-    the shown eye.
-    """
+    """(h, w) each. The largest and the smallest inverse depth at which the ray lies in the rendered
+    picture, before the shown eye."""
     start = np.nan_to_num(rays.start)
     borders = np.stack([-start / run, (np.array(size) - start) / run])
     nearest = min(NEAREST, 1 / rays.ahead_m) if rays.ahead_m > 0 else NEAREST
@@ -90,8 +86,7 @@ def _segment(rays: RaysInRendered, run: Array, size: tuple[int, int]) -> tuple[A
 
 def _crossings(rays: RaysInRendered, run: Array, size: tuple[int, int], first: Array, last: Array) -> Array:
     """(h, w, n) inverse depths, falling, at which each ray crosses the lines that part texels into
-    quarters, from first to last.
-    """
+    quarters, from first to last."""
     start = np.nan_to_num(rays.start)
     lines = [(np.arange(2 * n + 1) / 2 - start[..., axis, None]) / run[..., axis, None] for axis, n in enumerate(size)]
     every = np.concatenate([*lines, first[..., None], last[..., None]], axis=-1)

@@ -1,7 +1,5 @@
-"""Twin of sheets that are blended.
-
-Every ray against every triangle, what it meets sorted by distance, light added up on the way.
-"""
+"""Twin of sheets that are blended. Every ray against every triangle, what it meets sorted by
+distance, light added up on the way."""
 
 from __future__ import annotations
 
@@ -31,11 +29,8 @@ class Sheet:
 
 @attrs.frozen(eq=False)
 class Seen:
-    """Along each of n rays.
-
-    Veil (n, 3), passing (n, 3), inverse_depth (n,) of the nearest sheet, -1 for none; count (n,) of
-    sheets met.
-    """
+    """Along each of n rays. Veil (n, 3), passing (n, 3), inverse_depth (n,) of the nearest sheet,
+    -1 for none; count (n,) of sheets met."""
 
     veil: Array
     passing: Array
@@ -52,8 +47,7 @@ class Seen:
 
 def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: ArrayLike = -1.0) -> Seen:
     """Rays (n, 3) of length 1 along the view axis from `eye`, up to what lies at inverse depth
-    `behind` (n,), in 1/m; -1: nothing.
-    """
+    `behind` (n,), in 1/m; -1: nothing."""
     met = [[] for _ in rays]
     limit = np.broadcast_to(np.asarray(behind, np.float64), len(rays))
     for sheet in sheets:

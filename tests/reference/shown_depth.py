@@ -1,8 +1,5 @@
-"""Twin of the shown depth.
-
-Rendered points put into the world, looked at from the shown eye, carried along by the warp's own
-twin.
-"""
+"""Twin of the shown depth. Rendered points put into the world, looked at from the shown eye,
+carried along by the warp's own twin."""
 
 from __future__ import annotations
 

@@ -22,11 +22,8 @@ WARPS = {
     "mesh_adaptive": (21.0, 0.071, 0.031), "multi": (15.3, 0.058, 0.012), "layered": (24.0, 0.049, 0.006),
 }  # fmt: skip
 INSTANTS = 12
-MACHINE = {
-    "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
-    "gl_version": "4.5 (Core Profile) Mesa 22.3.6",
-    "cpu_count": 2,
-}
+RENDERER = "llvmpipe (LLVM 15.0.6, 256 bits)"
+MACHINE = {"gl_renderer": RENDERER, "gl_version": "4.5 (Core Profile) Mesa 22.3.6", "cpu_count": 2}
 
 
 def _dice(*key: object) -> np.random.Generator:
@@ -46,12 +43,8 @@ def a_row(
     hard = (latency_ms / 200) ** 0.5 * (1.35 if trace == "walk" else 1.0)
     error = min(0.6, flip * hard * (0.9 if fill == "interpolate" and holes else 1.0) * noise[0])
     holes = min(0.5, holes * hard * (2 if trace == "walk" else 1))
-    stages = {
-        "warp": ms * noise[1],
-        "fill": (3.7 if fill == "interpolate" else 0.0) * noise[2],
-        "effects": 0.0,
-        "lens": 8.3 * noise[3],
-    }
+    stages = {"warp": ms * noise[1], "fill": 3.7 * (fill == "interpolate") * noise[2], "effects": 0.0}
+    stages["lens"] = 8.3 * noise[3]
     stages["total"] = sum(stages.values())
     quality = {
         **dict.fromkeys(QUALITY, 0.5), "psnr_db": 6 - 21 * np.log10(error), "ssim": 1 - 1.3 * error, "flip": error,
@@ -59,48 +52,37 @@ def a_row(
     }  # fmt: skip
     shares = {"border_holes": holes / 4, "inside_holes": holes * 3 / 4, "silhouettes": 0.12, "seen": 0.88 - holes}
     parts = {"border_holes": 0.7, "inside_holes": 0.6, "silhouettes": error * 1.9, "seen": error * 0.6}
+    # Hard instants are hard for all methods.
+    hard_at = {str(60 * n): 1 + 0.1 * np.sin(n) for n in range(INSTANTS)}
+    regions = {
+        name: {
+            "share": share,
+            "psnr_db": 30 - 40 * parts[name] if share else None,
+            "flip": parts[name] if share else None,
+        }
+        for name, share in shares.items()
+    }
     return {
-        "schema": 1,
-        "hmdwarp": "0.1.0",
-        "trace": trace,
-        "scene": "room",
-        "effects": [],
-        "latency_ms": latency_ms,
-        "warp": warp,
-        "fill": fill,
-        "lens": "radial",
-        "headset": "rift-dk1",
-        "size": [1280, 800],
-        "frames": 120,
-        "rate_hz": 60.0,
-        "guard": 1.5,
-        "predict": "none",
-        "pixels_per_degree": 12.8,
-        "machine": MACHINE,
-        "clock": "wall",
+        **a_run(trace=trace, latency_ms=latency_ms, warp=warp, fill=fill), "size": [1280, 800], "frames": 120,
+        "rate_hz": 60.0, "guard": 1.5, "predict": "none", "pixels_per_degree": 12.8,
         "time_ms": {stage: {"median": value, "p95": 1.15 * value} for stage, value in stages.items()},
         "quality": {
             name: {"mean": value, "p95": 1.4 * value, "interval": [0.95 * value, 1.05 * value]}
             for name, value in quality.items()
         },
-        # Hard instants are hard for all methods.
         "at_instants": {
-            name: {str(60 * n): value * (1 + 0.1 * np.sin(n)) for n in range(INSTANTS)}
-            for name, value in quality.items()
+            name: {at: value * factor for at, factor in hard_at.items()} for name, value in quality.items()
         },
-        "measured": dict.fromkeys(quality, 20),
-        "notes": [],
-        "regions": {
-            name: {
-                "share": share,
-                "psnr_db": 30 - 40 * parts[name] if share else None,
-                "flip": parts[name] if share else None,
-            }
-            for name, share in shares.items()
-        },
-        "mismatch": holes * 0.7,
-        **changes,
-    }
+        "measured": dict.fromkeys(quality, 20), "notes": [], "regions": regions, "mismatch": holes * 0.7, **changes,
+    }  # fmt: skip
+
+
+def a_run(**said: Any) -> dict[str, Any]:
+    """What the summary of any run begins with."""
+    return {
+        "schema": 1, "hmdwarp": "0.1.0", "scene": "room", "effects": [], "lens": "radial", "headset": "rift-dk1",
+        "machine": MACHINE, "clock": "wall", **said,
+    }  # fmt: skip
 
 
 def some_rows(
@@ -115,17 +97,14 @@ def some_rows(
 
 def a_bench(**changes: Any) -> dict[str, Any]:
     """The whole of bench.json."""
+    note = "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used."
     return {
         "schema": 1,
         "hmdwarp": "0.1.0",
         "command": "hmdwarp bench --budget 20 --out out/bench",
         "machine": MACHINE,
         "clock": "wall",
-        "clocks": {
-            "wall_ms": 4.18,
-            "gpu_ms": None,
-            "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used.",
-        },
+        "clocks": {"wall_ms": 4.18, "gpu_ms": None, "note": note},
         "rows": some_rows(),
         "choice": {
             "budget_ms": 20.0,
@@ -138,7 +117,7 @@ def a_bench(**changes: Any) -> dict[str, Any]:
             "sizes": [[1280, 800]],
             "cases": 2,
             "next": {"warp": "multi", "fill": "interpolate", "total_ms": 27.3, "flip": 0.052, "psnr_db": 32.1},
-        },
+        },  # fmt: skip
         "seconds": 431.5,
         **changes,
     }

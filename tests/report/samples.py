@@ -3,9 +3,9 @@
 import numpy as np
 
 from hmdwarp.metrics import QUALITY, aggregate, difference
-from hmdwarp.report import WorstFrame, comparison_panels
+from hmdwarp.report import WorstFrame, comparison_columns
 
-from .bench_samples import MACHINE
+from .bench_samples import a_run
 
 FATES = ("drawn", "sent", "dropped", "lost", "undecodable", "late", "superseded", "shown", "under_way")
 RESPONSE = {"render": 20.0, "encode": 7.2, "queue": 0.0, "transfer": 8.9, "round_trip": 200.0, "decode": 4.7}
@@ -39,21 +39,10 @@ def some_rows(seed: int = 0, seconds: float = 20, rate: float = 90, every: int =
 def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
     rows = some_rows(seconds=2) if rows is None else rows
     return {
-        "schema": 1,
-        "hmdwarp": "0.1.0",
-        "trace": "look-around",
-        "scene": "room",
-        "effects": [],
-        "latency_ms": 200.0,
-        "warp": warp,
-        "fill": "interpolate",
+        **a_run(trace="look-around", latency_ms=200.0, warp=warp, fill="interpolate"),
         "predict": "cautious",
-        "lens": "radial",
-        "headset": "rift-dk1",
         "size": [640, 400],
         "frames": len(rows) // 2,
-        "machine": MACHINE,
-        "clock": "wall",
         **aggregate(rows),
         "regions": {
             "border_holes": {"share": 0.011, "psnr_db": 19.2, "flip": 0.31},
@@ -95,9 +84,6 @@ def some_worst(count: int = 3, size=(320, 200)) -> list[WorstFrame]:
         truth, rendered, warped = a_scene(0, size), a_scene(9 + 4 * i, size), a_scene(2, size)
         error = np.abs(warped.astype(int) - truth).max(axis=-1).astype(np.uint8)
         values = {"psnr_db": 20.1 + i, "ssim": 0.7, "flip": 0.2 - 0.02 * i, "hole_share": 0.031, "border_share": 0.02}
-        frames.append(
-            WorstFrame(
-                3.2 * i + 1, i % 2, tuple(comparison_panels(rendered, warped, truth, error)), values | {"flicker": None}
-            )
-        )
+        columns = comparison_columns(rendered, truth, [("warped", warped, error), ("none", rendered, error)])
+        frames.append(WorstFrame(3.2 * i + 1, i % 2, columns, values | {"flicker": None}))
     return frames

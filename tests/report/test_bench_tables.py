@@ -41,11 +41,13 @@ def test_fits_and_no_number_is_cut(width, warps):
         assert all(part in text for part in re.split(r"(?<=[:,])", name))
 
 
-def test_no_width_cuts_a_head():
+def test_no_width_cuts_a_head_and_names_are_no_markup():
     """The longest piece of a name here is nine letters."""
     rows = [a_row("iterative", "pyramid", trace="deg", latency_ms=latency) for latency in (100.0, 200.0)]
     for width in range(60, 101):
         assert "…" not in printed(rows, width), width
+    text = printed([a_row("[bold]x[/bold]", trace="[red]t.csv")]).replace("\n", "")
+    assert "[bold]x[/bold]" in text and "[red]t.csv" in text
 
 
 def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing_was_cut():
@@ -58,9 +60,8 @@ def test_a_baseline_is_marked_with_its_system_and_a_spread_is_that_where_nothing
 def test_columns_are_dropped_in_order_and_named():
     rows = some_rows()
     wide, narrow = printed(rows, 100), printed(rows, 70)
-    assert "left out" not in wide and all(
-        word in wide for word in ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
-    )
+    heads = ("p95", "SSIM", "flicker", "mis%", "holes%", "PSNR", "FLIP")
+    assert "left out" not in wide and [word for word in heads if word not in wide] == []
     assert "columns hidden (terminal too narrow): p95" in narrow and "FLIP" in narrow and "holes%" in narrow
     assert len(body(printed(rows, 48))) == len(rows)  # the least there is: warp, fill, ms and FLIP
 
@@ -72,9 +73,8 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
         start = next(i for i, line in enumerate(lines) if line.strip() == case.label) + 1
         block = lines[start : start + len(case.rows)]
         flips = [COLUMNS["flip"].text(row) for row in case.ordered()]
-        assert flips == sorted(flips) and [flip in line for flip, line in zip(flips, block, strict=True)] == [
-            True
-        ] * len(block)
+        assert flips == sorted(flips)
+        assert all(flip in line for flip, line in zip(flips, block, strict=True))
         best = {id(row) for row in case.held()}
         assert [line.startswith("*") for line in block] == [id(row) in best for row in case.ordered()]
         assert 1 < len(best) < len(block)
@@ -87,12 +87,9 @@ def test_a_rating_has_a_column_where_any_row_has_one():
     assert "JOD" in printed(rows, 140) and printed(rows, 140).count("8.25") == 1
 
 
-def test_one_case_needs_no_heading_inside():
+def test_rows_with_other_conditions_are_another_case_and_one_case_needs_no_heading():
     text = printed(some_rows(traces=("walk",), latencies=(400.0,)))
     assert text.splitlines()[0].startswith("walk, 400 ms, scene room, 1280x800") and "cases" not in text
-
-
-def test_rows_with_other_conditions_are_another_case():
     rows = [a_row(), a_row("backward"), a_row(size=[640, 400]), a_row(guard=1.0), a_row(scene="planes")]
     groups = cases(rows)
     assert [len(group.rows) for group in groups] == [2, 1, 1, 1]
@@ -106,11 +103,6 @@ def test_an_unmeasured_row_is_a_dash_and_comes_last():
     text = printed([nothing, a_row()])
     assert len(re.findall("–", text)) == 9
     assert text.index("forward") < text.index("rotation")
-
-
-def test_names_are_no_markup():
-    assert "[bold]x[/bold]" in printed([a_row("[bold]x[/bold]", trace="[red]t.csv")]).replace("\n", "")
-    assert "[red]t.csv" in printed([a_row(trace="[red]t.csv")])
 
 
 def test_every_column_has_a_text_for_every_row():
@@ -128,12 +120,13 @@ def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing
     assert case.front() == [quick, doubtful] and case.held() == [quick]
     (case,) = cases([quick, slow])
     assert case.held() == [quick, slow]
-    few = [
-        {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}
-        for row in (quick, slow)
-    ]
+    few = [_of_few_instants(row) for row in (quick, slow)]
     assert cases(few)[0].held() == []
     assert "no *: intervals need 6 instants" in printed(few) and "±" in printed([quick])
+
+
+def _of_few_instants(row):
+    return {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}
 
 
 def _beside(row, by):
@@ -160,9 +153,6 @@ def test_a_lead_that_holds_wins_one_that_does_not_ties_and_a_metric_that_disagre
     text = verdict_text(told)
     assert "a tie by FLIP: layered and rotation." in text and "But PSNR favours rotation by 2.00 dB (95 %:" in text
     assert case.within(best["time_ms"]["total"]["median"] - 1e-9).verdict()["best"] == ["rotation"]
-    few = [
-        {**row, "quality": {name: {**entry, "interval": None} for name, entry in row["quality"].items()}}
-        for row in case.rows
-    ]
+    few = [_of_few_instants(row) for row in case.rows]
     assert "no winner: intervals need 6 instants" in verdict_text(cases(few)[0].verdict())
     assert cases([{**row, "lacks": "compute"} for row in case.rows])[0].verdict()["best"] == []

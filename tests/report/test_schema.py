@@ -27,21 +27,11 @@ def test_every_key_is_needed(key):
 
 GL = {"gl_renderer": "a", "gl_version": "b"}
 BAD = {
-    "schema": (2, True, "1"),
-    "hmdwarp": ("",),
-    "trace": (None,),
-    "effects": ("none", [1]),
-    "latency_ms": (-1, math.nan, "200", 10**400),
-    "size": ([640], [0, 4], (640, 400.0), [10**7, 4]),
-    "frames": (-1, 1.5),
-    "machine": ({}, {**GL, "cpu_count": 0}),
-    "guard": ([], 0.5, "x", "0.9x1.5", "1.5"),
-    "rate_hz": ({}, 0),
-    "predict": ([1],),
-    "clock": ("sun", []),
-    "time_ms": ([], {}),
-    "quality": ({"psnr_db": 3},),
-}
+    "schema": (2, True, "1"), "hmdwarp": ("",), "trace": (None,), "effects": ("none", [1]),
+    "latency_ms": (-1, math.nan, "200", 10**400), "size": ([640], [0, 4], (640, 400.0), [10**7, 4]),
+    "frames": (-1, 1.5), "machine": ({}, {**GL, "cpu_count": 0}), "guard": ([], 0.5, "x", "0.9x1.5", "1.5"),
+    "rate_hz": ({}, 0), "predict": ([1],), "clock": ("sun", []), "time_ms": ([], {}), "quality": ({"psnr_db": 3},),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("key", "value"), [(key, value) for key, values in BAD.items() for value in values])
@@ -62,11 +52,7 @@ def test_all_faults_are_named_at_once():
     summary = {**a_summary(), "clock": "sun", "frames": -1}
     del summary["warp"]
     assert len(summary_faults(summary)) == 3
-
-
-@pytest.mark.parametrize("thing", [None, [], "text", 3])
-def test_other_values_than_objects_are_faults(thing):
-    assert summary_faults(thing)
+    assert all(summary_faults(thing) for thing in (None, [], "text", 3))
 
 
 def test_columns_are_those_of_the_contract():

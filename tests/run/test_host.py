@@ -1,7 +1,4 @@
-"""What is on changes while the run goes on.
-
-No more is thrown away than must be, what cannot be changes nothing, nothing is left behind.
-"""
+"""Changes of a run that goes on: what can be is done, what cannot leaves all as it was."""
 
 from __future__ import annotations
 
@@ -9,15 +6,20 @@ import math
 
 import attrs
 import pytest
+from replays import suited
 
 import hmdwarp.pipeline.sizes
-from hmdwarp.display import Command
+from hmdwarp.client import parse_warp
+from hmdwarp.display import CONTROLS, Command, control
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.run import LiveOptions, PipelineHost
-from hmdwarp.run.host import changed
+from hmdwarp.headsets import load_headset
+from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
+from hmdwarp.run import host as handling
+from hmdwarp.run.host import changed, choices, values
+from hmdwarp.scenes import ACTIONS
 
 from .gl_objects import living
-from .offscreen import OffscreenDisplay
+from .offscreen import OffscreenDisplay, run_on
 
 MS = 1_000_000
 LATENCY_MS = 50.0
@@ -150,22 +152,6 @@ def test_changes_that_need_other_frames_restart_the_pipeline(gpu, values):
         assert running.ages_ms[8:] == [None] * 3 + [50.0] * 5
 
 
-def test_back_again_is_as_before(gpu):
-    """From other frames to the first ones, and from one eye to two."""
-    with Running(gpu) as running:
-        for values in ({"warp": "layered"}, {"warp": "forward", "view": "flat"}, {"view": "both"}):
-            running.set(**values).go(5)
-        assert running.display.views == ["flat", "both"]
-        assert running.ages_ms[-1] == 50.0
-
-
-def test_an_empty_change_keeps_the_pipeline(gpu):
-    with Running(gpu) as running:
-        pipeline, plan = running.host.run, running.host.run.loop.compensator.plan
-        running.set()
-        assert running.host.run is pipeline and running.host.run.loop.compensator.plan is plan
-
-
 # --- what cannot be
 
 IMPOSSIBLE = [
@@ -240,11 +226,166 @@ def test_a_tour_of_all_changes_leaves_nothing_on_the_gpu(gpu):
         assert counts[0]["Texture"] > 10  # or nothing was counted
 
 
-def test_a_closed_stage_leaves_nothing(gpu):
-    with Running(gpu) as running:
-        running.go(3)
-    before = living()
-    with Running(gpu) as running:
-        running.go(3).set(warp="backward").go(2).set(view="flat").go(3)
-    left = living() - before
-    assert not set(left) - {"Program"}, left
+ONE_EYE = "the flat view has one eye"
+
+
+@pytest.fixture
+def flat(gpu):
+    """A host that cannot do every warp."""
+    with OffscreenDisplay(gpu=gpu, view="flat") as display:
+        host = PipelineHost(
+            display, LiveOptions(scene="planes", latency_ms=0, warp="forward", fill="none", view="flat")
+        )
+        yield host
+        host.close()
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_steps_pass_over_what_cannot_be(flat, back):
+    said: list[str] = []
+    one, seen = CommandHandler(flat, said.append), []
+    still = {spec for spec in choices()["warp"] if parse_warp(spec).entry.name not in suited("planes")}
+    for _ in range(len(choices()["warp"]) - 1 - len(still)):
+        assert one.handle([Command("warp", back=back)])
+        seen.append(flat.options.warp)
+    assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"} - still)
+    assert flat.options.warp == "forward"
+    assert sum(ONE_EYE in line for line in said) == 1
+    assert all(ONE_EYE in line or "its light stands still" in line for line in said)
+
+
+def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):
+    said: list[str] = []
+    one = CommandHandler(flat, said.append)
+    assert not one.handle([Command("warp", "multi"), Command("guard", 99)])
+    assert flat.options.warp == "forward"
+    assert len(said) == 2
+
+
+def test_possible_commands_of_several_are_carried_out(flat):
+    one = CommandHandler(flat, lambda text: None)
+    assert one.handle([Command("warp", "multi"), Command("latency", 30.0), Command("warp", "backward")])
+    assert (flat.options.warp, flat.options.latency_ms) == ("backward", 30)
+
+
+def test_a_refusal_is_there_until_it_was_read(flat, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(handling.time, "monotonic", lambda: now[0])
+    one = CommandHandler(flat, lambda text: None)
+    assert one.refusal == ""
+    one.handle([Command("warp", "multi")])
+    now[0] += handling.READING_S - 0.1
+    assert ONE_EYE in one.refusal
+    now[0] += 0.2
+    assert one.refusal == ""
+
+
+def test_in_a_run_the_refusal_stands_over_the_pictures_which_go_on(monkeypatch):
+    asked = {3: [Command("warp", "multi")], 5: [Command("warp", "backward")]}
+    display = OffscreenDisplay(view="flat", asked=asked, keeps=True)
+    options = LiveOptions(
+        scene="planes", headset="rift-dk1", latency_ms=0, warp="forward", fill="none", view="flat", pictures=8
+    )
+    run_on(monkeypatch, display, options)
+    assert [ONE_EYE in label for label in display.labels] == [False] * 4 + [True] * 4
+    assert len(display.said) == 1
+    status = display.statuses[-1]
+    assert status.values["warp"] == "backward"
+    assert ONE_EYE in status.notice
+    assert all(picture.any() for picture in display.pictures)
+
+
+# What people do in the scene changes no option: tests/run/test_inputs.py.
+OURS = [control.name for control in CONTROLS if not control.of_display and control.name not in ACTIONS]
+OPTIONS = LiveOptions(scene="room", latency_ms=200, warp="forward", fill="interpolate", guard=1.5)
+
+
+def test_every_control_of_the_run_has_a_value_and_every_choice_its_words():
+    assert set(values(OPTIONS)) == set(OURS)
+    assert set(choices()) == {control.name for control in CONTROLS if control.kind == "choice"}
+    for name, known in choices().items():
+        assert values(OPTIONS)[name] in known
+        assert len(set(known)) == len(known) > 1
+
+
+@pytest.mark.parametrize("name", OURS)
+@pytest.mark.parametrize("back", [False, True])
+def test_a_step_and_one_back_return(name, back):
+    there = changed(OPTIONS, Command(name, back=back))
+    assert there != OPTIONS
+    assert {other for other in OURS if values(there)[other] != values(OPTIONS)[other]} == {name}
+    assert changed(there, Command(name, back=not back)) == OPTIONS
+
+
+@pytest.mark.parametrize("name", list(choices()))
+@pytest.mark.parametrize("back", [False, True])
+def test_steps_go_round_through_every_choice(name, back):
+    seen, options = [], OPTIONS
+    for _ in choices()[name]:
+        options = changed(options, Command(name, back=back))
+        seen.append(values(options)[name])
+    assert sorted(seen) == sorted(choices()[name])
+    assert options == OPTIONS
+
+
+@pytest.mark.parametrize("name", ["latency", "guard"])
+@pytest.mark.parametrize("back", [False, True])
+def test_numbers_stop_at_their_bounds(name, back):
+    options = OPTIONS
+    for _ in range(100):
+        options = changed(options, Command(name, back=back))
+    assert values(options)[name] == control(name).span[0 if back else 1]
+
+
+def test_a_value_outside_the_list_steps_into_it():
+    """Settings of a warp's own, a scene from a file."""
+    special = attrs.evolve(OPTIONS, warp="mesh:cut=slope", scene="model.glb")
+    for name in ("warp", "scene"):
+        assert values(changed(special, Command(name)))[name] in choices()[name]
+
+
+def test_a_latency_beyond_the_span_comes_back_into_it():
+    """The command line allows more than the keys reach."""
+    assert changed(attrs.evolve(OPTIONS, latency_ms=9000), Command("latency", back=True)).latency_ms == 2500
+    assert changed(attrs.evolve(OPTIONS, guard=5), Command("guard")).guard == 3
+
+
+TAKEN = [("latency", 333), ("guard", 1.1), ("warp", "mesh:cut=slope"), ("view", "flat"), ("lens", "none")]
+
+
+@pytest.mark.parametrize(("name", "value"), TAKEN)
+def test_a_value_is_taken_as_it_is(name, value):
+    assert values(changed(OPTIONS, Command(name, value)))[name] == value
+
+
+REFUSED = [
+    ("latency", -1), ("latency", 1e9), ("latency", math.nan), ("latency", "fast"), ("guard", 0.5), ("guard", 3.5),
+    ("guard", "auto"), ("view", "sideways"), ("view", True), ("warp", 3), ("quit", None), ("speed", 1),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value"), REFUSED)
+def test_impossible_values_are_refused_by_name(name, value):
+    with pytest.raises(InputError, match=name):
+        changed(OPTIONS, Command(name, value))
+
+
+@pytest.mark.parametrize(
+    "scene, headset, has",
+    [
+        ("planes", "rift-dk1", {"lens", "scenes"}),
+        ("planes", "quest-3", {"scenes"}),
+        ("playroom", "rift-dk1", {"lens", "scenes", "push", "switch", "grab", "release"}),
+    ],
+)
+def test_controls_are_offered_that_scene_and_headset_can_follow(monkeypatch, gpu, scene, headset, has):
+    """And another scene's after it was chosen."""
+    first, then = ("planes", "playroom") if scene == "playroom" else (scene, scene)
+    monkeypatch.setattr("hmdwarp.display.offscreen.load_headset", lambda _: load_headset(headset))
+    display = OffscreenDisplay(gpu=gpu, asked={2: [Command("scene", then)]})
+    options = LiveOptions(scene=first, headset=headset, latency_ms=0, warp="none", fill="none", samples=1, pictures=4)
+    run_on(monkeypatch, display, options)
+    assert display.statuses[-1].has == has
+    assert [one.name for one in CONTROLS if one.needs and not display.statuses[-1].offers(one)] == [
+        one.name for one in CONTROLS if one.needs and one.needs not in has
+    ]

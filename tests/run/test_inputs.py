@@ -81,28 +81,6 @@ def test_the_answer_comes_late_wherever_the_client_does_not_foresee_it(tmp_path,
     assert max(after) < 0.75 * min(before)
 
 
-def test_pictures_of_others_are_late_too(tmp_path):
-    """With `none` the late picture is shown: drawn the latency before."""
-    path, shown = tmp_path / "in.csv", {}
-    path.write_text(HEADER + f"{400 * MS},push,ball,0,0,0,0,0,1\n")
-    each_refresh(
-        small(**ACTED, start_s=0.3, seconds=0.4, input=str(path), warp="none"),
-        lambda setup, number, refresh: shown.update(
-            {
-                refresh.shown_ns: np.array_equal(
-                    download(refresh.eyes[0].shown.texture),
-                    download(
-                        setup.server.draw(
-                            refresh.frame.eyes[0].view, setup.sizes.shown, time_ns=refresh.shown_ns - 100 * MS
-                        ).colour
-                    ),
-                )
-            }
-        ),
-    )
-    assert shown and all(shown.values())
-
-
 @pytest.mark.parametrize(
     ("options", "why"),
     [
@@ -114,11 +92,6 @@ def test_inputs_that_cannot_be_are_refused_before_anything_starts(tmp_path, opti
     with pytest.raises(InputError, match=why):
         run(tmp_path / "out", **options)
     assert not (tmp_path / "out").exists()
-
-
-def test_a_seed_without_a_number_is_refused_with_the_options():
-    with pytest.raises(InputError, match="--input seed:x: expected seed:N"):
-        small(scene="playroom", input="seed:x")
 
 
 class Seen(OffscreenDisplay):

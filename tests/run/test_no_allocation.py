@@ -10,7 +10,7 @@ import sys
 from collections import Counter
 
 import pytest
-from gl_clock import counting_made
+from made import counting_made
 
 from hmdwarp.display.controls import KEPT
 from hmdwarp.run import LiveOptions

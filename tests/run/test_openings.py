@@ -16,11 +16,9 @@ import needs
 import pytest
 from display.virtual_screen import VirtualScreen
 
-from hmdwarp.errors import InputError, MachineError
-from hmdwarp.link.codec import Coding
+from hmdwarp.errors import MachineError
 from hmdwarp.pipeline import source_of
 from hmdwarp.run import LiveOptions, display_options, open_display
-from hmdwarp.run import live_run as run
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 120
@@ -84,14 +82,6 @@ def test_with_neither_both_reasons_are_told(absent):
     assert caught.value.exit_status == 3
 
 
-def test_source_desktop_reports_nothing_about_headsets(monkeypatch):
-    monkeypatch.setenv("DISPLAY", ":987")
-    with pytest.raises(MachineError) as caught:
-        opened(source="desktop")
-    assert "no window: " in str(caught.value) and ":987" in str(caught.value)
-    assert "OpenXR" not in str(caught.value)
-
-
 def test_a_display_is_told_what_it_must_know():
     asked = LiveOptions(
         headset="cardboard-v2", view="flat", size=(96, 120), full_screen=True, vsync=False, panel=False,
@@ -104,18 +94,13 @@ def test_a_display_is_told_what_it_must_know():
 
 
 def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
-    """hmdwarp live as a program, without any runtime."""
-    return python("-m", "hmdwarp", "live", *arguments, screen=screen, tmp_path=tmp_path)
-
-
-def python(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
-    """Before a virtual screen or without any."""
+    """hmdwarp live as a program, without any runtime, before a virtual screen or without any."""
     kept = tmp_path / "screen"
     kept.mkdir()
     with VirtualScreen(kept) if screen else nullcontext() as shown:
         environment = shown.environment if shown is not None else os.environ
         environment = {**environment, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
-        command = [sys.executable, *arguments]
+        command = [sys.executable, "-m", "hmdwarp", "live", *arguments]
         return subprocess.run(
             command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S
         )
@@ -136,41 +121,3 @@ def test_without_a_headset_the_window_is_taken_and_why_is_said(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("a window, as there is no headset: no OpenXR runtime: XR_RUNTIME_JSON names ")
-
-
-@pytest.mark.parametrize(
-    ("wrong", "told"),
-    [
-        ({"warp": "forwrad"}, "unknown warp 'forwrad': did you mean 'forward'"),
-        ({"fill": "pyramids"}, "unknown fill"),
-        ({"scene": "rooom"}, "unknown scene"),
-        ({"lens": "fisheye"}, "unknown lens"),
-        ({"predict": "crystal"}, "unknown predictor"),
-        ({"coding": Coding("h265")}, "unknown codec"),
-        ({"effects": "sparkle"}, "sparkle"),
-    ],
-)
-def test_a_wrong_name_is_told_before_a_display_is_looked_for(monkeypatch, wrong, told):
-    monkeypatch.setattr(run, "open_display", lambda *_: pytest.fail("a display was opened"))
-    with pytest.raises(InputError, match=told):
-        run.live(LiveOptions(**{"scene": "planes", **wrong}))
-
-
-@needs.programs("Xvfb")
-def test_briefly_it_is_one_clause(tmp_path):
-    """As the desk of a study says it.
-
-    How to get a runtime is no concern of a session that has begun.
-    """
-    program = (
-        "from contextlib import nullcontext; from hmdwarp.run import LiveOptions; from hmdwarp.run.live_run import "
-        "open_display; from hmdwarp.pipeline import Source\n"
-        "asked = LiveOptions(scene='planes', size=(96, 120))\n"
-        "open_display(asked, Source(asked), lambda what: nullcontext(), print, "
-        "briefly=True).close()"
-    )
-    done = python("-c", program, screen=True, tmp_path=tmp_path)
-    assert (done.returncode, done.stdout) == (
-        0,
-        "a window, as there is no headset: no OpenXR runtime (hmdwarp doctor tells more)\n",
-    ), done

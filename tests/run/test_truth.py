@@ -1,7 +1,4 @@
-"""The truth of a display that lights up row by row.
-
-Bands that fit together to the whole picture, each for its own instant.
-"""
+"""What a run is measured by: truth of rolling displays, whole pictures, the oracle, the gaze."""
 
 from __future__ import annotations
 
@@ -11,20 +8,24 @@ import math
 import attrs
 import numpy as np
 import pytest
+from eyes import with_eyes
 from hypothesis import given
 from hypothesis import strategies as st
 from replays import run, small
 from scipy.spatial.transform import Rotation
 from strategies import FOVS, poses, vectors
 
-from hmdwarp.client import PassInputs
-from hmdwarp.errors import InputError
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.client import PassInputs, build_plan
+from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import download
-from hmdwarp.pipeline import build_plan_for
+from hmdwarp.metrics import Compared
+from hmdwarp.poses import synthesise, write_synthetic
 from hmdwarp.run import draw_truth, set_up_replay
-from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, is_measured
-from hmdwarp.scenes import load_scene
+from hmdwarp.run.combinations import instants_of
+from hmdwarp.run.measuring import NEAR_DEG, NearGaze, near_gaze
+from hmdwarp.run.side_by_side import clips_before, from_late
+from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, WholePictures, bands_of, is_measured
+from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.sources.server import Server
 
 FOV = Fov(-0.8, 0.7, -0.6, 0.9)
@@ -129,11 +130,6 @@ def test_following_the_scan_out_is_better_than_showing_its_middle(tmp_path):
     assert any("shows all rows as in its middle" in note for note in middle["notes"])
 
 
-def test_a_warp_without_scanout_shows_the_middle_and_says_so(tmp_path):
-    summary = figures(tmp_path, warp="forward", scanout_ms=16.0)
-    assert any("warp 'forward' shows all rows as in its middle" in note for note in summary["notes"])
-
-
 def test_a_fused_run_is_measured_before_the_lens_and_shows_what_it_made(tmp_path):
     """The same figures as in two passes, because quality is what the eye sees before the lens.
 
@@ -148,45 +144,6 @@ def test_a_fused_run_is_measured_before_the_lens_and_shows_what_it_made(tmp_path
     assert json.loads((tmp_path / "fused" / "summary.json").read_text(encoding="utf-8"))["lens"] == "radial"
 
 
-def test_fused_and_scanned_out_together(tmp_path):
-    summary = figures(tmp_path, headset="rift-dk1", lens="radial", fused=True, scanout_ms=10.0, seconds=0.1)
-    assert summary["quality"]["psnr_db"]["mean"] > 15
-    assert len([note for note in summary["notes"] if "one pass" in note or "scans out" in note]) == 2
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ({"lens": "none", "headset": "flat-90"}, "nothing to look through"),
-        ({"fill": "interpolate"}, "a fill needs the picture between warp and lens"),
-        ({"warp": "forward"}, "only gather warps can"),
-    ],
-)
-def test_warps_that_cannot_be_fused_are_refused_in_one_line(options, told):
-    asked = small(**{"warp": "rotation", "headset": "rift-dk1", "lens": "radial", "fused": True, **options})
-    with pytest.raises(InputError, match=told) as refused, set_up_replay(asked):
-        pass
-    assert "\n" not in str(refused.value)
-
-
-def test_the_plan_tells_of_both():
-    from hmdwarp.headsets import load_headset
-
-    asked = small(warp="rotation", headset="rift-dk1", lens="radial", fused=True, scanout_ms=8.0)
-    plan = build_plan_for(asked, load_headset("rift-dk1"), load_scene("planes"))
-    assert plan.fused
-    assert plan.scanout
-    (step,) = plan.steps
-    assert "fused with the lens" in step.reason
-    assert "every row" in step.reason
-    assert dict(plan.left_out)["lens"].startswith("warp 'rotation' looks through the lens itself")
-    cannot = build_plan_for(
-        attrs.evolve(asked, warp="forward", fused=False), load_headset("rift-dk1"), load_scene("planes")
-    )
-    assert not cannot.scanout
-    assert "cannot follow" in dict(cannot.left_out)["scan-out"]
-
-
 @pytest.mark.parametrize("every", [2, 5, 10])
 @pytest.mark.parametrize("period", [2, 3, 4, 5])
 def test_measured_refreshes_are_in_step_with_no_period(every, period):
@@ -196,3 +153,180 @@ def test_measured_refreshes_are_in_step_with_no_period(every, period):
     assert [number // every for number in measured] == list(range(len(measured)))
     shares = [sum(number % period == phase for number in measured) / len(measured) for phase in range(period)]
     assert max(abs(share - 1 / period) for share in shares) < 0.05
+
+
+SIZE_ORACLE, WALL = (40, 30), 0.5  # 2 m away
+FOV_ORACLE = Fov.symmetric(1.2, 0.9)
+
+
+def test_a_wall_seen_from_beside_is_shown_exactly_where_the_late_frame_saw_it():
+    """A picture that is linear across the wall is sampled exactly between its pixels."""
+    shown, rendered = View(Pose((0.1, 0, 0)), FOV_ORACLE), View(Pose(), FOV_ORACLE)
+    x = np.broadcast_to(np.arange(SIZE_ORACLE[0]) + 0.5, SIZE_ORACLE[::-1])
+    late = np.repeat(x[..., None], 3, axis=2)
+    wall = np.full(SIZE_ORACLE[::-1], WALL)
+    colour, seen = from_late(WarpMap.between(shown, SIZE_ORACLE, rendered, SIZE_ORACLE), wall, late, wall)
+    left, right, _, _ = FOV_ORACLE.tangents
+    moved = 0.1 * WALL * SIZE_ORACLE[0] / (right - left)  # pixels
+    inside = x + moved <= SIZE_ORACLE[0] - 0.5
+    assert seen[inside].all() and not seen[~inside].any() and not inside.all()
+    assert colour[inside][:, 0] == pytest.approx((x + moved)[inside])
+
+
+def test_what_stood_behind_something_nearer_was_not_seen():
+    here = View(Pose(), FOV_ORACLE)
+    wall = np.full(SIZE_ORACLE[::-1], WALL)
+    late_depth = wall.copy()
+    late_depth[10:20, 5:15] = 2 * WALL
+    late = np.zeros((*SIZE_ORACLE[::-1], 3))
+    _, seen = from_late(WarpMap.between(here, SIZE_ORACLE, here, SIZE_ORACLE), wall, late, late_depth)
+    inner = seen[1:-1, 1:-1]
+    assert np.array_equal(~inner, late_depth[1:-1, 1:-1] == 2 * WALL)
+
+
+@given(st.integers(1, 500), st.integers(1, 40), st.integers(2, 60))
+def test_each_instant_ends_one_clip_of_neighbours_and_no_refresh_is_in_two(count, wanted, length):
+    instants = instants_of(count, wanted)
+    ends = clips_before(instants, length)
+    clips = {end: [number for number in ends if ends[number] == end] for end in instants}
+    for before, end in zip((-1, *instants), instants, strict=False):
+        # As long as asked for, unless the run begins or the instant before lies within.
+        assert clips[end] == list(range(end + 1))[-min(length, end - before) :]
+        assert len(clips[end]) >= min(2, count)  # one picture is no clip
+
+
+def test_clips_reach_back_from_their_instants():
+    assert clips_before([2, 9], 4) == {0: 2, 1: 2, 2: 2, 6: 9, 7: 9, 8: 9, 9: 9}
+    assert clips_before([2, 4], 4) == {0: 2, 1: 2, 2: 2, 3: 4, 4: 4}
+
+
+SIZE_NEAR_GAZE = (60, 48)
+AHEAD = View(Pose(), Fov.symmetric(math.radians(60), math.radians(50)))
+
+
+def looking_left(degrees: float) -> View:
+    yaw = math.radians(degrees)
+    return attrs.evolve(AHEAD, gaze=(-math.sin(yaw), 0.0, -math.cos(yaw)))
+
+
+def test_pixels_near_the_gaze_are_those_within_five_degrees():
+    """Against angles by another route; for an eye that is canted the gaze turns back."""
+    canted = Pose((0.03, 0, 0), Rotation.from_euler("y", 10, degrees=True).as_quat())
+    for view in (looking_left(12), attrs.evolve(looking_left(12), head_from_eye=canted)):
+        found = near_gaze(view, SIZE_NEAR_GAZE)
+        rays = view.head_from_eye.rotation.apply(view.rays(SIZE_NEAR_GAZE).reshape(-1, 3)).reshape(
+            *SIZE_NEAR_GAZE[::-1], 3
+        )
+        angles = np.degrees(np.arctan2(np.linalg.norm(np.cross(rays, view.gaze), axis=-1), rays @ view.gaze))
+        assert np.array_equal(found, angles <= NEAR_DEG) and 20 < found.sum() < 200
+
+
+def test_an_error_counts_where_the_eye_looks_alone():
+    truth = np.full((*SIZE_NEAR_GAZE[::-1], 3), 100, np.uint8)
+    shown = truth.copy()
+    shown[near_gaze(looking_left(12), SIZE_NEAR_GAZE)[::-1]] = 90
+    there, elsewhere = NearGaze(), NearGaze()
+    there.add(Compared(shown, truth, AHEAD), looking_left(12), looking_left(12))
+    elsewhere.add(Compared(shown, truth, AHEAD), looking_left(-12), looking_left(12))
+    assert there.entry()["gaze"]["psnr_db"] == pytest.approx(20 * math.log10(255 / 10))
+    assert elsewhere.entry()["gaze"]["psnr_db"] == 100
+
+
+def test_the_gaze_is_off_by_what_eyes_and_head_have_moved():
+    """The head turned by 7 degrees to the left and the eyes by 5 to the right: 2 in the world."""
+    rendered = looking_left(3)
+    turned = Pose((0, 0, 0), Rotation.from_euler("y", 7, degrees=True).as_quat())
+    shown = attrs.evolve(looking_left(-2), pose=turned)
+    near, blank = NearGaze(), np.zeros((*SIZE_NEAR_GAZE[::-1], 3), np.uint8)
+    near.add(Compared(blank, blank, AHEAD), shown, rendered)
+    assert near.entry()["gaze"]["off_deg"] == pytest.approx({"p50": 2.0, "p95": 2.0})
+    assert NearGaze().entry() == {}
+
+
+def test_a_gaze_that_a_frame_lacks_is_not_taken_for_straight_ahead():
+    blank, here = np.zeros((*SIZE_NEAR_GAZE[::-1], 3), np.uint8), looking_left(3)
+    for looks_ahead, off in ((False, None), (True, {"p50": 3.0, "p95": 3.0})):
+        near = NearGaze(looks_ahead)
+        near.add(Compared(blank, blank, AHEAD), here, AHEAD)
+        found = near.entry()["gaze"]["off_deg"]
+        assert (found and pytest.approx(found)) == off
+
+
+def test_a_predicted_head_has_the_gaze_of_the_head_that_is_held(tmp_path, gpu):
+    """Prediction turns the head; the eyes rest in the world, as they do for a fovea."""
+    with (tmp_path / "eyes.csv").open("w", encoding="utf-8") as file:
+        write_synthetic(with_eyes(synthesise("look-around", seconds=2)), file)
+    found = [
+        run(
+            tmp_path / "out",
+            gpu=gpu,
+            trace=str(tmp_path / "eyes.csv"),
+            latency_ms=100.0,
+            rate_hz=50.0,
+            force=True,
+            **how,
+        )
+        for how in ({"predict": "none"}, {"predict": "cautious"}, {"predict": "cautious", "fovea_deg": 40.0})
+    ]
+    off = [result.summary["gaze"]["off_deg"] for result in found]
+    # Each refresh lies on a sample, so that all know the same.
+    assert off[0]["p95"] > 0.5 and off[1] == pytest.approx(off[0], abs=1e-4)
+    assert off[2] == pytest.approx(off[0], abs=1e-4)
+
+
+CALLING = [name for name in scenes.names() if scenes.get(name).effects]
+PLAN = build_plan((), "none", "none", "none", client_geometry=True)
+
+
+def refreshed(setup):
+    """The third refresh shown."""
+    shown = 0
+    for _, instant_ns in setup.schedule.numbered():
+        setup.loop.draw(instant_ns)
+        refresh = setup.loop.show(instant_ns)
+        shown += refresh is not None
+        if shown == 3:
+            return refresh
+    raise AssertionError("the recording is too short")
+
+
+@pytest.mark.parametrize("scene", CALLING)
+def test_none_beside_another_warp_is_none_alone(scene):
+    asked = {"scene": scene, "latency_ms": 50.0}
+    with set_up_replay(small(warp="none", **asked)) as setup:
+        alone = [download(eye.panel.texture) for eye in refreshed(setup).eyes]
+    with set_up_replay(small(warp="forward", **asked)) as setup:
+        refresh, whole, beside = refreshed(setup), WholePictures(setup.server), setup.compensator(PLAN)
+        for _ in range(2):  # again, from what is held
+            inputs = whole.inputs(setup.loop, refresh, PLAN)
+            pictures = [download(beside.run(eye_inputs).panel.texture) for eye_inputs in inputs]
+            # Drawn twice, a GPU may blend with another last bit: 2^-10 of a stored half float.
+            off = max(np.abs(a.astype(float) - b).max() for a, b in zip(pictures, alone, strict=True))
+            assert off <= (0 if setup.target.gpu.is_software else 2.0**-10)
+        # The run's own plan gets what was sent.
+        own = whole.inputs(setup.loop, refresh, setup.plans[0])
+        assert all(one.rendered is sent.rendered for one, sent in zip(own, refresh.inputs, strict=True))
+        whole.close()
+
+
+@pytest.mark.parametrize("warp", ["model", "model:arrives=progressive", "points", "irradiance", "photons"])
+def test_a_picture_that_no_plan_reads_is_not_drawn_and_shows_the_same(warp):
+    asked = small(scene="lantern", latency_ms=50.0, warp=warp, fill="none", effects="none")
+    with set_up_replay(asked) as setup:
+        drawn = refreshed(setup)
+        assert not any(eye.left_out for eye in drawn.frame.eyes)
+        expected = [download(eye.panel.texture) for eye in drawn.eyes]
+        late = [download(eye.colour) for eye in drawn.frame.eyes]
+    with set_up_replay(asked, alone=True) as setup:
+        refresh, whole = refreshed(setup), WholePictures(setup.server)
+        for eye, wanted in zip(refresh.eyes, expected, strict=True):
+            assert np.array_equal(download(eye.panel.texture), wanted)
+        for eye in refresh.frame.eyes:
+            assert eye.left_out
+            # Holes all over, should anything read it.
+            assert not download(eye.colour).any() and (download(eye.inverse_depth) == -1).all()
+        beside = setup.compensator(PLAN)
+        for one, colour in zip(whole.inputs(setup.loop, refresh, PLAN), late, strict=True):
+            assert np.array_equal(download(one.rendered.colour), colour)
+            assert download(beside.run(one).panel.texture)[..., 3].any()
+        whole.close()

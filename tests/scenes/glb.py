@@ -35,6 +35,14 @@ class Glb:
             "nodes": [{"name": "thing", "mesh": 0, "translation": [0, 1, -3]}],
         }
 
+    @classmethod
+    def of(cls, path) -> Glb:
+        """A file's, to be changed."""
+        data, made = path.read_bytes(), cls()
+        length = int.from_bytes(data[12:16], "little")
+        made.header, made.binary = json.loads(data[20 : 20 + length]), data[28 + length :]
+        return made
+
     def view(self, data: bytes) -> int:
         self.binary += b"\0" * (-len(self.binary) % 4)
         self.header["bufferViews"].append({"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(data)})

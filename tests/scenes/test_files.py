@@ -8,7 +8,7 @@ import trimesh
 from PIL import Image
 
 from hmdwarp.colour import linear_from_srgb
-from hmdwarp.errors import SceneError
+from hmdwarp.errors import InputError, SceneError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.scenes import Scene, SceneOptions, load_scene
@@ -63,18 +63,6 @@ def test_a_glb_keeps_its_texture_and_its_nodes_transforms(tmp_path, gpu):
     server.close()
     for row, column, strong in ((5, 5, (1, 0, 0)), (14, 5, (0, 1, 0)), (5, 14, (0, 0, 1)), (14, 14, (1, 1, 0))):
         assert ((colour[row, column] > 0.1) == np.array(strong, bool)).all()
-
-
-def test_an_obj_keeps_its_texture(tmp_path):
-    vertices, faces, uv = upright_square()
-    visual = trimesh.visual.TextureVisuals(uv=uv, image=Image.fromarray(PICTURE))
-    trimesh.Trimesh(vertices, faces, visual=visual, process=False).export(tmp_path / "square.obj")
-    scene = load_scene(tmp_path / "square.obj", IN_PLACE)
-    assert scene.triangle_count == 2
-    assert (scene.textures[0].image == PICTURE).all()
-    assert scene.notes == (f"square.obj: {ASSUMED}, y is up (--scene-up)",)
-    mesh = scene.meshes[0]
-    assert np.allclose(mesh.uv, (mesh.positions[:, :2] + scene.origin_m[:2] + 1) / 2)
 
 
 @pytest.mark.parametrize(
@@ -231,18 +219,6 @@ def test_a_ply_keeps_its_vertex_colours_in_linear_light(tmp_path, encoding):
     assert np.allclose(mesh.light, expected * factor, atol=1e-6)
 
 
-def test_a_glb_base_colour_without_a_texture_is_kept(tmp_path):
-    vertices, faces, _ = upright_square()
-    material = trimesh.visual.material.PBRMaterial(baseColorFactor=(255, 51, 0, 255))
-    square = trimesh.Trimesh(vertices, faces, visual=trimesh.visual.TextureVisuals(material=material), process=False)
-    square.export(tmp_path / "a.glb")
-    light = load_scene(tmp_path / "a.glb").meshes[0].light
-    assert np.allclose(
-        light[:, 1] / light[:, 0], 0.2, atol=0.01
-    )  # glTF factors are linear; trimesh keeps them as bytes
-    assert (light[:, 2] == 0).all()
-
-
 def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
     (tmp_path / "far.obj").write_text("v 1000000.125 0 0\nv 1000001.125 0 0\nv 1000000.125 1.5 0\nf 1 2 3\n")
     scene = load_scene(tmp_path / "far.obj", IN_PLACE)
@@ -275,3 +251,23 @@ def test_a_file_that_is_no_scene_is_refused_in_one_line(tmp_path, name, text, sa
     with pytest.raises(SceneError, match=said or name) as refused:
         load_scene(path)
     assert str(path) in str(refused.value) and "\n" not in str(refused.value)
+
+
+def test_an_obj_is_scaled_and_turned_too(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n")
+    scene = load_scene(tmp_path / "a.obj", SceneOptions(scale=0.001, up="z", viewpoint="0,1.6,0"))
+    assert np.allclose(world_corners(scene), [(0, 0, -2), (0, 0, 0), (1, 0, 0)])
+
+
+@pytest.mark.parametrize("place", ["1,2", "1,2,nan", "1,2,3,4,5"])
+def test_a_viewpoint_of_too_few_or_odd_numbers_is_refused(place):
+    with pytest.raises(InputError, match=r"viewpoint '.*': expected X,Y,Z or X,Y,Z,YAW"):
+        SceneOptions(viewpoint=place)
+
+
+@pytest.mark.parametrize("option", [{"scale": 0.01}, {"up": "z"}, {"viewpoint": "0,1,2"}, {"animation": "none"}])
+def test_scenes_of_the_library_take_no_options_of_files(option):
+    (name,) = option
+    flag = {"scale": "--scene-scale", "up": "--scene-up"}.get(name, f"--{name}")
+    with pytest.raises(InputError, match=f"{flag} with scene 'planes': it is for scene files"):
+        load_scene("planes", SceneOptions(**option))

@@ -132,12 +132,6 @@ def test_a_reduced_ball_keeps_its_shape(balls):
         assert area(mesh) == pytest.approx(4 * np.pi * ball.radius**2, rel=0.03)
 
 
-def test_the_same_every_time():
-    scene = scene_of(mesh_of(SHEET, SHEET.positions**2), mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2)))
-    once, again = reduced(scene, 0.3), reduced(scene, 0.3)
-    assert all(np.array_equal(a.triangles, b.triangles) for a, b in zip(once.meshes, again.meshes, strict=True))
-
-
 def test_see_through_and_head_locked_meshes_are_left_out():
     glass = mesh_of(SHEET, material=Material(see_through=True))
     hud, mirror = (
@@ -178,10 +172,6 @@ def test_a_share_that_is_none_is_refused(of, share):
 def test_a_scene_of_few_triangles_keeps_them_all():
     scene = load_scene("planes")
     assert hmdwarp.scenes.reduced(scene, 0.2).triangle_count == scene.triangle_count
-
-
-def test_an_empty_scene_is_reduced_to_itself():
-    assert reduced(scene_of(), 0.2).meshes == ()
 
 
 # --- smaller textures ---
@@ -246,10 +236,3 @@ def test_where_the_albedo_is_not_known_the_hue_of_what_is_baked_stands_for_it():
     assert made @ (0.2126, 0.7152, 0.0722) == pytest.approx(0.5)
     black = unlit(scene_of(mesh_of(SHEET, (0, 0, 0)))).meshes[0].light[0]
     assert (black == 0.5).all()
-
-
-def test_joined_surfaces_that_do_not_touch():
-    two = join([SHEET, patch((0, 0, 5), (1, 0, 0), (0, 1, 0))])
-    (kept,) = reduced(scene_of(mesh_of(two)), 0.01).meshes
-    assert len(kept.triangles) <= 2 * FEW
-    assert area(kept) == pytest.approx(13, rel=1e-6)

@@ -1,8 +1,7 @@
 """How often the intervals and tests of the analysis are right, over studies of simulated people
 whose effects are known.
 
-python -m tests.study.coverage [STUDIES]        prints the table, as Markdown
-make test-statistics                            checks it over 400 studies, and more over 150 to 200
+`make test-statistics` checks it over 400 studies, and more over 150 to 200.
 
 Everything of a study but the pictures: balanced orders with drift and carry-over, dropouts (whose
 order goes to the next), sickness, answers nobody could give, a scale with steps and ends. The true
@@ -11,9 +10,6 @@ values are those of 20,000 people who all come to the end.
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-
 import attrs
 import numpy as np
 import pytest
@@ -21,52 +17,28 @@ from scipy.stats import binom, t
 
 from hmdwarp.study.analysis.findings import Resampling, condition_rows, order_effects, preference_results
 from hmdwarp.study.design import Comparison, Design, design_from_text, load_design
-from hmdwarp.study.respondents import Model, Population, load_model
-from hmdwarp.study.respondents.simulated import SicknessModel, model_from_text
+from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model, model_from_text
 from hmdwarp.study.statistics import JOD_SPREAD, attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
 
-from .analysis.tables import in_order
-from .analysis.test_degradation import MODEL as NOTICING
-from .analysis.test_degradation import STUDY as IMPAIRED
-from .analysis.test_preferences import MODEL as SCORED
-from .analysis.test_preferences import SCORES, STUDIES_OF_PAIRS, design_of, simulated
+from .analysis.tables import SCORES, in_order, judges, pairs_of, simulated
 from .made_up import differences, simulate_study, unlimited
+from .plans import text_of
 
-PART, MANY, LEVEL, STUDIES = "run-1", 20_000, 0.95, 400
+PART, MANY, LEVEL, STUDIES, STUDIES_OF_PAIRS = "run-1", 20_000, 0.95, 400, 150
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
 SURE = 0.999  # that a right method stays within the bounds of a test
 
 
 @attrs.frozen
 class Coverage:
-    """Of n people who begin.
+    """Of n people who begin; each (studies, comparisons)."""
 
-    Each: (studies, comparisons). pairs: how many differences there were. shift, mean: whether the
-    interval holds the true value; promised: the level that the interval of the shift says it has.
-    latent_shift: that of ratings without steps and ends, whose differences are symmetric. too_low,
-    too_high: on which side the true mean lies outside of its interval.
-    """
-
-    n: int
-    comparisons: tuple[Comparison, ...]
-    pairs: np.ndarray
-    promised: np.ndarray
-    shift: np.ndarray
-    latent_shift: np.ndarray
+    pairs: np.ndarray  # how many differences there were
+    promised: np.ndarray  # level that the interval of the shift says it has
+    shift: np.ndarray  # whether the interval holds the true value
+    latent_shift: np.ndarray  # that of ratings without steps and ends, whose differences are symmetric
     mean: np.ndarray
-    dropped: float
-
-
-@attrs.frozen
-class False_:  # noqa: N801
-    """Without any effect: p, (studies, comparisons); any_found.
-
-    (studies) whether anything is significant after Holm.
-    """
-
-    n: int
-    p: np.ndarray
-    any_found: np.ndarray
+    dropped: float  # share of people who left
 
 
 def designed() -> tuple[Design, Model]:
@@ -96,9 +68,8 @@ def true_values(design: Design, model: Model) -> dict[Comparison, tuple[float, f
 
 
 def pseudomedian(values: np.ndarray) -> float:
-    """Of so many values that their pairs are too many.
-
-    The pairs of each with 50 others, drawn, tell it to 0.005 of the spread.
+    """Of so many values that their pairs are too many. The pairs of each with 50 others, drawn,
+    tell it to 0.005 of the spread.
     """
     others = np.random.default_rng(0).integers(0, len(values), (50, len(values)))
     return float(np.median((values + values[others]) / 2))
@@ -123,34 +94,29 @@ def coverage(design: Design, model: Model, n: int, studies: int, seed: int) -> C
             shift[study, k] = holds(hodges_lehmann(values)[1:], true[one][1])
             latent_shift[study, k] = holds(hodges_lehmann(latent)[1:], latent_true[one][1])
             mean[study, k] = holds(bca(values), true[one][0])
-    return Coverage(n, comparisons, pairs, promised, shift, latent_shift, mean, 1 - complete / (n * studies))
+    return Coverage(pairs, promised, shift, latent_shift, mean, 1 - complete / (n * studies))
 
 
 def holds(interval: tuple[float, float], value: float) -> bool:
     return interval[0] - FAR <= value <= interval[1] + FAR
 
 
-def without_effect(design: Design, model: Model, n: int, studies: int, seed: int) -> False_:
-    """How often something is found where there is nothing."""
+def without_effect(design: Design, model: Model, n: int, studies: int, seed: int) -> tuple[np.ndarray, float]:
+    """p of (studies, comparisons) without an effect, and how often Holm leaves anything."""
     means = {condition.name: 3.5 for condition in design.part(PART).conditions}
     model = attrs.evolve(model, ratings={"grade": attrs.evolve(model.ratings["grade"], means=means)})
-    population, scale = Population(model, design, PART), design.scales[0]
-    ps, found = [], []
+    population, scale, ps = Population(model, design, PART), design.scales[0], []
     for study in range(studies):
         cohort = population.of(range(n), seed, study)
-        one = [wilcoxon_exact(differences(cohort, scale, each)).p for each in design.families[0].comparisons]
-        ps.append(one)
-        found.append(min(holm(one)) <= 1 - LEVEL)
-    return False_(n, np.array(ps), np.array(found))
+        ps.append([wilcoxon_exact(differences(cohort, scale, each)).p for each in design.families[0].comparisons])
+    return np.array(ps), float(np.mean([min(holm(one)) <= 1 - LEVEL for one in ps]))
 
 
 def expected_bca(pairs: np.ndarray) -> float:
     """What the bootstrap's interval of a mean covers when ratings are normal, to the order that n =
-    12 calls for.
-
-    The bootstrap takes the standard deviation over n, not n - 1, and the normal's quantiles, not
-    Student's: mean +- z s sqrt((n - 1)/n) / sqrt(n) covers with P(|t| < z sqrt((n - 1)/n)). BCa
-    mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
+    12 calls for. The bootstrap takes the standard deviation over n, not n - 1, and the normal's
+    quantiles, not Student's: mean +- z s sqrt((n - 1)/n) / sqrt(n) covers with P(|t| < z sqrt((n -
+    1)/n)). BCa mends skewness, not that (Efron and Tibshirani 1993, 14.3; Hesterberg 2015, 3.2).
     """
     z = 1.959964
     return float((1 - 2 * t.sf(z * np.sqrt((pairs - 1) / pairs), pairs - 1)).mean())
@@ -164,42 +130,11 @@ def bounds(share: float, total: int) -> tuple[float, float]:
     return float(binom.ppf(tail, total, share) / total), float(binom.isf(tail, total, share) / total)
 
 
-def table(studies: int) -> Iterator[str]:
-    """Lines of Markdown."""
-    design, model = designed()
-    intervals = f"{LEVEL:.0%} intervals, BCa with all resamples"
-    yield f"{studies} studies each; {intervals}; three comparisons, 6 conditions once each."
-    yield ""
-    heads = (
-        "begin | come to the end | pairs | comparison | true mean | Hodges-Lehmann says | covers | BCa should | covers"
-    )
-    yield f"| {heads} |"
-    yield "|" + " --- |" * 9
-    for n in (12, 24):
-        found = coverage(design, model, n, studies, seed=1)
-        true = true_values(design, model)
-        for k, one in enumerate(found.comparisons):
-            yield (
-                f"| {n} | {n * (1 - found.dropped):.1f} | {found.pairs[:, k].mean():.1f} | "
-                f"{one.better} over {one.baseline} | "
-                f"{true[one][0]:+.2f} "
-                f"| {found.promised[:, k].mean():.1%} | {found.shift[:, k].mean():.1%} | "
-                f"{expected_bca(found.pairs[:, k]):.1%} "
-                f"| {found.mean[:, k].mean():.1%} |"
-            )
-    yield ""
-    for n in (12, 24):
-        null = without_effect(design, model, n, studies, seed=2)
-        each = ", ".join(f"{share:.1%}" for share in (null.p <= 1 - LEVEL).mean(axis=0))
-        anything = f"anything after Holm in {null.any_found.mean():.1%} (5 % allowed)"
-        yield f"No effect, {n} people: one test finds one in {each}; {anything}."
-
-
 @pytest.mark.parametrize("n", [12, 24])
 def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
     found = coverage(*designed(), n, STUDIES, seed=1)
     assert found.dropped > 0.05  # with people who leave among them
-    for k, _ in enumerate(found.comparisons):
+    for k in range(found.pairs.shape[1]):
         least, most = bounds(found.promised[:, k].mean(), STUDIES)
         # Exact where differences are continuous and symmetric; steps make many pairwise means equal
         # to the true one, which only adds.
@@ -212,9 +147,8 @@ def test_known_effects_come_back_inside_their_intervals_at_the_nominal_rate(n):
 
 
 def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
-    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t.
-
-    None is left with many people.
+    """P(|t_11| < 1.96 sqrt(11/12)) and P(|t_23| < 1.96 sqrt(23/24)), from tables of t. None is left
+    with many people.
     """
     assert expected_bca(np.array([12])) == pytest.approx(0.913, abs=0.001)
     assert expected_bca(np.array([24])) == pytest.approx(0.932, abs=0.001)
@@ -223,11 +157,10 @@ def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
 
 @pytest.mark.parametrize("n", [12, 24])
 def test_no_effect_is_found_where_there_is_none(n):
-    found = without_effect(*designed(), n, STUDIES, seed=2)
-    most = bounds(1 - LEVEL, STUDIES)[1]
-    assert found.any_found.mean() <= most  # Holm over three
+    ps, share = without_effect(*designed(), n, STUDIES, seed=2)
+    assert share <= bounds(1 - LEVEL, STUDIES)[1]  # Holm over three
     for level in (0.01, 0.05, 0.1, 0.2):
-        assert ((found.p <= level).mean(axis=0) <= bounds(level, STUDIES)[1]).all()
+        assert ((ps <= level).mean(axis=0) <= bounds(level, STUDIES)[1]).all()
 
 
 @pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
@@ -236,9 +169,8 @@ def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
     the bound come once in 1000 times at that rate, and so do more. Case V counts what differs
     between people as noise: a score of q is then one of q / sqrt(1 + 2 (taste / JOD_SPREAD)^2).
     """
-    design = design_of(scale, repeats=2)
-    text = SCORED.format(scale=scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)
-    model = model_from_text(text, "test")
+    design = pairs_of(scale, repeats=2)
+    model = judges(scale, noise=JOD_SPREAD / np.sqrt(2), taste=taste, threshold=0.5)
     shrunk = 1 / np.sqrt(1 + 2 * (taste / JOD_SPREAD) ** 2)
     held = dict.fromkeys(("late", "turned", "warped", "warped over late"), 0)
     for study in range(STUDIES_OF_PAIRS):
@@ -256,8 +188,8 @@ def test_intervals_hold_the_true_mean_at_the_nominal_rate():
     """95 % of 200 studies of 12 people, as the binomial tells (fewer or more come once in 500 times
     each); the truth is the mean of 20,000 people, known to 0.01.
     """
-    design = design_from_text(IMPAIRED, "impaired.toml", checked=False)
-    model = model_from_text(NOTICING, "test")
+    design = design_from_text(text_of("impaired"), "impaired.toml", checked=False)
+    model = model_from_text(text_of("impaired-people"), "test")
     studies = 200
     many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
     truth = many.mean().to_dict()
@@ -283,8 +215,3 @@ def test_without_an_effect_p_is_uniform():
         ]
     )
     assert ((ps < 0.05).mean(axis=0) < 0.05 + 0.062).all()
-
-
-if __name__ == "__main__":
-    for line in table(int(sys.argv[1]) if len(sys.argv) > 1 else 1000):
-        print(line)

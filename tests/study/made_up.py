@@ -1,4 +1,4 @@
-"""A plan that several tests share, and ratings of whole studies of simulated people."""
+"""Ratings of whole studies of simulated people."""
 
 from __future__ import annotations
 
@@ -9,101 +9,31 @@ from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
 from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.scales import Scale
-from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
-
-LATE_OR_WARPED = """
-schema = 1
-name = "late-or-warped"
-title = "Does a warp help?"
-seed = 3
-[common]
-scene = "planes"
-[trial]
-seconds = 1
-scales = ["grade"]
-[practice]
-seconds = 1
-[sickness]
-scale = "fms"
-[questionnaires]
-before = ["vrsq"]
-after = ["vrsq"]
-[[condition]]
-name = "late"
-latency = 400
-warp = "none"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 400
-warp = "forward"
-guard = 1.5
-[[condition]]
-name = "reference"
-latency = 0
-warp = "none"
-fill = "none"
-reference = true
-"""
+from hmdwarp.study.store import SIMULATED
 
 
 def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
-    """n people in each part, who are all other people.
-
-    The same numbers give the same ratings; study: another one of the same seed.
-    Errors: InputError where the model lacks a scale or a condition of the study.
+    """n people in each part, who are all other people. The same numbers give the same ratings;
+    study: another one of the same seed. Errors: InputError where the model lacks a scale or a
+    condition of the study.
     """
     rows: list[dict] = []
-    sessions: list[dict] = []
     for part in design.parts:
         cohort = Population(model, design, part.name).of(range(n), seed, study)
-        for person in range(n):
-            rows += _rows(design, cohort, person)
-            sessions.append(_session(cohort, person))
-    return Ratings(
-        rows=rows, scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales}, families=design.families,
-        origin=SIMULATED, source=f"simulated people ({model.title}), seed {seed}, study {study}", title=design.title,
-        sessions=sessions,
-    )  # fmt: skip
-
-
-def _name(cohort: Cohort, person: int) -> str:
-    return f"{cohort.part.name}-{person + 1}"
-
-
-def _rows(design: Design, cohort: Cohort, person: int) -> list[dict]:
-    names = [cohort.part.conditions[number] for number in cohort.order[person]]
-    rows = []
-    for trial, condition in enumerate(names):
-        for scale in design.scales:
-            value = cohort.answers[scale.name][person, trial]
-            rows.append(
-                {
-                    "participant": _name(cohort, person), "part": cohort.part.name, "condition": condition.name,
-                    "scale": scale.name, "value": None if np.isnan(value) else float(value),
-                    "why_missing": _why(cohort, person, trial) if np.isnan(value) else "",
-                    "reference": condition.reference, "repeat": trial // len(cohort.part.conditions) + 1,
-                    "place": trial + 1, "previous": names[trial - 1].name if trial else "",
-                }
-            )  # fmt: skip
-    return rows
-
-
-def _why(cohort: Cohort, person: int, trial: int) -> str:
-    if trial < cohort.trials[person]:
-        return "the participant could not say"
-    return (
-        "the stop rule for sickness ended the session before"
-        if cohort.why[person] == SICK
-        else "the session was stopped before"
-    )
-
-
-def _session(cohort: Cohort, person: int) -> dict:
-    why = cohort.why[person]
-    trials = int(cohort.trials[person])
-    about = {"participant": _name(cohort, person), "part": cohort.part.name, "session": 1, "status": why}
-    return {**about, "why": "" if why == COMPLETE else why, "rated": trials, "planned": cohort.order.shape[1]}
+        for person, order in enumerate(cohort.order):
+            shown = [part.conditions[number] for number in order]
+            for trial, condition in enumerate(shown):
+                about = {
+                    "participant": f"{part.name}-{person + 1}", "part": part.name, "condition": condition.name,
+                    "reference": condition.reference, "repeat": trial // len(part.conditions) + 1,
+                    "place": trial + 1, "previous": shown[trial - 1].name if trial else "",
+                }  # fmt: skip
+                for scale in design.scales:
+                    value = cohort.answers[scale.name][person, trial]
+                    rated = {"value": None, "why_missing": "x"} if np.isnan(value) else {"value": float(value)}
+                    rows.append({"scale": scale.name, "why_missing": "", **about, **rated})
+    measures = {scale.name: ScaleInfo.of(scale) for scale in design.scales}
+    return Ratings(rows=rows, scale_info=measures, families=design.families, origin=SIMULATED)
 
 
 def unlimited(design: Design) -> Design:

@@ -1,20 +1,281 @@
-"""The whole program, killed at random moments.
+"""Sessions of the real program that are killed again and again, until so many kills are done.
 
-No confirmed answer is missing or doubled, and the session goes on where it was.
+And what must be true of the store then.
+
+A kill is SIGKILL: no handler runs, what the program had not given to the kernel is gone. What the
+kernel has not given to the disk stays, so this is no test of a power cut; that every commit is
+followed by an fsync is asked of SQLite (synchronous=FULL), and tests/study/store looks at that.
 
 STUDY_KILLS (12) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """
 
 from __future__ import annotations
 
+import json
+import math
 import os
+import random
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from contextlib import closing, suppress
+from pathlib import Path
 
+import attrs
+import numpy as np
 import pytest
 
-from .killing import Killed, faults
+from hmdwarp.errors import InputError
+from hmdwarp.poses import load_trace
+from hmdwarp.study.design import Ask, Show, load_design, steps_of
+from hmdwarp.study.respondents import Population, load_model, person_of
+from hmdwarp.study.store import COMPLETE, Contents, Session, Store
 
-KILLS = int(os.environ.get("STUDY_KILLS", "12"))
-SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
+from . import tiny
+
+PHASES = {"answer": "after an answer", "showing": "while showing", "shown": "after a trial", "event": "after an event"}
+KILLS, SEED = (int(os.environ.get(name, usual)) for name, usual in (("STUDY_KILLS", "12"), ("STUDY_KILL_SEED", "1")))
+COLD = 0.2  # share of lives that begin with the start of Python
+SHORTLY_S = (1e-5, 0.02)  # after a line of the witness: at once, in the middle of the next commit, or between two
+
+
+@attrs.frozen
+class Life:
+    """One run of the program."""
+
+    told: list[list]  # lines of the witness
+    status: int  # as waitpid has it, negative for a signal
+    seconds: float
+    said: str
+
+
+class Cold:
+    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that
+    it writes to.
+    """
+
+    def __init__(self, arguments: list[str], told: int, said: int) -> None:
+        command = [sys.executable, "-m", "tests.study.witness", str(told), *arguments]
+        self._process = subprocess.Popen(
+            command, pass_fds=[told], stdin=subprocess.DEVNULL, stdout=said, stderr=subprocess.STDOUT, cwd=tiny.ROOT
+        )
+        self.kill = self._process.kill
+
+    def wait(self) -> int:
+        return self._process.wait(tiny.PATIENCE_S)
+
+
+class Nursery:
+    """Programs forked from one that has everything imported. A context manager; calling it starts
+    one, one at a time.
+    """
+
+    def __enter__(self) -> Nursery:
+        self._link, theirs = socket.socketpair()
+        command = [sys.executable, "-m", "tests.study.witness", str(theirs.fileno())]
+        self._process = subprocess.Popen(command, pass_fds=[theirs.fileno()], cwd=tiny.ROOT)
+        theirs.close()
+        self._link.settimeout(tiny.PATIENCE_S)
+        self._lines = self._link.makefile()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._lines.close()
+        self._link.close()
+        self._process.kill()
+        self._process.wait()
+
+    def __call__(self, arguments: list[str], told: int, said: int) -> Nursery:
+        socket.send_fds(self._link, [json.dumps(arguments).encode()], [told, said])
+        self._pid = self.wait()
+        return self
+
+    def kill(self) -> None:
+        with suppress(ProcessLookupError):  # it has come to its end by itself
+            os.kill(self._pid, signal.SIGKILL)
+
+    def wait(self) -> int:
+        return int(self._lines.readline())
+
+
+def live(
+    start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
+) -> Life:
+    """Run the program and kill it: after so long. Or after so many lines of its witness, and
+    `after_s` more. None for both lets it live.
+    """
+    (told, told_by), (said, said_by) = os.pipe(), os.pipe()
+    lines: list[list] = []
+    started = time.monotonic()
+    process = start(arguments, told_by, said_by)
+    os.close(told_by)
+    os.close(said_by)
+    timer = threading.Timer(after_s or 0.0, process.kill)
+    if after_s is not None and after_line is None:
+        timer.start()
+    with os.fdopen(told) as pipe:  # its end is the end of the program
+        for line in pipe:
+            lines.append(json.loads(line))
+            if len(lines) == after_line:
+                time.sleep(after_s or 0.0)
+                process.kill()
+    if timer.ident is not None:
+        timer.cancel()
+        timer.join()
+    with os.fdopen(said) as pipe:
+        return Life(lines, process.wait(), time.monotonic() - started, pipe.read())
+
+
+@attrs.define
+class Killed:
+    """Sessions of a study until `kills` runs were killed and the last session is complete."""
+
+    folder: Path
+    seed: int
+    kills: int
+    told: list[list] = attrs.field(factory=list)  # by all witnesses
+    tally: Counter = attrs.field(factory=Counter)  # what the program was about when it was killed
+    codes: list[str] = attrs.field(factory=list)  # whose sessions
+
+    def run(self) -> None:
+        """All of it."""
+        study, model = tiny.write(self.folder)
+        chance = random.Random(self.seed)
+        with Nursery() as nursery:
+            first = tiny.session(study, model, "first", "--store", str(self.folder / "first"))
+            live(nursery, first)
+            # How long and how talkative a life is.
+            usual = {start: live(start, [*first, "--new-session"]) for start in (nursery, Cold)}
+            assert all(run.status == 0 for run in usual.values()), usual
+            while not self.is_enough:
+                self.codes.append(f"person-{len(self.codes) + 1}")
+                arguments = tiny.session(study, model, self.codes[-1], "--store", str(self.store))
+                # It may be killed after its end, during the last plate.
+                while (status := self.status()) != COMPLETE:
+                    start = chance.choices(list(usual), (1 - COLD, COLD))[0]
+                    moment = self._moment(chance, usual[start])
+                    self._take(live(start, [*arguments, *(["--resume"] if status else [])], **moment))
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether so many were killed, most of them in a session: a slow machine starts slowly."""
+        count = sum(self.tally.values())
+        return count >= self.kills and self.tally["starting"] < count / 2
+
+    @property
+    def store(self) -> Path:
+        """Where the data are."""
+        return self.folder / "data"
+
+    def _take(self, one: Life) -> None:
+        self.told += one.told
+        if one.status == -signal.SIGKILL:
+            self.tally[PHASES[one.told[-1][0]] if one.told else "starting"] += 1
+        else:
+            assert one.status == 0, f"seed {self.seed}: {one.status} {one.said}"
+
+    def _moment(self, chance: random.Random, usual: Life) -> dict:
+        """Half of them at any time of a life, half shortly after something was stored, where
+        commits are close to each other.
+        """
+        if self.is_enough:
+            return {}
+        if chance.random() < 0.5:
+            return {"after_s": chance.uniform(0, usual.seconds)}
+        shortly_s = math.exp(chance.uniform(*map(math.log, SHORTLY_S)))
+        return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
+
+    def status(self) -> str:
+        """Of the session, as somebody else who reads the store sees it. "" where there is none to
+        go on with.
+        """
+        try:
+            with Store(self.store) as store:
+                found = store.contents().sessions
+        except InputError:  # there is none yet, or one that was not made to its end
+            return ""
+        return next((session.status for session in found if session.code == self.codes[-1]), "")
+
+
+def faults(killed: Killed) -> list[str]:
+    """What is wrong with the store, in words; nothing, if nothing was lost."""
+    with Store(killed.store) as store:
+        contents = store.contents()
+    with closing(sqlite3.connect(killed.store / "study.sqlite3")) as db:
+        found, astray = (db.execute(f"PRAGMA {check}").fetchall() for check in ("integrity_check", "foreign_key_check"))
+    out = [] if (found, astray) == ([("ok",)], []) else [f"integrity_check: {found}, {astray}"]
+    out += _of_the_told(killed, contents)
+    for session in contents.sessions:
+        out += [f"{session.code}: {fault}" for fault in _of_session(killed, contents, session)]
+    if sorted(session.code for session in contents.sessions) != sorted(killed.codes):
+        out.append(f"sessions of {[session.code for session in contents.sessions]}, and {killed.codes} had one each")
+    rows = Counter(session.row for session in contents.sessions)
+    counts = [rows[row] for row in range(4)]
+    return out if max(counts) - min(counts) <= 1 else [*out, f"orders taken {counts} times"]
+
+
+def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
+    """Everything that was confirmed is there as it was confirmed, once. And what is there
+    unconfirmed is at most the last of each kill.
+    """
+    code_of = {session.id: session.code for session in contents.sessions}
+    told = {kind: Counter(tuple(line[1:]) for line in killed.told if line[0] == kind) for kind in PHASES}
+    there = Counter((code_of[one.session], one.key, one.revision, one.value) for one in contents.answers)
+    out = [f"confirmed and missing: {lost}" for lost in told["answer"] - there]
+    out += [f"there {count} times: {one}" for one, count in there.items() if count > 1]
+    out += [f"confirmed {count} times: {one}" for one, count in told["answer"].items() if count > 1]
+    unconfirmed = there - told["answer"]
+    if unconfirmed.total() > (kills := sum(killed.tally.values())):
+        out.append(f"{unconfirmed.total()} answers that nobody was told of, by {kills} kills")
+    shown = {(code_of[one.session], one.key, one.presentation, one.complete) for one in contents.showings}
+    out += [f"shown and missing: {line}" for line in told["shown"] if line not in shown]
+    events = Counter((code_of[event.session], event.kind, event.key) for event in contents.events)
+    written = Counter(
+        (code_of[event.session], event.key, event.data["revision"], event.data["value"])
+        for event in contents.events
+        if event.kind == "answer"
+    )
+    odd = (written - there) + (there - written)
+    out += [f"an answer and its line in the journal are not one: {one}" for one in odd]
+    return out + [f"journal lines missing: {lost}" for lost in told["event"] - events]
+
+
+def _of_session(killed: Killed, contents: Contents, session: Session) -> list[str]:
+    """It is complete, each question has one answer that counts, each trial was seen to its end, and
+    the answers are those of a session that nobody killed: going on changes nobody's mind.
+    """
+    design, model = load_design(str(killed.folder / "tiny.toml")), load_model(killed.folder / "people.toml")
+    steps = steps_of(design, session.order, session.part)
+    asked = sorted(step.key for step in steps if isinstance(step, Ask))
+    with Store(killed.store) as store:
+        counting, done = store.answers(session), store.done(session)
+    out = [] if session.status == COMPLETE else [f"is {session.status}"]
+    if sorted(step.key for step in counting) != asked:
+        out.append(f"answers to {sorted(step.key for step in counting)}, and {asked} were asked")
+    out += [f"{step.key} is not done" for step in steps if step.key not in done]
+    whole = {one.id: one for one in contents.showings if one.session == session.id and one.complete}
+    seen = {showing.key for showing in whole.values()}
+    out += [f"{step.key} was never seen" for step in steps if isinstance(step, Show) and step.key not in seen]
+    for showing in whole.values():
+        if len(load_trace(killed.store / "traces" / showing.trace).track.time_ns) < 2:
+            out.append(f"{showing.trace} has no motion")
+        if not showing.actual.get("pictures"):
+            out.append(f"{showing.key}: complete, and nobody knows what was shown")
+    usual = Population(model, design, session.part).of([person_of(session.code)], design.seed, orders=[session.order])
+    for answer in (step for step in counting if step.trial):
+        about = whole.get(answer.showing)
+        if about is None or about.key != f"trial/{answer.trial}":
+            out.append(f"{answer.key} is about {about}")
+        value = usual.answers["grade"][0, answer.trial - 1]
+        meant = None if np.isnan(value) else value
+        if answer.scale == "grade" and answer.value != meant:
+            out.append(f"{answer.key}: {answer.value}, where {meant} was meant")
+    return out
 
 
 @pytest.mark.slow(20)

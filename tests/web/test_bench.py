@@ -14,9 +14,8 @@ from hmdwarp.metrics import db_of
 from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import Governor
 from hmdwarp.run.browser_log import NAME
-from hmdwarp.web.door import shaders
 
-from .browser import Browser, page
+from .browser import Browser
 
 CHAINS = ("iterative", "mesh:grid=64", "rotation")  # as the page has them
 pytestmark = needs.programs("chromium")
@@ -29,7 +28,7 @@ async (levels, budget, times) => {
 """
 
 
-def test_the_page_governs_as_a_live_run(tmp_path):
+def test_the_page_governs_as_a_live_run(browser):
     """The same moves at the same refreshes: calm, a slow spell, noise about the budget, calm."""
     rng, levels = np.random.default_rng(4), {"cheap": 1.0, "middle": 2.5, "best": 4.0}
     slow = np.concatenate([np.ones(100), np.full(60, 2.6), 1 + 0.6 * rng.random(300), np.full(700, 0.9)])
@@ -38,11 +37,8 @@ def test_the_page_governs_as_a_live_run(tmp_path):
     for factor in slow:
         times.append(float(factor * levels[own.level.warp]))
         expected.append([own.measured(times[-1]) is not None, own.level.warp])
-    with Browser(tmp_path) as driven, page({}) as address:
-        driven.open(address)
-        driven.until("globalThis.packed")
-        known = json.dumps([{"name": name, "ms": ms} for name, ms in levels.items()])
-        assert driven.does(f"({GOVERNED})({known}, 4.5, {json.dumps(times)})") == expected
+    known = json.dumps([{"name": name, "ms": ms} for name, ms in levels.items()])
+    assert browser.does(f"({GOVERNED})({known}, 4.5, {json.dumps(times)})") == expected
     assert sum(changed for changed, _ in expected) > 2 and {name for _, name in expected} == {*levels}
 
 
@@ -77,15 +73,12 @@ async (pixels, truth) => {
 
 
 @pytest.mark.parametrize("off", [0, 1, 60])
-def test_the_page_s_psnr_is_that_of_every_run(tmp_path, off):
+def test_the_page_s_psnr_is_that_of_every_run(browser, off):
     """Of colours alone, whatever is in alpha; equal pictures have a finite one, for JSON."""
     truth = np.random.default_rng(off).integers(0, 256 - off, (24, 4), np.uint8)
     pixels = truth + np.array([off, 0, off, 0], np.uint8)
     pixels[:, 3] = 255 - truth[:, 3]
-    with Browser(tmp_path) as driven, page({}) as address:
-        driven.open(address)
-        driven.until("globalThis.packed")
-        found = driven.does(f"({ERRORS})({pixels.ravel().tolist()}, {truth.ravel().tolist()})")
+    found = browser.does(f"({ERRORS})({pixels.ravel().tolist()}, {truth.ravel().tolist()})")
     assert found == pytest.approx(db_of(2 / 3 * off**2 / 255**2))
 
 
@@ -106,13 +99,10 @@ MASKED = """
 """
 
 
-def test_what_a_lens_hides_is_not_drawn(tmp_path):
+def test_what_a_lens_hides_is_not_drawn(browser):
     """A triangle of tangents: its pixels are those of the whole picture, no others are drawn."""
     corners = np.array([(-0.6, -0.5), (0.6, -0.5), (0.1, 0.5)])
-    with Browser(tmp_path) as driven, page(shaders()) as address:
-        driven.open(address)
-        driven.until("globalThis.chain")
-        found = [driven.does(f"({MASKED})({json.dumps(mask)})") for mask in (None, corners.ravel().tolist())]
+    found = [browser.does(f"({MASKED})({json.dumps(mask)})") for mask in (None, corners.ravel().tolist())]
     whole, seen = (
         [np.frombuffer(base64.b64decode(text), np.uint8).reshape(40, 48, 4)[..., :3] for text in texts]
         for texts in found

@@ -27,7 +27,7 @@ from hmdwarp.run import ServeOptions, browser_log
 from hmdwarp.run.browser_log import DISPLAY, FULL, MOST_REFRESHES, NAME, SessionLog
 from hmdwarp.web import MOST_REPORT, STEPS
 
-from .browser import CANTED, Browser, entered, wear
+from .browser import CANTED, Browser, wear
 from .looks import CLOCK, enter_vr_at_once, look_after, pictures_of, view_of
 
 SHOWN = dict.fromkeys(DISPLAY, 100) | {"browser": "a browser", "renderer": "a GPU", "codec": "av1", "trace": "walk"}
@@ -162,17 +162,8 @@ def test_what_no_page_says_is_counted_in_the_next_line(logged, wrong):
     page.close()
     line, end = logged.lines()
     assert line["errors"] == 1 and end == {"session": line["session"], "errors": 1}
-    assert logged.said == []
-
-
-def test_a_page_that_says_nothing_right_has_a_line_of_its_errors_alone(logged):
-    page = logged.log.begin()
-    for _ in range(1000):
-        page.take("{")
     page.close()
-    page.close()
-    (line,) = logged.lines()
-    assert line["errors"] == 1000 and set(line) == {"session", "errors"}
+    assert len(logged.lines()) == 2 and logged.said == []
 
 
 NUMBERS = st.integers() | st.floats(width=64) | st.booleans() | st.none()
@@ -291,30 +282,8 @@ def test_a_folder_that_is_none_is_refused_before_the_server_begins(tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="cannot write"):
         SessionLog(tmp_path / "file", print)
-
-
-def test_reports_come_by_the_door():
-    with pytest.raises(InputError, match="--web"):
+    with pytest.raises(InputError, match="--web"):  # reports come by the door
         ServeOptions(out="out")
-
-
-# How old a frame has been in a page's session, how long that goes on, and its first frame. A page
-# that stands still for too long on a busy machine is cut, and begins another session.
-NOTES = """{
-  const { report } = hmdwarp.session, { add } = report;
-  let { socket } = report.feed;
-  Object.assign(globalThis, { oldest: hmdwarp.session.time(), first: hmdwarp.session.time(), latest: 0, begun: 0 });
-  report.add = function (now, frame, ...rest) {
-    if (report.told === null) globalThis.oldest = 0;
-    const isNew = report.told === null || socket !== report.feed.socket;
-    if (isNew) Object.assign(globalThis, { first: now, begun: frame.number });
-    socket = report.feed.socket;
-    Object.assign(globalThis, { oldest: Math.max(oldest, now - frame.time), latest: now });
-    return add.call(this, now, frame, ...rest);
-  };
-}"""
-# Whether it is enough: a replay begins once the frame with the longest delay is there.
-ENOUGH = "hmdwarp.session.shown.number > begun + 30 && latest - first > 1.5 * oldest"
 
 
 def _rows(folder: Path) -> list[dict[str, str]]:
@@ -329,64 +298,6 @@ def last_session(folder: Path) -> tuple[Path, list[dict]]:
     name = lines[-1]["session"]
     alone = only(folder / NAME, name, folder / "one.jsonl")
     return alone, [line for line in lines if line["session"] == name]
-
-
-@needs.programs("chromium")
-@pytest.mark.parametrize("eyes", [1, pytest.param(2, marks=needs.from_npm("iwer"))])
-def test_a_session_can_be_replayed(tmp_path, eyes):
-    """That of a window, and of an emulated headset.
-
-    The replay's frames are drawn at even times, the browser's when it asked: what is the same are
-    their delays, until they are first shown, and the head that the page was warped to.
-    """
-    with (
-        Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
-        Browser(tmp_path / "profile", (240, 130)) as browser,
-    ):
-        address = server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96"
-        if eyes == 2:
-            wear(browser)
-        browser.open(address)
-        browser.until("hmdwarp.session.report")
-        browser.does(NOTES)
-        if eyes == 2:
-            entered(browser)
-        socket = "hmdwarp.session.feed.socket.readyState"
-        ends = "hmdwarp.session.report.send(hmdwarp.session.time()), hmdwarp.session.feed.close(), true"
-        browser.until(f"{ENOUGH} && {socket} === 1 && ({ends})")
-        browser.until(f"{socket} === 3")  # all that was sent has arrived
-    alone, lines = last_session(tmp_path / "out")
-    assert lines[0]["display"]["trace"] == ("webxr" if eyes == 2 else "walk")
-    heads, delays = [head for line in lines for head in line["heads"]], np.array(read_delays(alone))
-    seconds = 1e-3 * (heads[-1][0] - heads[0][0])
-    rate, server_rate = len(heads) / seconds, len(delays) / seconds
-    command = [
-        *("replay", str(alone), "--scene", "room", "--against", "", "--samples", "1"),
-        *("--delay-trace", str(alone), "--rate", str(rate), "--server-rate", str(server_rate)),
-        *("--size", f"{lines[0]['display']['width']}x{lines[0]['display']['height']}", "--metrics-every", "1000"),
-        *("--workers", "0", "--images", "0", "--quiet", "--fill", "none", "--out", str(tmp_path / "replay")),
-    ]
-    done = hmdwarp(*command, page=False)
-    assert done.returncode == 0, done.stderr
-    replayed = [row for row in _rows(tmp_path / "replay") if row["eye"] == "0"]
-    # Each refresh shows the newest frame whose delay is over. Rates within a thousandth of a whole
-    # ratio are taken for that.
-    shown_ms, age_ms = (np.array([float(row[name]) for row in replayed]) for name in ("shown_ns", "age_ms"))
-    shown_ms *= 1e-6
-    begun_ms, interval_ms = shown_ms[0] - 1e3 * math.ceil(delays.max() * 1e-3 * rate - 1e-3) / rate, 1e3 / server_rate
-    off_ms = 1e-3 * (shown_ms[-1] - begun_ms) + 1e-3
-    drawn_ms = np.arange(begun_ms, shown_ms[-1] + interval_ms, interval_ms)
-    there_ms = drawn_ms + np.resize(delays, drawn_ms.size)
-    for at_ms, number in zip(shown_ms, np.rint((shown_ms - age_ms - begun_ms) / interval_ms).astype(int), strict=True):
-        assert there_ms[number] <= at_ms + off_ms and (there_ms[number + 1 :] > at_ms - off_ms).all()
-    between = [row for row in replayed if row["pose_origin"] == "interpolated"]  # over a gap the head is held
-    # A busy machine refreshes twice at nearly one instant, of which the reader takes the last.
-    track = load_trace(alone).track
-    assert {tuple(place) for place in track.position_m} <= {tuple(head[1:4]) for head in heads}
-    for part, place in zip(("shown_x_m", "shown_y_m", "shown_z_m"), track.position_m.T, strict=True):
-        at_again, place_again = np.array([(float(row["time_s"]), float(row[part])) for row in between]).T
-        # Both interpolate linearly; times are written in nanoseconds, in which a head moves less.
-        np.testing.assert_allclose(place_again, np.interp(at_again, 1e-9 * track.time_ns, place), atol=1e-6)
 
 
 def _picture(folder: Path, number: int, eye: int, size: tuple[int, int]) -> np.ndarray:

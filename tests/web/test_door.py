@@ -9,6 +9,7 @@ import socket
 import ssl
 import urllib.error
 import urllib.request
+from contextlib import asynccontextmanager
 from http.cookiejar import CookieJar
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -80,9 +81,17 @@ def test_what_a_page_asks_stays_when_the_token_goes(serving, inside):
     told.value.close()
 
 
-@pytest.mark.parametrize("path", ["", "session.json", "shaders.json", "main.js", "traces/walk.json", "feed"])
-def test_without_a_cookie_nothing_is_given(inside, path):
-    assert opened(inside[0] + path)[0] == 403
+OWN = ["", "session.json", "shaders.json", "main.js", "traces/walk.json", "feed"]
+OTHERS = [
+    "../pyproject.toml", "%2e%2e/pyproject.toml", "..%2fdoor.py", "/etc/passwd", "traces/../door.py", "to_web.glsl",
+    "traces/none.json", "index.html%00.js", "door.py",
+]  # fmt: skip
+
+
+def test_without_a_cookie_nothing_is_given_and_with_it_no_path_of_the_machine(inside):
+    address, jar = inside
+    assert {path: opened(address + path)[0] for path in OWN} == dict.fromkeys(OWN, 403)
+    assert {path: opened(address + path, jar)[0] for path in OTHERS} == dict.fromkeys(OTHERS, 404)
 
 
 @pytest.mark.parametrize(
@@ -95,15 +104,6 @@ def test_another_name_or_origin_is_refused(inside, name, value):
     assert (status, text) == (403, "open this page by the address that hmdwarp printed\n")
 
 
-@pytest.mark.parametrize(
-    "path",
-    ["../pyproject.toml", "%2e%2e/pyproject.toml", "..%2fdoor.py", "/etc/passwd", "traces/../door.py", "to_web.glsl",
-     "traces/none.json", "index.html%00.js", "door.py"],
-)  # fmt: skip
-def test_no_path_of_the_machine_is_given(inside, path):
-    assert opened(inside[0] + path, inside[1])[0] == 404
-
-
 def test_nothing_from_elsewhere_may_load(inside):
     for path in ("", "main.js", "shaders.json"):
         headers = opened(inside[0] + path, inside[1])[1]
@@ -114,22 +114,25 @@ def test_nothing_from_elsewhere_may_load(inside):
         assert headers["X-Content-Type-Options"] == "nosniff" and headers["Cache-Control"] == "no-store"
 
 
-async def _spoken(address: str, jar: CookieJar, messages: list[bytes | str], answers: int) -> list[bytes]:
+@asynccontextmanager
+async def feed(address: str, jar: CookieJar):
+    """A WebSocket of a page."""
     cookies = {cookie.name: cookie.value for cookie in jar}
     async with (
         aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
         session.ws_connect(address.replace("http", "ws") + "feed", max_msg_size=1 << 28) as socket,
     ):
+        yield socket
+
+
+async def _spoken(address: str, jar: CookieJar, messages: list[bytes | str], answers: int) -> list[bytes]:
+    found: list[bytes] = []
+    async with feed(address, jar) as socket:
         for message in messages:
             await (socket.send_str(message) if isinstance(message, str) else socket.send_bytes(message))
-        found = []
-        async for message in socket:
-            if message.type is not aiohttp.WSMsgType.BINARY:
-                break
+        while len(found) < answers and (message := await socket.receive()).type is aiohttp.WSMsgType.BINARY:
             found.append(message.data)
-            if len(found) == answers:
-                break
-        return found
+    return found
 
 
 def spoken(inside, *messages: bytes | str, answers: int = 1) -> list:
@@ -145,12 +148,7 @@ def test_the_feed_is_spoken_as_it_is(inside):
 
 
 async def _beside_one_that_reads_nothing(address: str, jar: CookieJar, count: int) -> tuple[list[int], list[int]]:
-    cookies, feed = {cookie.name: cookie.value for cookie in jar}, address.replace("http", "ws") + "feed"
-    async with (
-        aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
-        session.ws_connect(feed, max_msg_size=1 << 28) as slow,
-        session.ws_connect(feed, max_msg_size=1 << 28) as other,
-    ):
+    async with feed(address, jar) as slow, feed(address, jar) as other:
         slow._response.connection.transport.pause_reading()
         answered = []
         for number in range(1, count + 1):
@@ -190,11 +188,7 @@ def test_who_speaks_otherwise_is_cut(inside, message):
 
 async def _silent(address: str, jar: CookieJar) -> bool:
     """Whether a page that says nothing is told to go."""
-    cookies = {cookie.name: cookie.value for cookie in jar}
-    async with (
-        aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
-        session.ws_connect(address.replace("http", "ws") + "feed") as socket,
-    ):
+    async with feed(address, jar) as socket:
         return (await socket.receive()).type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED)
 
 
@@ -209,19 +203,23 @@ def test_who_says_nothing_is_cut(monkeypatch):
         door.close()
 
 
-def test_an_other_machine_wants_a_certificate():
-    with pytest.raises(InputError, match="beyond this machine it wants --certificate"):
-        Door("0.0.0.0:*", "tcp://127.0.0.1:1", {}, {})
-    with pytest.raises(InputError, match="expected HOST:PORT"):
-        Door("5580", "tcp://127.0.0.1:1", {}, {})
-    with pytest.raises(InputError, match="it is for --web"):
-        ServeOptions.of({"certificate": "some.pem"})
-
-
-def test_a_port_that_is_taken_is_told(serving):
-    taken = urlsplit(serving.door).netloc
-    with pytest.raises(InputError, match="take another port"):
-        Door(taken, "tcp://127.0.0.1:1", {}, {})
+@pytest.mark.parametrize(
+    ("refused", "words"),
+    [
+        (lambda taken, _: Door("0.0.0.0:*", "tcp://127.0.0.1:1", {}, {}), "beyond this machine it wants --certificate"),
+        (lambda taken, _: Door("5580", "tcp://127.0.0.1:1", {}, {}), "expected HOST:PORT"),
+        (lambda taken, _: Door(taken, "tcp://127.0.0.1:1", {}, {}), "take another port"),
+        (lambda *_: ServeOptions.of({"certificate": "some.pem"}), "it is for --web"),
+        (
+            lambda _, frames: ServeOptions.of({"frames": frames, "scene": "box"}),
+            "recorded frames take the place of a scene",
+        ),
+        (lambda *_: ServeOptions.of({"repair": "edges"}), "--repair edges: a rendered scene lacks no depth"),
+    ],
+)
+def test_what_no_door_can_be_opened_by_is_refused(serving, tmp_path, refused, words):
+    with pytest.raises(InputError, match=words):
+        refused(urlsplit(serving.door).netloc, tmp_path)
 
 
 def https(address: str, pem: Path):
@@ -300,10 +298,3 @@ def test_a_file_is_a_scene_too():
         view = View(Pose(start["position"], start["orientation"]), EYES[0].fov)
         (frame,) = spoken((address.partition("?")[0], jar), encode(attrs.evolve(decode(ask()), views=(view,))))
         assert frame.colours[0][..., :3].max() > 0 and frame.inverse_depths[0].max() > 0
-
-
-def test_what_recorded_frames_leave_no_choice_in_is_refused(tmp_path):
-    with pytest.raises(InputError, match="--scene with --frames: recorded frames take the place of a scene"):
-        ServeOptions.of({"frames": tmp_path, "scene": "box"})
-    with pytest.raises(InputError, match="--repair edges: a rendered scene lacks no depth"):
-        ServeOptions.of({"repair": "edges"})

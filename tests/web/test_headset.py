@@ -65,7 +65,7 @@ def serving(tmp_path):
 
 def through(relay: Relay, address: str) -> str:
     """Return the page's address by way of a relay."""
-    return f"http://{relay.address}/{address.partition('/?')[1][1:]}{address.partition('/?')[2]}"
+    return f"http://{relay.address}/?{address.partition('/?')[2]}"
 
 
 def port_of(address: str) -> int:

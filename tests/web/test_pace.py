@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
+from statistics import fmean
 
 import needs
 import pytest
 from serving import Serving
 from sources.feed.relay import Relay
 
-from .browser import Browser, page
+from .browser import Browser
 
 pytestmark = needs.programs("chromium")
 
@@ -25,6 +26,7 @@ async (mbit_at, seconds, decoding) => {
   const socket = { readyState: WebSocket.OPEN, bufferedAmount: 0 };
   Object.assign(feed, { asked: new Map(), work: 10, round: 0, socket });
   let free = 0, last = -1e9, before = "", number = 0;
+  const clock = performance.now;
   performance.now = () => now;
   let now = 0;
   for (; now < 1000 * seconds; now += 1) {
@@ -46,6 +48,7 @@ async (mbit_at, seconds, decoding) => {
     free = Math.max(free, now + 30) + 8e-3 * bytes / mbit_at(now);
     sent.push({ number, asked: now, bytes, depth, wish, there: free + 20 });
   }
+  performance.now = clock;
   return log;
 }
 """
@@ -53,17 +56,9 @@ NO_QUEUE = "() => 0"
 
 
 @pytest.fixture(scope="module")
-def over(tmp_path_factory):
+def over(browser):
     """A function: what came over a link, (ms, its age, bytes, wish) of each frame."""
-    with Browser(tmp_path_factory.mktemp("profile")) as driven, page({}) as address:
-        driven.open(address)
-        driven.until("globalThis.packed")
-        yield lambda mbit, seconds, decoding=NO_QUEUE: driven.does(f"({LINK})({mbit}, {seconds}, {decoding})")
-
-
-def _mean(values) -> float:
-    values = list(values)
-    return sum(values) / len(values)
+    return lambda mbit, seconds, decoding=NO_QUEUE: browser.does(f"({LINK})({mbit}, {seconds}, {decoding})")
 
 
 def test_a_wide_link_gets_the_best(over):
@@ -80,7 +75,7 @@ def test_bits_follow_a_narrow_link(over, mbit):
     log = [row for row in over(f"() => {mbit}", 60) if row[0] > 10_000]
     carried = 8e-3 * sum(size for _, _, size, _ in log) / 50_000
     assert 0.5 * mbit < carried <= 1.01 * mbit
-    assert _mean(age for _, age, _, _ in log) < 50 + 60 + 1000 / min(wish["rate"] for *_, wish in log)
+    assert fmean(age for _, age, _, _ in log) < 50 + 60 + 1000 / min(wish["rate"] for *_, wish in log)
     assert len(log) > (0.9 if mbit >= 1 else 0.45) * 30 * 50
 
 

@@ -312,8 +312,7 @@ effects.register(
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.PLANE),
         without="uneven mirrors show an even reflection",
-        source="the 2014 thesis's order of steps (warp the even reflection, then disturb it); "
-        "tests/reference/reflection.py",
+        source="the 2014 thesis's order of steps (warp the even reflection, then disturb it)",
         refines="planar_reflections",
     )
 )

@@ -6,7 +6,7 @@ row by row.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Protocol
+from typing import Any, ClassVar, Literal
 
 import attrs
 import moderngl
@@ -54,18 +54,19 @@ class GatherWarp(Warp):
     fuses = True
     scans_out = True
     rows: ClassVar[int] = 8  # pixels of one column per invocation; 4 suits heavy shaders
-    rows_with_depth: ClassVar[int] = 0  # the same where the depth is written too; 0: as many
+    rows_with_depth: ClassVar[int] = 0  # the same where bilinear samples and the depth are written; 0: as many
 
     def gather(self, path: str, **defines: object) -> Compute:
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
+        cubic = isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom"
         if lens is None:
-            defines |= {"ROWS": (self.depth_into and self.rows_with_depth) or self.rows}
+            defines |= {"ROWS": (self.depth_into and not cubic and self.rows_with_depth) or self.rows}
         else:
             defines |= lens.panel_defines
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
-        if isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom":
+        if cubic:
             # Image loads take llvmpipe half the time of fetches.
             defines |= {"CATMULL_ROM": 1, **({"TEXELS": 1} if self.gpu.is_software else {})}
         if self.depth_into is not None:
@@ -166,18 +167,8 @@ DEPTH_TOLERANCE = 0.03
 DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
 
 
-class _Limits(Protocol):
-    """Settings of a warp that compares depths."""
-
-    @property
-    def tolerance(self) -> float: ...
-
-    @property
-    def floor(self) -> float: ...
-
-
-def depth_limits(settings: _Limits, rendered: EyeImage) -> dict[str, object]:
-    """Return the uniforms of the comparison: a tolerance, and a floor under it.
+def depth_limits(settings: Any, rendered: EyeImage) -> dict[str, object]:
+    """Return the uniforms of the comparison: the settings' tolerance, and a floor under it.
 
     Coded depth is off by depth_error, which the floor takes in: tolerance * floor is the part that
     does not grow with inverse depth. A tolerance of 0 stays 0.

@@ -5,23 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import moderngl
+import numpy as np
 
 from ...frames import EyeImage
 from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, Canvas, allocate, release_all, tiles
 
-BLOCK = 8  # pixels on each side, as ROWS in the shaders
+BLOCK = 8  # pixels on each side, as SIDE and ROWS in the shaders
 MOST_OLDER = 3
-# Image units; the texture unit of an older frame's colour is that of its image.
-_SHOWN, _SHOWN_DEPTH, _DEPTH, _LOOKED_UP, _COLOUR, _SUMS = range(6)
-_LOOK = {
-    "shown_inverse_depth": _SHOWN_DEPTH,
-    "older_inverse_depth": _DEPTH,
-    "looked_up": _LOOKED_UP,
-    "older_colour": _COLOUR,
-}
-_COMPARE = {"shown_colour": _SHOWN, "looked_up": _LOOKED_UP, "sums": _SUMS}
+# Image units; one for each older frame. The texture unit of a colour is that of its image.
+_SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + MOST_OLDER
 
 
 class OlderFrames:
@@ -33,62 +26,61 @@ class OlderFrames:
     counts less the more light has changed there, and the farther off it lies.
     """
 
-    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], most: int, ways: Mapping[str, bool]) -> None:
-        """Compile for at most `most` older frames; ways: what warps/older_look.comp defines."""
-        self._gpu, self._size, self._blocks = gpu, shown_size, tiles(shown_size, BLOCK)
-        defines = {name: 1 for name, asked in {**ways, "TEXELS": gpu.is_software}.items() if asked}
-        self._look = gpu.shaders.compute("warps/older_look.comp", **defines)
-        self._compare = gpu.shaders.compute("warps/older_compare.comp")
-        self._agree = gpu.shaders.compute("warps/older_agree.comp")
-        self._join = [gpu.shaders.compute("warps/older_join.comp", OLDER=count) for count in range(1, most + 1)]
-        self._runs = {one: one.over(*shown_size) for one in (self._look, *self._join)}
-        self._runs |= {one: one.over(*self._blocks) for one in (self._compare, self._agree)}
-        self._looked_up = [allocate(gpu.gl, shown_size, COLOUR) for _ in range(most)]
-        self._told = [allocate(gpu.gl, self._blocks, COLOUR) for _ in range(most)]
-        self._sums = allocate(gpu.gl, (self._blocks[0], 4 * self._blocks[1]), (4, "f4"))
+    def __init__(
+        self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int], most: int, *, scanout: bool
+    ) -> None:
+        """Compile for at most `most` older frames."""
+        self._gpu = gpu
+        wide, high = blocks = tiles(shown_size, BLOCK)
+        ways = {name: 1 for name, asked in {"SCANOUT": scanout, "TEXELS": gpu.is_software}.items() if asked}
+        agree = gpu.shaders.compute("warps/older_agree.comp")
+        # For each number of frames the passes in order, the constants of each, and what runs it.
+        self._passes = []
+        for count in range(1, most + 1):
+            compare, join = (
+                gpu.shaders.compute(f"warps/older_{name}.comp", OLDER=count, **ways) for name in ("compare", "join")
+            )
+            every: dict[str, object] = {"shown_colour": _SHOWN, "shown_inverse_depth": _SHOWN_DEPTH, "sums": _SUMS}
+            every |= {"told": _TOLD, "blocks": blocks, "shown_size": shown_size, "rendered_size": rendered_size}
+            every["frames"] = count
+            for name, first in (("older_inverse_depth", _DEPTHS), ("older_colour", _COLOURS)):
+                every[name] = tuple(range(first, first + count)) if count > 1 else first
+            runs = compare.over(*blocks), agree.over(wide, count * high), join.over(wide, shown_size[1])
+            self._passes.append((every, tuple(zip((compare, agree, join), runs, strict=True))))
+        self._told = allocate(gpu.gl, (wide, most * high), COLOUR)
+        self._sums = allocate(gpu.gl, (wide, 4 * most * high), (4, "f4"))
 
     def add(
         self,
         older: Sequence[EyeImage],
-        maps: Sequence[Mapping[str, object]],
+        depths: Sequence[moderngl.Texture],
+        maps: Sequence[Mapping[str, np.ndarray]],
         into: Canvas,
         inverse_depth: moderngl.Texture,
         limits: Mapping[str, object],
     ) -> None:
         """Average `into`, whose pixels lie at `inverse_depth` (r32f), with the older frames.
 
-        maps: H and e to each of them, as uniforms. limits: depth_tolerance and depth_floor.
+        depths: their inverse depths. maps: H and e to each of them, as uniforms. limits:
+        depth_tolerance and depth_floor.
         """
-        for image, back, looked_up, told in zip(older, maps, self._looked_up, self._told, strict=False):
-            inverse_depth.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
-            image.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-            looked_up.bind_to_image(_LOOKED_UP, read=True, write=True)
-            image.colour.bind_to_image(_COLOUR, read=True, write=False)
-            image.colour.use(_COLOUR)
-            sizes = {"shown_size": self._size, "rendered_size": image.size}
-            self._run(self._look, **_LOOK, **sizes, **back, **limits)
-            into.texture.bind_to_image(_SHOWN, read=True, write=False)
-            self._sums.bind_to_image(_SUMS, read=True, write=True)
-            self._run(self._compare, **_COMPARE, blocks=self._blocks)
-            told.bind_to_image(_SHOWN, read=False, write=True)
-            self._run(self._agree, sums=_SUMS, told=_SHOWN, blocks=self._blocks)
-        count = min(len(older), len(self._looked_up))
+        for k, (image, depth) in enumerate(zip(older, depths, strict=True)):
+            depth.bind_to_image(_DEPTHS + k, read=True, write=False)
+            image.colour.bind_to_image(_COLOURS + k, read=True, write=False)
+            image.colour.use(_COLOURS + k)
+        inverse_depth.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
         into.texture.bind_to_image(_SHOWN, read=True, write=True)
-        for k in range(count):
-            self._looked_up[k].bind_to_image(1 + 2 * k, read=True, write=False)
-            self._told[k].bind_to_image(2 + 2 * k, read=True, write=False)
-        units = {
-            name: first if count == 1 else tuple(range(first, 2 * count + 1, 2))
-            for first, name in enumerate(("looked_up", "told"), start=1)
-        }
-        sizes = {"shown_size": self._size, "last_block": (self._blocks[0] - 1, self._blocks[1] - 1)}
-        self._run(self._join[count - 1], shown_colour=_SHOWN, **sizes, **units)
-
-    def _run(self, program: Compute, **uniforms: object) -> None:
-        self._gpu.barrier()
-        program.uniforms.set(**uniforms)
-        self._runs[program]()
+        self._sums.bind_to_image(_SUMS, read=True, write=True)
+        self._told.bind_to_image(_TOLD, read=True, write=True)
+        places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
+        every, passes = self._passes[len(older) - 1]
+        for program, run in passes:
+            self._gpu.barrier()
+            program.uniforms.settle(every)
+            if program.uniforms.declares("older_H"):
+                program.uniforms.set(**places, **limits)
+            run()
 
     def close(self) -> None:
         """Free the textures."""
-        release_all(*self._looked_up, *self._told, self._sums)
+        release_all(self._told, self._sums)

@@ -12,8 +12,8 @@ from contextlib import ExitStack
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses import PoseSource
+from ...poses.synth import Walker
 from ...poses.track import LoopedSource
-from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..controls import Status
 from .control_panel import WIDTH, installed

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from ...poses.walker import Walker
+from ...poses.synth import Walker
 from .. import Command
 from .control_panel import PANEL_REMEDY, installed
 from .pacing import Pacer

@@ -15,7 +15,7 @@ import xr
 from ...errors import HmdwarpError, InputError, MachineError
 from ...geometry import View
 from ...gpu.context import Gpu
-from ...gpu.raw_gl import depth_framebuffer
+from ...gpu.egl import depth_framebuffer
 from .. import Closed
 from ..controls import Control
 from .actions import Actions, open_actions

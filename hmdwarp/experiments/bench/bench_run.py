@@ -39,10 +39,9 @@ from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
 from ...options.named_files import RESULTS
-from ...pipeline.levels import choose
-from ...pipeline.planning import build_plan_for
+from ...pipeline.governor import choose
 from ...pipeline.recorded_source import RecordingSource
-from ...pipeline.sizes import check_held, eye_sizes
+from ...pipeline.sizes import build_plan_for, check_held, eye_sizes
 from ...pipeline.source import Source
 from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
@@ -82,8 +81,7 @@ from .cases import (
     source_of,
 )
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
-from .suite_means import suite_entry
-from .suites import cost_text, suites
+from .suites import cost_text, suite_entry, suites
 
 ROWS, CROPS = "rows", "crops.npz"
 MOST_METHODS = 5  # side by side

@@ -21,9 +21,8 @@ from ...headsets import Headset
 from ...link import LinkOptions
 from ...options import guard_band
 from ...pipeline.options import PipelineOptions
-from ...pipeline.planning import build_plan_for, check_suited
 from ...pipeline.recorded_source import RecordingSource
-from ...pipeline.sizes import guarded_size
+from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan

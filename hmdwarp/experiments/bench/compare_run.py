@@ -23,8 +23,8 @@ from ...link import LinkOptions
 from ...link.codec import codecs
 from ...metrics import MeasuringProcesses, at_instants
 from ...options import PAPER, PaperOptions
-from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
+from ...pipeline.sizes import build_plan_for
 from ...report import OutputFolder, png_bytes, write_paper
 from ...report.bench.rows import first_cases
 from ...report.compare_page import COLUMNS, OF_COMPARE, OF_NOTEBOOK, compare_page
@@ -35,8 +35,7 @@ from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, 
 from .bench_rows import flat
 from .cases import heads_of
 from .options import SIZE, CompareOptions
-from .suite_means import MEASURES, compared_entry
-from .suites import cost_text
+from .suites import MEASURES, compared_entry, cost_text
 
 _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"

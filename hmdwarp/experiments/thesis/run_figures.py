@@ -26,8 +26,7 @@ from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
 from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr
 from ...pipeline.loop import Refresh
-from ...pipeline.planning import build_plan_for
-from ...pipeline.sizes import refreshes_of
+from ...pipeline.sizes import build_plan_for, refreshes_of
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg

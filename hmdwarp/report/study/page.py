@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from string import Formatter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,34 +29,10 @@ from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plai
 from ..style import INK, SERIES
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    pass
 
 Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
-Cell = Callable[[Row], str]
-
-# By file.
-_CSV_COLUMNS = {
-    "jod.csv": (
-        "part", "scale", "condition", "reference", "jod", "low", "high", "preferred", "other_preferred", "neither",
-    ),
-    "preferences.csv": (
-        "part", "scale", "family", "condition", "baseline", "people", "for", "against", "neither", "jod", "low", "high",
-        "share", "share_low", "share_high", "p", "holm", "holm_of",
-    ),
-    "conditions.csv": (
-        "scale", "part", "condition", "reference", "n", "missing", "median", "mean", "low", "high", "sd", "q1", "q3",
-        "least", "most",
-    ),
-    "comparisons.csv": (
-        "scale", "part", "family", "condition", "baseline", "n", "better", "equal", "worse", "mean", "sd", "median",
-        "w_plus", "w_minus", "p", "smallest_p", "holm", "holm_of", "holm_all", "holm_all_of",
-        "rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high",
-    ),
-    "ratings.csv": ("scale", "part", "participant", "condition", "value"),
-    "differences.csv": ("scale", "part", "condition", "baseline", "participant", "difference"),
-    "missing.csv": ("scale", "part", "participant", "session", "condition", "why"),
-}  # fmt: skip
 
 
 def condition_text(row: Row) -> str:
@@ -64,90 +41,22 @@ def condition_text(row: Row) -> str:
     return row["condition"] if unmarked else f"{row['condition']} (reference)"
 
 
-def _of(name: str, write: Callable[..., str] = str, *how: Any) -> Cell:
-    return lambda row: write(row.get(name), *how)
-
-
-def _range(low: str, high: str) -> Cell:
-    return lambda row: "–" if row[low] is None else f"{plain(row[low])} .. {plain(row[high])}"
-
-
-def _interval(low: str = "low", high: str = "high", digits: int = 2, level: str = "") -> Cell:
-    """Return the cell of an interval; level: of its true level, as levels come in steps."""
-
-    def text(row: Row) -> str:
-        of = row.get(level)
-        return interval(row.get(low), row.get(high), digits) + ("" if of is None else f" ({100 * of:.1f} %)")
-
-    return text
-
-
-def _pair(row: Row) -> str:
-    return pair_text(row["baseline"], row["condition"])
-
-
-def _pairs(row: Row) -> str:
-    """Return "12 (6/1/5)": pairs, of them rated better, the same, worse."""
-    return f"{row['n']} ({row['better']}/{row['equal']}/{row['worse']})"
-
-
-# Every table of an analysis, for page, terminal and papers: head, unit and cell of each column.
-_TABLES: Mapping[str, tuple[tuple[str, str, Cell], ...]] = {
-    "conditions": (
-        ("condition", "", condition_text), ("n", "", _of("n")), ("missing", "", _of("missing")),
-        ("median", "", _of("median", plain)), ("mean", "", _of("mean", plain)), ("95 %", "", _range("low", "high")),
-        ("sd", "", _of("sd", plain)), ("quartiles", "", _range("q1", "q3")),
-    ),
-    "comparisons": (
-        ("compared", "", lambda row: ": ".join([*filter(None, [row["part"]]), _pair(row)])),
-        ("pairs", "+/0/-", lambda row: _pairs(row) if row["n"] else "0"), ("mean", "", _of("mean", signed, 3)),
-        ("BCa 95 %", "", _interval()), ("shift", "", _of("shift", signed)),
-        ("exact interval", "", _interval("shift_low", "shift_high", level="shift_level")),
-        ("W+/W-", "", lambda row: f"{row['w_plus']:g}/{row['w_minus']:g}" if row["n"] else "–"),
-        ("exact p", "", _of("p", p_text)), ("Holm", "family", _of("holm", p_text)),
-        ("Holm", "all", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", signed)),
-    ),
-    "comparisons in 80 columns": (
-        ("compared", "", _pair), ("pairs +/0/-", "", _pairs), ("mean", "", _of("mean", signed, 3)),
-        ("BCa 95 %", "", _interval()), ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
-        ("all", "", _of("holm_all", p_text)), ("r", "", _of("rank_biserial", plain)),
-    ),
-    "without": (
-        ("without them", "", _pair), ("pairs", "", _of("n")), ("mean", "", _of("mean", signed)),
-        ("p", "", _of("p", p_text)), ("Holm", "", _of("holm", p_text)),
-    ),
-    "questionnaires": (
-        ("score", "", lambda row: f"{row['scale']} {row['score']}"), ("pairs", "", _of("n")),
-        ("before", "median", _of("before", plain, 1)), ("after", "median", _of("after", plain, 1)),
-        ("change", "", _of("change", signed, 1)), ("exact interval", "", _interval(digits=1, level="level")),
-        ("exact p", "", _of("p", p_text)),
-    ),
-    "asked once": (
-        ("score", "", lambda row: f"{row['scale']} {row['when']}: {row['score_title']}"), ("answers", "", _of("n")),
-        ("lower quartile", "", _of("low_quartile", plain)), ("median", "", _of("median", plain)),
-        ("upper quartile", "", _of("high_quartile", plain)),
-        ("possible", "", lambda row: "–" if row["least"] is None else f"{row['least']:g} to {row['most']:g}"),
-    ),
-    "scores": (
-        ("condition", "", condition_text), ("score", "JOD", _of("jod", signed)), ("95 %", "", _interval()),
-        ("preferred", "", _of("preferred")), ("other preferred", "", _of("other_preferred")),
-        ("neither", "", _of("neither")),
-    ),
-    "preferences": (
-        ("compared", "", _pair), ("answers +/0/-", "", lambda row: f"{row['for']}/{row['neither']}/{row['against']}"),
-        ("JOD", "", _of("jod", signed)), ("95 %", "", _interval()),
-        ("would choose it", "", lambda row: f"{row['share']:.0%}"), ("exact p", "", _of("p", p_text)),
-        ("Holm", "", _of("holm", p_text)),
-    ),
-    "correlations": (
-        ("metric", "", _of("title")), ("r", "within people", _of("r", signed)), ("95 %", "", _interval()),
-        ("p", "", _of("p", p_text)), ("df", "", _of("dof")),
-    ),
-    "sickness": (
-        ("after trial", "", lambda row: str(row["trial"] or "practice")), ("answers", "", _of("n")),
-        ("median", "", lambda row: f"{row['median']:g}"), ("worst", "", lambda row: f"{row['worst']:g}"),
-    ),
+_WRITERS: Mapping[str, Callable[..., str]] = {
+    "plain": plain, "signed": signed, "p": p_text, "share": lambda share: f"{100 * share:.1f} %",
 }  # fmt: skip
+
+
+def _cell(template: str, row: Row) -> str:
+    """Return a cell of a table; a dash where one of its values is missing."""
+    found = ""
+    for text, name, given, _ in Formatter().parse(template):
+        value, how = row.get(name) if name else "", given or ""
+        if value is None:
+            return "–"
+        writer = how.rstrip("0123456789")
+        write = _WRITERS.get(writer)
+        found += text + (write(value, *map(int, how[len(writer) :])) if write else format(value, how))
+    return found
 
 
 def best_first(conditions: Iterable[Row]) -> list[Row]:
@@ -157,18 +66,27 @@ def best_first(conditions: Iterable[Row]) -> list[Row]:
 
 def study_lines(table: str, rows: Iterable[Row], **heads: str) -> Lines:
     """Return the heads and cells of a table of an analysis. heads: in place of some."""
-    columns = _TABLES[table]
-    named = [(heads.get(head, head), unit) for head, unit, _ in columns]
-    return named, [[cell(row) for _, _, cell in columns] for row in rows]
+    columns, lines = texts("study")["tables"][table], []
+    for row in rows:
+        more = {"trial": row.get("trial") or "practice"}
+        if "baseline" in row:
+            more["pair"] = pair_text(row["baseline"], row["condition"])
+            more["part_pair"] = ": ".join(filter(None, (row.get("part"), more["pair"])))
+            more["pairs"] = "{n} ({better}/{equal}/{worse})".format(**row) if row.get("n") else "0"
+        elif "reference" in row:
+            more["condition"] = condition_text(row)
+        lines.append([_cell(template, {**row, **more}) for _, _, template in columns])
+    return [(heads.get(head, head), unit) for head, unit, _ in columns], lines
 
 
 def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:
     """Return (columns, rows) by file name: every number of the analysis, unrounded."""
-    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in _CSV_COLUMNS}
+    columns_of = texts("study")["csv"]
+    rows: dict[str, list[dict[str, Any]]] = {name: [] for name in columns_of}
 
     def add(name: str, *entries: Row) -> None:
         whole = {key: value for entry in entries for key, value in entry.items()}
-        rows[name].append({key: whole.get(key) for key in _CSV_COLUMNS[name]})
+        rows[name].append({key: whole.get(key) for key in columns_of[name]})
 
     for scale in data["scales"]:
         named = {"scale": scale["measure"]["name"]}
@@ -190,7 +108,7 @@ def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]
         for row in part["comparisons"]:
             add("preferences.csv", part, row)
     absent = () if data["preferences"] else ("jod.csv", "preferences.csv")
-    return {name: (columns, rows[name]) for name, columns in _CSV_COLUMNS.items() if name not in absent}
+    return {name: (columns, rows[name]) for name, columns in columns_of.items() if name not in absent}
 
 
 _WIDTH_IN = 9.6
@@ -210,10 +128,20 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     with canvas((part["part"], measure["name"], names), (_WIDTH_IN, 3.6), y=label, grid="y") as axes:
         figure: Any = axes.get_figure()
         shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
-        for x, row in pairs:
-            _join(axes, x, row, by_name, shifts)
-        for x, name in enumerate(names):
-            _points(axes, x, by_name[name], shifts[name])
+        for at, row in pairs:
+            ends = row["baseline"], row["condition"]
+            for who, difference in row["differences"].items():
+                x = [at + place + shifts[name][who] for place, name in enumerate(ends)]
+                y = [by_name[name]["ratings"][who] for name in ends]
+                colour, dash = _LINES[(difference > 0) - (difference < 0)]
+                axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
+        for at, (name, row) in enumerate((name, by_name[name]) for name in names):
+            x, y = [at + shifts[name][who] for who in row["ratings"]], [*row["ratings"].values()]
+            axes.plot(x, y, "o", markersize=5, color=INK, markerfacecolor="none", zorder=3)
+            if row["median"] is not None:
+                across: Style = {"linewidth": 2.2, "zorder": 2, "solid_capstyle": "butt"}
+                axes.plot([at - 0.3, at + 0.3], [row["median"]] * 2, color=INK, **across)
+                axes.plot(at - 0.36, row["mean"], ">", markersize=6, color=INK, zorder=4)
         labels = [f"{_wrapped(condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
@@ -323,25 +251,6 @@ def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
     return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
 
 
-def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Mapping[str, Mapping[str, float]]) -> None:
-    a, b = row["baseline"], row["condition"]
-    for who, difference in row["differences"].items():
-        x = [at + shifts[a][who], at + 1 + shifts[b][who]]
-        y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
-        colour, dash = _LINES[(difference > 0) - (difference < 0)]
-        axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
-
-
-def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
-    who, ink = list(row["ratings"]), INK
-    at = [x + shifts[name] for name in who]
-    values = [row["ratings"][name] for name in who]
-    axes.plot(at, values, "o", markersize=5, color=ink, markerfacecolor="none", zorder=3)
-    if row["median"] is not None:
-        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
-        axes.plot(x - 0.36, row["mean"], ">", markersize=6, color=ink, zorder=4)
-
-
 def _wrapped(name: str) -> str:
     # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
     # space, or after the plus of a chain of fills.
@@ -390,7 +299,7 @@ def study_page(data: Row, command: str) -> Page:
             blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
         if part["threshold"]:
             blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
+    note = Text(texts("study")["notes"]["pairs"])
     return Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
@@ -400,10 +309,10 @@ def study_page(data: Row, command: str) -> Page:
         sections=(
             Section("", _tiles(data), style="tiles", label="Main figures"),
             notes_section(data["notes"]),
-            Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading),
+            Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
             _shown(data),
-            Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
-            Section("Did the order matter?", _order(scales), id="order", link="Order"),
+            Section("Every rating", _every_rating(scales), id="conditions"),
+            Section("Did the order matter?", _order(scales), id="order"),
             _checked(scales),
             _correlations(scales),
             _people(data),
@@ -432,20 +341,19 @@ def _tiles(data: Row) -> list[Tile]:
     parts = len(data["scales"][0]["parts"]) if data["scales"] else len(data["preferences"])
     people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
     missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"
+    answers = Tile("Ratings", "", str(data["ratings"]), missing)
+    if data["preferences"]:
+        lacking, ties, count = (
+            sum(part[key] for part in data["preferences"]) for key in ("missing", "ties", "answers")
+        )
+        more = f"{ties} without a difference, {lacking or 'none'} missing"
+        answers = Tile("Pairs compared", "", str(count), more)
     difference = "comparisons with p ≤ .05 after Holm in their family"
     return [
         Tile("Participants", "", str(data["participants"]), people),
-        _answers(data["preferences"]) if data["preferences"] else Tile("Ratings", "", str(data["ratings"]), missing),
+        answers,
         Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
     ]
-
-
-def _answers(parts: Sequence[Row]) -> Tile:
-    missing, ties = (sum(part[key] for part in parts) for key in ("missing", "ties"))
-    more = f"{missing} missing" if missing else "none missing"
-    return Tile(
-        "Pairs compared", "", str(sum(part["answers"] for part in parts)), f"{ties} without a difference, {more}"
-    )
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:
@@ -462,22 +370,18 @@ def _shown(data: Row) -> Section:
             _said([row["sentence"] for row in rows] or ["Nothing was compared."]),
         ]
         if rows:
-            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), _in_words(rows)))
+            words = "; ".join(
+                f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
+                f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
+                for row in rows
+                if row["n"]
+            )
+            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
             blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
     )
-    heading = "What the ratings show"
-    return Section(heading, [*blocks, Text(note)] if blocks else [], id="shown", link=heading)
-
-
-def _in_words(rows: Sequence[Row]) -> str:
-    return "; ".join(
-        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
-        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
-        for row in rows
-        if row["n"]
-    )
+    return Section("What the ratings show", [*blocks, Text(note)] if blocks else [], id="shown")
 
 
 def _every_rating(scales: Sequence[Row]) -> list[Any]:
@@ -529,7 +433,7 @@ def _checked(scales: Sequence[Row]) -> Section:
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
             blocks += [Heading("Published figures"), Sentences([row["sentence"] for row in claims], marks, "said")]
             blocks.append(Text(note))
-    return Section("Checked against the data", blocks, id="held", link="Checked against the data")
+    return Section("Checked against the data", blocks, id="held")
 
 
 def _correlations(scales: Sequence[Row]) -> Section:
@@ -541,8 +445,8 @@ def _correlations(scales: Sequence[Row]) -> Section:
                 blocks.append(
                     Table.of("What was measured against the ratings", *study_lines("correlations", data["measures"]))
                 )
-    heading, note = "What goes with the ratings", Text(texts("study")["notes"]["correlation"])
-    return Section(heading, [*blocks, note] if blocks else [], id="correlation", link=heading)
+    note = Text(texts("study")["notes"]["correlation"])
+    return Section("What goes with the ratings", [*blocks, note] if blocks else [], id="correlation")
 
 
 def _people(data: Row) -> Section:
@@ -567,8 +471,7 @@ def _people(data: Row) -> Section:
     if data["asked_once"]:
         blocks.append(Table.of("Questionnaires, answered once", *study_lines("asked once", data["asked_once"])))
         blocks.append(Text(notes["once"]))
-    heading = "Missing and unfinished"
-    return Section(heading, blocks, id="people", link=heading)
+    return Section("Missing and unfinished", blocks, id="people")
 
 
 def _cut(one: Row) -> str:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from ...display import Command
-from ..console.line_console import Question
 from ..design import Ask
+from ..line_console import Question
 from .dialog_panels import (
     KEYS,
     PAD,

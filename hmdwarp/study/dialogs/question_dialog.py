@@ -8,8 +8,8 @@ from decimal import Decimal
 from typing import Any
 
 from ...display import Command
-from ..console.line_console import Question
 from ..design import Ask
+from ..line_console import Question
 from ..scales import CHOICE, Scale, number_text, range_text
 from .dialog_panels import BACK, KEYS, SKIP, YES, InputHints, QuestionPanel, ScaleForm, heading_of, layout_of
 

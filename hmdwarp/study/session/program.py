@@ -17,9 +17,9 @@ from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
-from ..console.line_console import LineConsole
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
+from ..line_console import LineConsole
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .markers import MarkerStream, load_lsl, marker_stream

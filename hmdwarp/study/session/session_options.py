@@ -10,8 +10,8 @@ import attrs
 from ...errors import InputError
 from ...options import Declared, as_path, one_of, option
 from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
-from ..console.line_console import KINDS as CONSOLES
-from ..console.line_console import LINES
+from ..line_console import KINDS as CONSOLES
+from ..line_console import LINES
 from ..store import PERSON, PILOT, SIMULATED
 
 

@@ -11,12 +11,12 @@ from ...display import Command, Display, Label, Status
 from ...pipeline import Refresh
 from ...poses import Origin, PoseSample
 from ...run import FrameHandler
-from ..console.line_console import ConsoleState, LineConsole
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Ask, Design, Pause, Read, Show, Step
 from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, TextDialog
 from ..dialogs.dialog_panels import MessagePanel, hints_for
 from ..dialogs.question_dialog import QuestionDialog
+from ..line_console import ConsoleState, LineConsole
 from ..respondents import Respondent
 from ..scales import WORDS
 from ..store import PILOT, SIMULATED, Session, Store

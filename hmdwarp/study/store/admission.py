@@ -17,7 +17,7 @@ from typing import Any
 from ...errors import InputError
 from ..design import ONE, Condition, Design, Order, allot, rows_for
 from ..scales import Item, Scale
-from . import queries
+from . import records
 from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
 
 
@@ -185,7 +185,7 @@ def is_taken(db: sqlite3.Connection, code: str) -> bool:
 
 
 def _already(db: sqlite3.Connection, code: str, part: str) -> str:
-    sessions = queries.sessions_of(db, code)
+    sessions = records.sessions_of(db, code)
     resumable = any(session.part == part and session.status == INTERRUPTED for session in sessions)
     resume = "--resume resumes it, " if resumable else ""
     known = f"participant {code} is known here ({_listed(sessions)})"
@@ -305,7 +305,7 @@ def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
     check_code(code)
     if is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn: there is nothing to resume")
-    sessions = queries.sessions_of(db, code)
+    sessions = records.sessions_of(db, code)
     if not sessions:
         raise InputError(f"participant {code} is not known here: leave out --resume, or check the code")
     open_ = [session for session in sessions if session.status == INTERRUPTED and part in (None, session.part)]

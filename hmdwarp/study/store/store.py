@@ -26,7 +26,7 @@ from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from ..design import Ask, Design, Show
-from . import admission, database, queries
+from . import admission, database, records
 from .database import transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
 from .folders import (
@@ -157,10 +157,10 @@ class Store:
             mended = admission.check_plan(db, design, part, origin)
             now = self._now()
             id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
-            session = queries.session(db, id_)
+            session = records.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
             self._event(session, "begin", data=data)
-            session = queries.session(db, id_)  # which the event tells whether it needs a consent
+            session = records.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
             self._say(
                 "the study's file changed since the last session, but not what it shows and asks; both texts are kept"
@@ -205,12 +205,12 @@ class Store:
             session = admission.to_resume(db, code, part)
             db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
             self._event(session, "resume", data=facts or {})
-            if not queries.passed_s(db, session.id)[1]:
+            if not records.passed_s(db, session.id)[1]:
                 self._say(
                     "the machine's clock was set back between two runs of this session: onsets count from its "
                     "beginning without the time between them"
                 )
-            return queries.session(db, session.id)
+            return records.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
         """End a session, and renew the copy of the store.
@@ -229,7 +229,7 @@ class Store:
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
                 (STOPPED if status == DECLINED else status, now, clean(why), session.id),
             )
-            ended = queries.session(db, session.id)
+            ended = records.session(db, session.id)
             if (ended.status == DECLINED) != (status == DECLINED):
                 raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
         self._copy(told=status != INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
@@ -263,7 +263,7 @@ class Store:
             )  # fmt: skip
             told = {"showing": id_, "presentation": presentation}
             self._event(session, "showing", step.key, told)
-            return queries.showing(db, id_)
+            return records.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace.
@@ -276,7 +276,7 @@ class Store:
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
             told = {"showing": showing.id, "complete": complete}
             self._event(session, "shown", showing.key, told)
-            return queries.showing(db, showing.id)
+            return records.showing(db, showing.id)
 
     def answer(
         self,
@@ -306,7 +306,7 @@ class Store:
                 at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
             self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
-            return queries.answer(db, id_)
+            return records.answer(db, id_)
 
     # --- data ---
 
@@ -325,17 +325,17 @@ class Store:
         where that was set back meanwhile, as then no clock says how long it was.
         """
         with translated(self._path):
-            return queries.passed_s(self._db, session.id)[0]
+            return records.passed_s(self._db, session.id)[0]
 
     def answers(self, session: Session) -> tuple[Answer, ...]:
         """Return the last answer to each question, in the order of the first answers."""
         with translated(self._path):
-            return queries.last_answers(self._db, session.id)
+            return records.last_answers(self._db, session.id)
 
     def contents(self, pilot: bool = False) -> Contents:
         """Return all data of one moment: of people (or simulated participants), or of pilots."""
         with translated(self._path):
-            return queries.contents(self._db, self.folder, pilot)
+            return records.contents(self._db, self.folder, pilot)
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
         """Return the path of a head trace."""
@@ -418,7 +418,7 @@ class Store:
     @property
     def name(self) -> str:
         """Name of the study; "" for an empty store."""
-        return "" if self._open is None else queries.study_name(self._open)
+        return "" if self._open is None else records.study_name(self._open)
 
     @property
     def _db(self) -> sqlite3.Connection:
@@ -464,7 +464,7 @@ class Store:
         died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
         with self._write() as db:
             for id_ in died:
-                self._event(queries.session(db, id_), "interrupted", data={"why": "the program died"})
+                self._event(records.session(db, id_), "interrupted", data={"why": "the program died"})
                 db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
 
     def _copy(self, *, told: bool = True) -> None:
@@ -500,7 +500,7 @@ class Store:
         Errors: HmdwarpError, an internal error, where it is over.
         """
         with self._write() as db:
-            now = queries.session(db, session.id)
+            now = records.session(db, session.id)
             if now.status != RUNNING:
                 raise HmdwarpError(
                     f"session {now.number} of participant {now.code} is {now.status}: nothing more can be stored in it"

@@ -14,19 +14,9 @@ from hmdwarp.experiments.sweep.options import SweepOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(
-    warps=("rotation",),
-    fills=("none",),
-    latencies_ms=(50.0, 100.0),
-    scenes=("planes",),
-    headset="rift-dk1",
-    sizes=((48, 40),),
-    rate_hz=60.0,
-    seconds=0.3,
-    guard=1.1,
-    instants=1,
-    rounds=1,
-    workers=0,
-)
+    warps=("rotation",), fills=("none",), latencies_ms=(50.0, 100.0), scenes=("planes",), sizes=((48, 40),),
+    headset="rift-dk1", rate_hz=60.0, seconds=0.3, guard=1.1, instants=1, rounds=1, workers=0,
+)  # fmt: skip
 AGAIN = SweepOptions(resume=True)
 
 
@@ -55,10 +45,12 @@ def test_interrupted_and_resumed_is_the_whole_run(tmp_path, heads):
         if done == 3:
             raise KeyboardInterrupt
 
+    options.out.mkdir()
+    (options.out / "bench.json").write_text('{"hmdwarp": "0"}')  # of an earlier bench
     with pytest.raises(KeyboardInterrupt):
         bench(options, stop)
     before = written(options.out)
-    assert len(before) == 2 and not (options.out / "bench.json").exists()
+    assert len(before) == 2 and (options.out / "bench.json").read_text() == '{"hmdwarp": "0"}'
 
     said: list[str] = []
     resumed = bench(attrs.evolve(options, sweep=AGAIN), say=said.append)

@@ -7,34 +7,18 @@ import math
 
 import attrs
 import pytest
-from ratings import crashing_torch, quiet, with_cvvdp, without_cvvdp  # noqa: F401  (a fixture)
+from ratings import crashing_torch, quiet, with_cvvdp  # noqa: F401  (a fixture)
 from replays import run
 
-from hmdwarp.errors import MachineError
 from hmdwarp.experiments.bench import bench
 
 from .test_bench_cases import TINY, untimed
 
 PLAIN = attrs.evolve(
-    TINY,
-    warps=("forward", "rotation"),
-    fills=("none", "memory"),
-    latencies_ms=(200.0,),
-    recordings=("look-around",),
-    sizes=((96, 80),),
-    headset="flat-90",
-    seconds=0.5,
-    guard=1.0,
-    instants=2,
-)
+    TINY, warps=("forward", "rotation"), fills=("none", "memory"), latencies_ms=(200.0,), sizes=((96, 80),),
+    recordings=("look-around",), headset="flat-90", seconds=0.5, guard=1.0, instants=2,
+)  # fmt: skip
 RATED = attrs.evolve(PLAIN, jod_s=8 / 60)
-
-
-@without_cvvdp
-def test_without_the_package_a_bench_says_how_to_get_it(tmp_path):
-    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
-        bench(attrs.evolve(RATED, out=tmp_path / "out"))
-    assert not (tmp_path / "out").exists()
 
 
 def unrated(rows: list[dict]) -> list[dict]:

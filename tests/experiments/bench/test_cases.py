@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import sys
 
 import attrs
@@ -49,15 +50,11 @@ def test_every_combination_of_everything():
     found = cases_of(options)
     assert len(found) == len(set(found)) == 8
     assert [case.size for case in found] == [(64, 48)] * 4 + [(32, 24)] * 4
+    alone = BenchOptions(warps="forward", fills="none", scenes="room", recordings="walk")  # each is one name
+    assert (*alone.warps, *alone.fills, *alone.scenes, *alone.recordings) == ("forward", "none", "room", "walk")
     asked = attrs.evolve(options, warps=("forward", "rotation", "forward"), fills=("none", "interpolate", "none"))
     pairs = [(c.warp, c.fill) for c in combinations_of(asked, load_scene("planes"))]
     assert pairs == [(warp, fill) for warp in ("forward", "rotation") for fill in ("none", "interpolate")]
-
-
-def test_a_text_alone_is_one_name():
-    options = BenchOptions(warps="forward", fills="none", scenes="room", recordings="walk")
-    texts = (*options.warps, *options.fills, *options.scenes, *options.recordings)
-    assert texts == ("forward", "none", "room", "walk")
 
 
 DRAWN_ON_THE_CLIENT = ["difference", "irradiance", "model", "photons", "points"]
@@ -70,9 +67,7 @@ def test_all_warps_of_late_pictures_by_default():
     outside = [name for name in OUTSIDE if not missing(name)]
     assert [text for text in found if ":" not in text] == [*(warp.name for warp in taken), *outside]
     assert set(found) - {warp.name for warp in taken} - set(outside) == more
-
-
-def test_warps_that_draw_on_the_client_are_noted_and_taken_by_name():
+    # Those that draw on the client are noted, and taken by name.
     (note,) = (note for note in notes_on_warps(BenchOptions()) if "compare" in note)
     assert all(name in note for name in DRAWN_ON_THE_CLIENT)
     assert warps_of(BenchOptions(warps=tuple(DRAWN_ON_THE_CLIENT))) == DRAWN_ON_THE_CLIENT
@@ -135,20 +130,14 @@ class _Plan:
 
 
 def some(*needs: Needs) -> list[Combination]:
-    return [
-        Combination(f"w{n}", fill, _Plan(need, parse_fills(fill)))
-        for n, need in enumerate(needs)
-        for fill in ("none", "interpolate")
-    ]
+    each = itertools.product(enumerate(needs), ("none", "interpolate"))
+    return [Combination(f"w{n}", fill, _Plan(need, parse_fills(fill))) for (n, need), fill in each]
 
 
 def test_combinations_with_other_older_frames_are_batches_of_their_own():
     near, far = Needs(others=Others(1, 50)), Needs(others=Others(2, 100))
     found = batches(some(Needs(), near, Needs(), far, near), (8, 8), (8, 8), 1e9)
-    assert [[c.warp for c in batch] for batch in found] == [
-        ["w0", "w0", "w1", "w1", "w2", "w2", "w4", "w4"],
-        ["w3", "w3"],
-    ]
+    assert [" ".join(c.warp for c in batch) for batch in found] == ["w0 w0 w1 w1 w2 w2 w4 w4", "w3 w3"]
     assert len(batches(some(Needs(), Needs()), (8, 8), (8, 8), 1e9)) == 1
 
 
@@ -172,11 +161,8 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     looked_at = {0, 7, 8, 23, 29}
 
     def seen(refresh, setup):
-        return (
-            refresh.frame.drawn_ns,
-            [frame.drawn_ns for frame in (*setup.loop.history.frames, *setup.loop.history.recent)],
-            refresh.head.pose.position_m.tolist(),
-        )
+        older = [frame.drawn_ns for frame in (*setup.loop.history.frames, *setup.loop.history.recent)]
+        return refresh.frame.drawn_ns, older, refresh.head.pose.position_m.tolist()
 
     with set_up_replay(small(latency_ms=latency_ms), needs) as setup:
         whole = {}
@@ -191,12 +177,9 @@ def test_looking_at_a_few_refreshes_is_looking_at_a_whole_run(needs, latency_ms)
     assert sum(map(len, used.values())) <= len(looked_at) * (1 + needs.others.past)
 
 
-def test_every_run_reads_its_recording_as_asked():
+def test_runs_read_their_recording_as_asked_and_start_at_the_same_refresh():
     options = BenchOptions(trace_options=TraceOptions(scale=0.5))
     assert {run_options(options, case).trace_options for case in cases_of(options)} == {options.trace_options}
-
-
-def test_latencies_start_at_the_same_refresh():
     options = BenchOptions(latencies_ms=(0, 100, 500), recordings=("walk",))
     walk = load_trace("walk").track
     assert common_start_s(options, walk, 60.0) == 0.5

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import csv
 import json
 from pathlib import Path
 
@@ -13,23 +14,30 @@ from commands import hmdwarp
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.experiments.bench import MergeOptions, bench, merge
+from hmdwarp.experiments.bench.bench_rows import NAMES
 from hmdwarp.metrics import BOUND, block_means, blocks_apart, blocks_text
-from hmdwarp.report.bench.rows import cases
+from hmdwarp.report.bench.rows import COLUMNS, cases
 
 from .test_bench_cases import TINY, untimed
 
+try:
+    from pyarrow import parquet
+except ImportError:
+    parquet = None
+
 
 @pytest.fixture(scope="module")
-def benches(tmp_path_factory) -> tuple[Path, Path, Path]:
+def benches(tmp_path_factory) -> list[Path]:
     """A bench of two latencies, and each of them by itself."""
-    folder = tmp_path_factory.mktemp("merge")
-    options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2)
-    made = []
-    for latencies in ((50.0, 100.0), (50.0,), (100.0,)):
-        out = folder / "-".join(f"{latency:g}" for latency in latencies)
+    options = attrs.evolve(TINY, recordings=("walk",), start_s=0.2, parquet=parquet is not None)
+    made = [tmp_path_factory.mktemp("bench") / "out" for _ in range(3)]
+    for out, latencies in zip(made, ((50.0, 100.0), (50.0,), (100.0,)), strict=True):
         bench(attrs.evolve(options, latencies_ms=latencies, out=out))
-        made.append(out)
-    return made[0], made[1], made[2]
+    return made
+
+
+def merged(folders, tmp_path: Path, **how) -> dict:
+    return merge(MergeOptions(folders=tuple(folders), out=tmp_path / "merged", force=True, **how)).data
 
 
 def read(folder: Path) -> dict:
@@ -54,15 +62,33 @@ def elsewhere(folder: Path, to: Path, levels: float = 0.0, **changes) -> Path:
 
 def test_parts_together_are_the_whole(benches, tmp_path):
     whole, *parts = benches
-    merged = merge(MergeOptions(folders=tuple(parts), out=tmp_path / "merged"))
-    assert untimed(merged.data["rows"]) == untimed(read(whole)["rows"])
-    assert read(tmp_path / "merged") == json.loads(json.dumps(merged.data))
-    assert merged.report.is_file() and (tmp_path / "merged" / "bench.csv").is_file()
+    data = merged(parts, tmp_path, parquet=parquet is not None)
+    assert untimed(data["rows"]) == untimed(read(whole)["rows"])
+    assert read(tmp_path / "merged") == json.loads(json.dumps(data))
+    assert (tmp_path / "merged" / "bench.html").is_file()
+    with (tmp_path / "merged" / "bench.csv").open(encoding="utf-8", newline="") as file:
+        written = list(csv.DictReader(file))
+    assert len(written) == 2
+    if parquet is None:
+        return
+    table = parquet.read_table(tmp_path / "merged" / "bench.parquet")
+    assert table.column_names == NAMES
+    for row, texts in zip(table.to_pylist(), written, strict=True):  # the same, with types
+        for name, text in texts.items():
+            assert (row[name] in (None, "")) if text == "" else type(row[name])(text) == row[name], name
+
+
+def test_the_page_describes_every_column():
+    """By its name, or by the pattern of names that its row has."""
+    page = (Path(__file__).resolve().parents[3] / "docs" / "scale.md").read_text(encoding="utf-8")
+    told = page[page.index("| column |") :].split("\n\n")[0]
+    for name in (name for name in NAMES if COLUMNS[name].kind is not float):
+        assert f"`{name}`" in told, name
 
 
 def test_each_machine_has_its_times_and_a_front_of_its_own(benches, tmp_path):
     other = elsewhere(benches[0], tmp_path / "other", levels=0.9 * BOUND)
-    data = merge(MergeOptions(folders=(benches[0], other), out=tmp_path / "merged")).data
+    data = merged((benches[0], other), tmp_path)
     hosts = [row["machine"]["host"] for row in data["rows"]]
     assert len(hosts) == 4 and hosts.count("other") == 2
     assert [len(case.rows) for case in cases(data["rows"])] == [1] * 4
@@ -81,7 +107,7 @@ def test_two_gpus_of_one_machine_have_their_own_times(benches, tmp_path):
     for about in (data, *data["rows"]):
         about["machine"]["gl_renderer"] = "another GPU"
     (both[1] / "bench.json").write_text(json.dumps(data), encoding="utf-8")
-    rows = merge(MergeOptions(folders=tuple(both), out=tmp_path / "merged")).data["rows"]
+    rows = merged(both, tmp_path)["rows"]
     assert len(rows) == 2 * len(read(both[0])["rows"])
     assert {row["machine"]["host"] for row in rows[len(rows) // 2 :]} == {"other (another GPU)"}
 
@@ -90,16 +116,16 @@ def test_a_picture_that_one_machine_rated_is_rated(benches, tmp_path):
     rated = {"mean": 8.25, "truth_preferred": 0.88, "display": {}}
     data = read(benches[0])
     own = elsewhere(benches[0], tmp_path / "own", rows=[{**row, "jod": rated} for row in data["rows"]])
-    joined = merge(MergeOptions(folders=(own, benches[0]), out=tmp_path / "merged")).data["rows"]
+    joined = merged((own, benches[0]), tmp_path)["rows"]
     assert len(joined) == 2 * len(data["rows"]) and all(row["jod"] == rated for row in joined)
-    first = merge(MergeOptions(folders=(benches[0], own), out=tmp_path / "again", force=True)).data["rows"]
+    first = merged((benches[0], own), tmp_path)["rows"]
     assert [row.get("jod") for row in first if row["machine"]["host"] == "other"] == [rated] * len(data["rows"])
 
 
 def test_a_page_of_many_cases_shows_the_first(benches, tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MOST_SHOWN", 1)
-    result = merge(MergeOptions(folders=benches[1:], out=tmp_path / "merged"))
-    page = result.report.read_text(encoding="utf-8")
+    merged(benches[1:], tmp_path)
+    page = (tmp_path / "merged" / "bench.html").read_text(encoding="utf-8")
     assert "shows the first 1 of 2 cases" in page and "50 ms" in page and "100 ms" not in page
     assert len(read(tmp_path / "merged")["rows"]) == 2
 
@@ -119,7 +145,7 @@ def test_benches_of_different_programs_are_refused(benches, tmp_path):
     (tmp_path / "empty").mkdir()
     for folder, words in ((older, "different programs"), (tmp_path / "empty", "no such file")):
         with pytest.raises(InputError, match=words):
-            merge(MergeOptions(folders=(benches[0], folder), out=tmp_path / "merged"))
+            merged((benches[0], folder), tmp_path)
     with pytest.raises(InputError, match="expected two or more"):
         MergeOptions(folders=(benches[0],), out=tmp_path)
 

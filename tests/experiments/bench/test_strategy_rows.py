@@ -26,18 +26,9 @@ from .test_bench_cases import TINY
 NAMES = strategies.names()
 LATENCY_MS = 100.0
 OPTIONS = attrs.evolve(
-    TINY,
-    warps=(),
-    fills=FILLS,
-    recordings=("look-around",),
-    latencies_ms=(LATENCY_MS,),
-    sizes=((48, 40),),
-    headset="flat-90",
-    start_s=0.5,
-    seconds=0.2,
-    guard=1.2,
-    instants=2,
-)
+    TINY, warps=(), fills=FILLS, recordings=("look-around",), latencies_ms=(LATENCY_MS,), headset="flat-90",
+    start_s=0.5, seconds=0.2, guard=1.2, instants=2,
+)  # fmt: skip
 MEASURED = ((3, 0), (9, 1))  # the refreshes of twelve that are measured, each with its eye: they take turns
 
 
@@ -57,9 +48,8 @@ def alone(name: str) -> RunOptions:
     """A replay of the strategy over the same way, said by its options."""
     way = {"proxy_latency": 0.75 * LATENCY_MS, "latency": 0.25 * LATENCY_MS} if name == "proxy" else {}
     said = {"strategy": name, "scene": scene_for(name), "latency": LATENCY_MS, **way}
-    same = {
-        field: getattr(OPTIONS, field) for field in ("headset", "rate_hz", "start_s", "seconds", "guard", "workers")
-    }
+    named = ("headset", "rate_hz", "start_s", "seconds", "guard", "workers")
+    same = {field: getattr(OPTIONS, field) for field in named}
     more = {"size": OPTIONS.sizes[0], "predict": "cautious", "lens": "none", "against": "", "images": 0}
     return RunOptions.of(said, trace="look-around", metrics_every=1, **same, **more)
 

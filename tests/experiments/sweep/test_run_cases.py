@@ -29,6 +29,7 @@ def test_each_case_is_run_once_and_kept(tmp_path):
     assert squares(swept) == {number: number**2 for number in range(20)}
     assert ran(tmp_path) == Counter(range(20))
     swept.raise_failures()
+    assert sweep(tmp_path, 20).known == 0 and ran(tmp_path) == Counter([*range(20)] * 2)  # without --resume
 
 
 def test_resuming_runs_only_the_cases_that_failed(tmp_path):
@@ -39,11 +40,6 @@ def test_resuming_runs_only_the_cases_that_failed(tmp_path):
     again = sweep(tmp_path, 20, "wrong", resume=True)
     assert (again.known, len(again.failed)) == (19, 1)
     assert ran(tmp_path) == Counter(range(20)) + Counter([13])
-
-
-def test_without_resume_all_are_run(tmp_path):
-    sweep(tmp_path, 3)
-    assert sweep(tmp_path, 3).known == 0 and ran(tmp_path) == Counter([0, 1, 2] * 2)
 
 
 @pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])
@@ -112,14 +108,9 @@ def test_a_scene_is_the_files_that_it_names_and_not_what_lies_beside(tmp_path, s
 
 
 def test_a_kind_of_case_says_what_else_of_the_program_it_depends_on():
-    plain = identity_of("kind", 1)
-    assert (
-        len(
-            {plain, identity_of("kind", 1, ("study/",)), identity_of("kind", 1, ("experiments/thesis/run_figures.py",))}
-        )
-        == 3
-    )
-    assert identity_of("kind", 1, ("nowhere/",)) == plain
+    kinds = [(), ("study/",), ("experiments/thesis/run_figures.py",), ("nowhere/",)]
+    plain, *others, nowhere = (identity_of("kind", 1, parts) for parts in kinds)
+    assert len({plain, *others}) == 3 and nowhere == plain
 
 
 def test_a_folder_is_one_run_s_and_what_it_keeps_stays_until_another_has_succeeded(tmp_path):

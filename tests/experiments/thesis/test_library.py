@@ -50,15 +50,15 @@ def figures_in(source: str) -> set[int]:
     return {int(number) for number in re.findall(r"\b\d+\b", text.split(",")[0])}
 
 
-def test_every_figure_has_an_experiment_and_shows_our_pictures():
-    drawn = [each for each in EXPERIMENTS if each.pictures]
-    for found in (EXPERIMENTS, drawn):
+def test_every_figure_claim_time_and_rating_has_an_experiment_and_every_figure_our_pictures():
+    for found in (EXPERIMENTS, [each for each in EXPERIMENTS if each.pictures]):
         assert set().union(*(figures_in(each.source) for each in found)) == FIGURES
-
-
-def test_every_claim_has_an_experiment():
     texts = [f"{each.claim} {each.thesis}".lower() for each in EXPERIMENTS]
     assert [claim for claim in CLAIMS if not any(claim.lower() in text for text in texts)] == []
+    (times,) = experiments_named(["times"])
+    assert [cell.row for cell in times.cells] == PASSES
+    rated = [cell.column for each in experiments_named(["ratings-run1", "ratings-run2"]) for cell in each.cells]
+    assert rated == ["200 ms", "400 ms", "800 ms"] * 2
 
 
 def test_what_shows_no_effect_at_all_holds_no_claim_of_one():
@@ -71,38 +71,18 @@ def test_what_shows_no_effect_at_all_holds_no_claim_of_one():
             )
 
 
-def test_every_time_has_its_ratio():
-    (times,) = experiments_named(["times"])
-    assert [cell.row for cell in times.cells] == PASSES
-
-
-def test_every_rating_is_judged():
-    rated = [cell.column for each in experiments_named(["ratings-run1", "ratings-run2"]) for cell in each.cells]
-    assert rated == ["200 ms", "400 ms", "800 ms"] * 2
-
-
-def test_names_are_unique_and_in_the_order_of_the_page():
+def test_names_are_unique_and_in_the_order_of_the_page_and_a_beginning_stands_for_all():
     names = [each.name for each in EXPERIMENTS]
     assert len(set(names)) == len(names)
     assert [each.name for each in experiments_named(names[::-1])] == names
     assert experiments_named([]) == EXPERIMENTS
-
-
-def test_a_beginning_stands_for_all_that_begin_so():
-    names = [each.name for each in experiments_named(("ratings", "fig28"))]
-    assert "fig28-30" in names and len([each for each in names if each.startswith("ratings")]) > 1
-    assert all(each.startswith(("ratings", "fig28")) for each in names)
-
-
-def test_an_unknown_name_is_refused_with_the_nearest():
+    begun = [each.name for each in experiments_named(("ratings", "fig28"))]
+    assert begun == [name for name in names if name.startswith(("ratings", "fig28"))] and "fig28-30" in begun
     with pytest.raises(UnknownNameError, match="unknown experiment of the thesis 'figg27': did you mean 'fig27'"):
         experiments_named(["figg27"])
-
-
-def test_each_setting_stands_once_in_its_table():
     for each in EXPERIMENTS:
         places = [(cell.row, cell.column) for cell in each.cells]
-        assert places and len(set(places)) == len(places), each.name
+        assert places and len(set(places)) == len(places), f"{each.name}: a setting stands twice in its table"
 
 
 def test_a_motion_is_swept_over_all_speeds():

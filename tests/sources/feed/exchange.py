@@ -10,10 +10,11 @@ from contextlib import contextmanager
 import attrs
 import numpy as np
 
+from hmdwarp.geometry import View
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.listener import Listener
 
-from .test_message import ASK, FRAME
+from .messages import ASK, FRAME
 
 _NUMBERS = itertools.count(1)
 WHENEVER_MS = 600_000  # at most, to wait for what is certain to come: a fail-safe
@@ -57,12 +58,10 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
 
 @contextmanager
 def feeder(layers_of=lambda ask: (), views_of=lambda views: views, as_sent=lambda frame: frame):
-    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
-
-    A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
+    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest. A
+    red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
     comes beside it. views_of(views): those that are drawn where these are asked for.
-    as_sent(frame): what goes out in place of it.
-    """
+    as_sent(frame): what goes out in place of it."""
     listener, done = Listener("127.0.0.1:*"), threading.Event()
 
     def work() -> None:
@@ -91,3 +90,12 @@ def feeder(layers_of=lambda ask: (), views_of=lambda views: views, as_sent=lambd
         done.set()
         thread.join()
         listener.close()
+
+
+def vector_row(before: View, near: float, far: float, scale=(1, 1, 1), offset=(0, 0, 0), seconds=1.0) -> np.ndarray:
+    """What stands beside motion vectors: how they are coded, and the view that they come from."""
+    poses = [
+        number for pose in (before.pose, before.head_from_eye) for number in (*pose.position_m, *pose.orientation_xyzw)
+    ]
+    angles = [before.fov.left, before.fov.right, before.fov.down, before.fov.up]
+    return np.array([[*scale, *offset, near, far, seconds, *poses, *angles]], np.float64)

@@ -1,7 +1,5 @@
-"""Messages of the feed as a program of somebody else writes them: from docs/feed.md alone.
-
-Nothing of hmdwarp is imported, so that what both ends of it have wrong shows.
-"""
+"""Messages of the feed as a program of somebody else writes them: from docs/feed.md alone. Nothing
+of hmdwarp is imported, so that what both ends of it have wrong shows."""
 
 from __future__ import annotations
 
@@ -24,6 +22,25 @@ HALF_ANGLES = (1e-4, 1e-3, 0.1, 0.7, 1.2, 1.5, 1.562)
 RATES = (1.0, 60.0, 999.999, 1000.0, 1.0000001)
 BIT_RATES = (0.0, 0.0, 1e-9, 0.5, 1000.0)
 STEPS = (0.0, 0.0, 2**-20, 2**-10, 0.3, 1.0)
+
+
+# ZMTP 3.0, ZeroMQ's RFC 23: a greeting, commands, and the parts of messages.
+
+
+def greeting(*, version: bytes = b"\x03\x00", mechanism: bytes = b"NULL", server: int = 0) -> bytes:
+    return b"\xff" + bytes(8) + b"\x7f" + version + mechanism.ljust(20, b"\0") + bytes([server]) + bytes(31)
+
+
+def command(body: bytes) -> bytes:
+    return (b"\x04" + bytes([len(body)]) if len(body) < 256 else b"\x06" + struct.pack(">Q", len(body))) + body
+
+
+def ready(kind: bytes = b"DEALER", more: bytes = b"") -> bytes:
+    return command(b"\x05READY\x0bSocket-Type" + struct.pack(">I", len(kind)) + kind + more)
+
+
+def part(data: bytes, *, more: bool = False) -> bytes:
+    return bytes([2 + more]) + struct.pack(">Q", len(data)) + data
 
 
 def message(kind: int, body: bytes, *, version: int = VERSION, length: int | None = None) -> bytes:

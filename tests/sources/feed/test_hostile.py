@@ -4,11 +4,9 @@ import contextlib
 import itertools
 import os
 import socket
-import struct
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -35,16 +33,11 @@ from hmdwarp.sources.feed.sockets import (
 )
 
 from .exchange import WHENEVER_MS, answered, exchanged, port_of
-from .relay import RESET
-from .test_message import ASK, FRAME
+from .foreign import greeting, part, ready
+from .messages import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 MIB = 1 << 20
-
-# ZMTP 3.0 (ZeroMQ RFC 23): greeting for NULL security, then READY of a DEALER.
-GREETING = b"\xff" + bytes(8) + b"\x7f\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32)
-_READY = b"\x05READY\x0bSocket-Type" + struct.pack(">I", 6) + b"DEALER"
-READY = b"\x04" + bytes([len(_READY)]) + _READY
 
 
 @pytest.fixture
@@ -59,12 +52,22 @@ def listener():
 def raw(listener) -> socket.socket:
     """A client that speaks the library's protocol by hand."""
     one = socket.create_connection(("127.0.0.1", port_of(listener.address)))
-    one.sendall(GREETING)
-    one.recv(len(GREETING), socket.MSG_WAITALL)
-    one.sendall(READY)
+    one.sendall(greeting())
+    one.recv(len(greeting()), socket.MSG_WAITALL)
+    one.sendall(ready())
     # Flag, length and text of the server's own.
     one.recv(one.recv(2, socket.MSG_WAITALL)[1], socket.MSG_WAITALL)
     return one
+
+
+def request(number: int = ASK.number, **more) -> bytes:
+    return encode(attrs.evolve(ASK, number=number, token=bytes(32), **more))
+
+
+def until(listener, told: str) -> None:
+    """Serve until that is told."""
+    while not any(told in line for line in listener.told):
+        listener.next(10)
 
 
 ALONE = "HMDWARP_TEST_ALONE"  # set in the process that a test has for itself
@@ -94,56 +97,20 @@ def serves(listener) -> None:
     caller.close()
 
 
-CHURN = """
-import socket, sys
-while True:
-    try:
-        socket.create_connection(("127.0.0.1", int(sys.argv[1]))).close()
-    except OSError:
-        pass
-"""
-
-
-@contextlib.contextmanager
-def churning(port: int, count: int) -> Iterator[None]:
-    """Processes that connect and leave, as fast as they can."""
-    churners = [subprocess.Popen([sys.executable, "-c", CHURN, str(port)]) for _ in range(count)]
-    try:
-        yield
-    finally:
-        for one in churners:
-            one.kill()
-            one.wait()
-
-
-@pytest.mark.parametrize("churners", [0, 2])
 @pytest.mark.parametrize("part", [b"", b"x" * 200], ids=["empty parts", "parts of 200 bytes"])
-def test_a_message_without_an_end_is_cut_and_takes_no_more_memory_than_it_may(listener, is_done, part, churners):
-    """Whatever else connects and leaves meanwhile."""
+def test_a_message_without_an_end_is_cut_and_takes_no_more_memory_than_it_may(listener, is_done, part):
     if is_done:
         return
     # Flags "more", length, bytes.
     parts = (b"\x01" + bytes([len(part)]) + part) * 2000
     before = resident()
-    with churning(port_of(listener.address), churners), raw(listener) as one, pytest.raises(OSError):
+    with raw(listener) as one, pytest.raises(OSError):
         for _ in range(10_000):
             one.sendall(parts)
     # A part of two bytes takes 64 in the library; it may go on for a few looks of the watcher.
     assert resident() - before < 32 * 8 * MOST_UNREAD
     while not any("without an end" in line for line in listener.told):
         assert listener.next(10) is None
-    serves(listener)
-
-
-def test_who_asks_much_while_a_frame_is_drawn_and_leaves_ends_nothing(listener):
-    """The library itself aborts where what waits is limited and the server calls: see CALLS."""
-    with raw(listener) as one:
-        for number in range(1, 600):
-            request = encode(attrs.evolve(ASK, number=number, token=bytes(32)))
-            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
-        time.sleep(0.1)
-        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
-    time.sleep(1.5 * sockets.CALLS["HEARTBEAT_IVL"] / 1000)
     serves(listener)
 
 
@@ -157,10 +124,8 @@ def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
     longest = encode(attrs.evolve(ASK, views=views, wanted=wanted, session=session, fovea=Fovea(), inputs=inputs))
     assert len(longest) == LARGEST_ASK
     with raw(listener) as one:
-        one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + longest)
-        while not listener.told:  # the token is wrong, so it was read
-            listener.next(10)
-        assert "token" in listener.told[0]
+        one.sendall(part(longest))
+        until(listener, "token")  # it is wrong, so it was read
 
 
 @pytest.mark.parametrize("stage", ["nothing", "greeting", "ready"])
@@ -170,10 +135,9 @@ def test_silent_connections_make_room_for_those_that_ask(listener, stage):
         for _ in range(MOST_CONNECTIONS):
             one = held.enter_context(socket.create_connection(("127.0.0.1", port_of(listener.address))))
             if stage != "nothing":
-                one.sendall(GREETING + READY * (stage == "ready"))
+                one.sendall(greeting() + ready() * (stage == "ready"))
         serves(listener)
-        while not any(f"more than {MOST_OF_ADDRESS} from one address" in line for line in listener.told):
-            listener.next(10)
+        until(listener, f"more than {MOST_OF_ADDRESS} from one address")
         serves(listener)
 
 
@@ -240,16 +204,14 @@ def test_a_descriptor_that_is_another_s_by_now_is_not_cut(tmp_path):
 def test_a_connection_that_falls_silent_is_cut(listener, monkeypatch, asks):
     with raw(listener) as one:
         if asks:
-            request = encode(attrs.evolve(ASK, token=bytes(32)))
-            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
+            one.sendall(part(request()))
             while not answered(listener):
                 pass
         monkeypatch.setattr(sockets, "SILENT_NS", 200_000_000)
         with contextlib.suppress(ConnectionError):
             while one.recv(1 << 16):  # what the library calls, and the frame
                 listener.next(10)
-    while not any("cut: silent" in line for line in listener.told):
-        listener.next(10)
+    until(listener, "cut: silent")
     assert any("superseded" in line for line in listener.told) == asks
 
 
@@ -264,18 +226,6 @@ def test_who_asks_while_the_server_draws_is_not_silent(listener, monkeypatch):
         assert not any("silent" in line for line in listener.told)
 
 
-def test_a_client_that_leaves_is_forgotten_at_once(listener):
-    """Those that have left must not keep others out."""
-    for _ in range(80):  # more than there may be at a time
-        with raw(listener) as one:
-            request = encode(attrs.evolve(ASK, token=bytes(32)))
-            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
-            while not answered(listener):
-                pass
-    serves(listener)
-    assert not any("clients are here already" in line for line in listener.told)
-
-
 def test_log_lines_are_limited_whatever_comes(listener):
     begun = time.monotonic()
     with raw(listener) as one:
@@ -283,22 +233,25 @@ def test_log_lines_are_limited_whatever_comes(listener):
             bad = b"HWFD\x1b[2J" + bytes(number % 7)
             one.sendall(b"\x00" + bytes([len(bad)]) + bad)
             listener.next(0)
-        while not any("more lines" in line for line in listener.told):
-            listener.next(10)
+        until(listener, "more lines")
     seconds = 2 + time.monotonic() - begun
     # Of one kind and address, and a line a second on the rest.
     assert 0 < len(listener.told) <= 5 * seconds
     assert all(line.isprintable() for line in listener.told)
 
 
-def large(number: int):
-    """A frame of 2048x2048 pixels: 48 MiB."""
-    side = 2048
-    pictures = {
-        "colours": (np.ones((side, side, 4), np.float16),),
-        "inverse_depths": (np.ones((side, side), np.float32),),
-    }
-    return attrs.evolve(FRAME, number=number, views=ASK.views[:1], **pictures)
+LARGE = {"size": (2048, 2048), "views": ASK.views[:1]}
+PICTURES = {"colours": (np.ones((2048, 2048, 4), np.float16),), "inverse_depths": (np.ones((2048, 2048), np.float32),)}
+
+
+def given(listener) -> bool:
+    """Answer the next request by 48 MiB; return whether it was sent. There is none as soon as it is
+    there and has to wait."""
+    asked = listener.next(WHENEVER_MS)
+    if asked is None:
+        return False
+    frame = attrs.evolve(FRAME, number=asked.ask.number, views=ASK.views[:1], **PICTURES)
+    return listener.answer(asked, frame)
 
 
 class Mute:
@@ -309,11 +262,8 @@ class Mute:
 
     def asks(self) -> bool:
         """Ask for a frame; return whether it was sent."""
-        own = {"size": (2048, 2048), "views": ASK.views[:1], "token": bytes(32)}
-        request = encode(attrs.evolve(ASK, number=next(self._numbers), **own))
-        self._socket.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
-        asked = self._listener.next(WHENEVER_MS)  # None as soon as it is there and has to wait
-        return asked is not None and self._listener.answer(asked, large(asked.ask.number))
+        self._socket.sendall(part(request(next(self._numbers), **LARGE)))
+        return given(self._listener)
 
     def close(self) -> None:
         self._socket.close()
@@ -331,18 +281,15 @@ class Liar:
             self.socket.curve_publickey, self.socket.curve_secretkey = zmq.curve_keypair()
             self.socket.curve_serverkey = pair.public
         self.socket.connect(listener.address)
-        own = {"size": (2048, 2048), "views": ASK.views[:1], "received": received}
-        self._ask, self._listener, self._number = attrs.evolve(ASK, token=bytes(32), **own), listener, 0
+        self._received, self._listener, self._numbers = received, listener, itertools.count(1)
 
     def asks(self) -> bool:
         """Ask for a frame; return whether it was sent."""
         self.socket.send(self.next_request())
-        asked = self._listener.next(WHENEVER_MS)  # None as soon as it is there and has to wait
-        return asked is not None and self._listener.answer(asked, large(asked.ask.number))
+        return given(self._listener)
 
     def next_request(self) -> bytes:
-        self._number += 1
-        return encode(attrs.evolve(self._ask, number=self._number))
+        return request(next(self._numbers), received=self._received, **LARGE)
 
     def close(self) -> None:
         self.socket.close(0)
@@ -383,7 +330,7 @@ def test_what_waits_for_all_is_bounded_and_the_one_that_takes_nothing_makes_room
             assert resident() - before < 300 * MIB
         while not any("no room for others'" in line for line in told):
             if (asked := listener.next(10)) is not None:
-                listener.answer(asked, large(asked.ask.number))
+                listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, views=ASK.views[:1], **PICTURES))
             assert resident() - before < 300 * MIB
         serves(listener)
 
@@ -393,8 +340,7 @@ def test_a_client_that_asks_on_and_on_stays_while_it_is_read(listener):
     numbers = itertools.count(1)
 
     def some(size: int) -> bytes:
-        asks = (encode(attrs.evolve(ASK, number=next(numbers), token=bytes(32))) for _ in range(size // 400))
-        return b"".join(b"\x02" + struct.pack(">Q", len(one)) + one for one in asks)
+        return b"".join(part(request(next(numbers))) for _ in range(size // 400))
 
     flood = some(MOST_UNREAD // 4)
     with raw(listener) as one:
@@ -409,6 +355,5 @@ def test_a_client_that_asks_on_and_on_stays_while_it_is_read(listener):
         with pytest.raises(OSError):
             for _ in range(1 << 14):
                 one.sendall(flood)
-    while not any("KiB unread" in line for line in listener.told):
-        listener.next(10)
+    until(listener, "KiB unread")
     serves(listener)

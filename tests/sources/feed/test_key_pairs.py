@@ -17,8 +17,8 @@ from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import encode
 
 from .exchange import exchanged, port_of
+from .messages import ASK, FRAME
 from .relay import Relay
-from .test_message import ASK, FRAME
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Pose, View, feed
-from hmdwarp.sources.feed.viewer import Viewer
+from hmdwarp.sources.feed.caller import Viewer
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
@@ -57,7 +57,7 @@ def test_light_coverage_and_the_view_of_a_camera_come_along():
     [([BYTES] * 2, [DEPTH_M]), ([BYTES], [DEPTH_M.T]), ([BYTES[..., :2]], [DEPTH_M]), ([BYTES], [DEPTH_M], [])],
 )
 def test_other_shapes_end_it_with_what_was_expected(result, monkeypatch):
-    monkeypatch.setattr("hmdwarp.sources.feed.viewer._ANSWER_NS", 10**8)  # nobody answers any more
+    monkeypatch.setattr("hmdwarp.sources.feed.caller._ANSWER_NS", 10**8)  # nobody answers any more
     asked = []
     with (
         pytest.raises(InputError, match="render returned .*: expected"),

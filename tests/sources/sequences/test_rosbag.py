@@ -10,11 +10,12 @@ import pytest
 from recorded_folders import taken
 from ros_bags import BEGINS_NS, HAS_ROSBAGS, Logged, Messages, logged, write_bag, write_ros1, write_ros2
 
-from hmdwarp.errors import InputError
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import Sequence, SequenceOptions, parse_intrinsics
+from hmdwarp.sources.sequences import SequenceOptions, parse_intrinsics
+
+from .folders import fact, refused
 
 pytestmark = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install '.[bags]')")
 COLOUR, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
@@ -26,17 +27,6 @@ def changed(folder: Path, change: Callable[[Messages, Logged], Iterator[Logged]]
     rows = (new for row in logged(messages, taken(3), motion) for new in change(messages, row))
     write_bag(folder, ".db3", rows, messages)
     return folder
-
-
-def refused(folder: Path, *words: str, options: SequenceOptions | None = None) -> None:
-    with pytest.raises(InputError) as caught:
-        sequences.open(folder, options)
-    assert all(word in str(caught.value) for word in words) and "\n" not in str(caught.value), str(caught.value)
-
-
-def entry(sequence: Sequence, what: str) -> tuple[str, By]:
-    found = next(assumption for assumption in sequence.assumptions if assumption.what == what)
-    return found.value, found.by
 
 
 def without(*topics: str) -> Callable[[Messages, Logged], Iterator[Logged]]:
@@ -65,9 +55,9 @@ def test_one_file_of_several_is_told(tmp_path):
 def test_what_was_taken_is_said(tmp_path):
     write_ros1(tmp_path, taken(2))
     sequence = sequences.open(tmp_path)
-    topics, by = entry(sequence, "topics")
+    topics, by = fact(sequence, "topics")
     assert by is By.DEFAULT and f"colour {COLOUR}, depth {DEPTH}, info /camera/color/camera_info" in topics
-    assert entry(sequence, "camera pose") == ("'map' from 'camera_color_optical_frame', by TF", By.FILE)
+    assert fact(sequence, "camera pose") == ("'map' from 'camera_color_optical_frame', by TF", By.FILE)
     assert sequence.track.epoch_ns == BEGINS_NS
 
 
@@ -80,7 +70,7 @@ def test_of_several_cameras_the_user_names_one(tmp_path):
     changed(tmp_path, second)
     refused(tmp_path, f"several topics of colour ({COLOUR}, /other/image_raw)", "--frames-topics")
     sequence = sequences.open(tmp_path, SequenceOptions(frames_topics="colour=/other/image_raw"))
-    assert not sequence.frames[0].colour.any() and entry(sequence, "topics")[1] is By.USER
+    assert not sequence.frames[0].colour.any() and fact(sequence, "topics")[1] is By.USER
     refused(tmp_path, "no topic '/third'", COLOUR, options=SequenceOptions(frames_topics="colour=/third"))
     refused(tmp_path, "expected colour=TOPIC", options=SequenceOptions(frames_topics="left=/other"))
 
@@ -102,7 +92,7 @@ def test_depth_of_floats_is_in_metres(tmp_path):
     sequence = sequences.open(changed(tmp_path, floats))
     depth_m = sequence.frames[0].depth_m
     assert depth_m[5, 5] == 2.5 and not depth_m[0, 0] > 0
-    assert entry(sequence, "depth scale") == ("1 m per unit", By.FORMAT)
+    assert fact(sequence, "depth scale") == ("1 m per unit", By.FORMAT)
 
 
 def test_a_lens_that_distorts_is_refused_unless_its_picture_is_rectified(tmp_path):
@@ -123,13 +113,13 @@ def test_without_camera_info_the_user_states_intrinsics(tmp_path):
     changed(tmp_path, without("/camera/color/camera_info"))
     refused(tmp_path, "--intrinsics")
     options = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"))
-    assert entry(sequences.open(tmp_path, options), "intrinsics")[1] is By.USER
+    assert fact(sequences.open(tmp_path, options), "intrinsics")[1] is By.USER
 
 
 def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(tmp_path):
     """It looks along x, as REP 103 has a body."""
     found = sequences.open(changed(tmp_path, without("/tf_static"), "odometry"))
-    value, by = entry(found, "camera pose")
+    value, by = fact(found, "camera pose")
     assert by is By.DEFAULT and value == "/odom of 'base_link', which looks along x, at the camera's place"
     apart = found.frames[2].pose.position_m - taken(3)[2].pose.position_m
     assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm([0.1, 0.02, 0.3]), abs=1e-9)
@@ -159,16 +149,10 @@ def test_frames_beyond_the_motion_are_left_out(tmp_path):
     assert sequence.notes == ("1 frames were left out: no depth within 20 ms, or no pose at their instants.",)
 
 
-@pytest.mark.parametrize(
-    ("topics", "words"),
-    [
-        ((COLOUR,), ("no topic of colour", DEPTH)),
-        ((DEPTH,), ("no topic of depth", COLOUR)),
-        (("/tf",), ("no topic of pose", COLOUR)),
-    ],
-)
-def test_what_a_bag_lacks_is_named_with_what_it_holds(topics, words, tmp_path):
-    refused(changed(tmp_path, without(*topics)), *words)
+@pytest.mark.parametrize(("lacks", "holds"), [(COLOUR, DEPTH), (DEPTH, COLOUR), ("/tf", COLOUR)])
+def test_what_a_bag_lacks_is_named_with_what_it_holds(lacks, holds, tmp_path):
+    what = {COLOUR: "colour", DEPTH: "depth", "/tf": "pose"}[lacks]
+    refused(changed(tmp_path, without(lacks)), f"no topic of {what}", holds)
 
 
 def test_pictures_of_an_unknown_encoding_are_no_colour(tmp_path):
@@ -185,9 +169,6 @@ def test_pictures_of_an_unknown_encoding_are_no_colour(tmp_path):
 def test_what_is_no_bag_is_refused_in_one_line(ending, tmp_path):
     (tmp_path / f"taken{ending}").write_bytes(b"no bag at all" * 20)
     refused(tmp_path / f"taken{ending}", f"taken{ending}: cannot be read as a bag")
-
-
-def test_a_folder_of_two_bags_names_none(tmp_path):
-    for name in ("one.bag", "two.bag"):
-        (tmp_path / name).write_bytes(b"")
+    (tmp_path / "two.bag").write_bytes(b"")
+    (tmp_path / "one.bag").write_bytes(b"")
     refused(tmp_path, "no bag, or several", options=SequenceOptions(layout="rosbag"))

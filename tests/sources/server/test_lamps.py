@@ -13,7 +13,6 @@ from hmdwarp.cloudlight.radiosity import transport_of
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import lamps_at, load_scene, with_lamps_stopped
 from hmdwarp.scenes._viewpoint import Triangles
-from hmdwarp.sources.server import Server
 
 SIZE = (48, 40)
 FOV = Fov(-0.8, 0.75, -0.7, 0.65)
@@ -77,15 +76,14 @@ def _on(scene, place):
 @pytest.mark.parametrize(
     ("name", "time_ns"), [("lantern", 700_000_000), ("sunroom", 1_000_000_000), ("doorway", 1_300_000_000)]
 )
-def test_every_pixel_has_the_light_of_its_place(gpu, name, time_ns):
+def test_every_pixel_has_the_light_of_its_place(serve, name, time_ns):
     """Half floats round by 2^-11; the place from float32 inverse depth is good to micrometres, the
     half of a texel's step of indirect light to much less. Pixels within 4 mm of a shadow's edge may
     be on either side of it and are left out: few."""
     scene = plain(load_scene(name))
-    server = Server(gpu, scene)
+    server = serve(scene)
     eye = server.draw(VIEW, SIZE, time_ns=time_ns)
     got, depth = read(eye.colour)[..., :3].astype(float), read(eye.inverse_depth)[..., 0].astype(float)
-    server.close()
     wanted, sure = twin(placed(scene, time_ns), depth, time_ns)
     assert sure[::4, ::4].mean() > 0.7
     assert np.allclose(got[sure], wanted[sure], rtol=2e-3, atol=1e-3)
@@ -93,59 +91,35 @@ def test_every_pixel_has_the_light_of_its_place(gpu, name, time_ns):
     assert lit.std() > 0.05, "it shows light and shadow"
 
 
-def test_light_moves_and_comes_back(gpu):
-    scene = load_scene("lantern")
-    server = Server(gpu, scene)
-    shown = [read(server.draw(VIEW, SIZE, time_ns=ms * 1_000_000).colour) for ms in (0, 600, 2400)]
-    server.close()
-    assert np.abs(shown[1] - shown[0]).mean() > 0.02
-    # A swing of 2.4 s: the same angle but for the last bits of a sine.
-    assert np.allclose(shown[2], shown[0], atol=2e-3)
-
-
-def test_a_dark_lamp_leaves_what_shines_by_itself(gpu):
-    scene = load_scene("lantern")
-    dark = attrs.evolve(scene, lamps=[attrs.evolve(scene.lamps[0], colour=(0.0, 0.0, 0.0))])
-    server = Server(gpu, dark)
-    picture = read(server.draw(VIEW, SIZE).colour)[..., :3]
-    server.close()
-    assert ((picture == 0) | (picture > 0.999)).all()
-
-
-def test_a_door_is_lit_and_casts_its_shadow_wherever_it_has_been(gpu):
+def test_a_door_is_lit_and_casts_its_shadow_wherever_it_has_been(serve):
     """As where it stands still there. Places turned by a float32 matrix err by 1e-6 m: the light of
     a pixel by no more than a half float rounds, but at an edge of shadow, in few."""
     scene = load_scene("doorway")
-    server = Server(gpu, scene)
+    server = serve(scene)
     for time_ns in (2_500_000_000, 1_000_000_000):
         got = read(server.draw(VIEW, SIZE, time_ns=time_ns).colour)
-        there = Server(gpu, placed(scene, time_ns))
+        there = serve(placed(scene, time_ns))
         wanted = read(there.draw(VIEW, SIZE, time_ns=9).colour)
-        there.close()
         assert np.isclose(got, wanted, rtol=2e-3, atol=1e-4).all(axis=2).mean() > 0.99
-    server.close()
 
 
-def test_a_shut_door_keeps_the_light_out_and_an_open_one_lets_it_in(gpu):
+def test_a_shut_door_keeps_the_light_out_and_an_open_one_lets_it_in(serve):
     """With the bright room's lamp alone, to the last bit: no ray passes beside a shut door."""
     scene = load_scene("doorway")
     scene = attrs.evolve(scene, lamps=scene.lamps[:1])
-    server = Server(gpu, scene)
+    server = serve(scene)
     shut, open_ = (read(server.draw(VIEW, SIZE, time_ns=ms * 1_000_000).colour)[..., :3] for ms in (200, 2500))
-    server.close()
     assert (shut == 0).all()
     assert (open_ > 0).mean() > 0.95, "hardly a place has no light at all"
 
 
-def test_baked_light_stays_where_a_door_moves(gpu):
+def test_baked_light_stays_where_a_door_moves(serve):
     """At the instant of the light it is the truth; later surfaces keep their light, bit for bit."""
     scene = load_scene("doorway")
-    server, baked = Server(gpu, scene), Server(gpu, with_lamps_stopped(scene, 500_000_000))
+    server, baked = serve(scene), serve(with_lamps_stopped(scene, 500_000_000))
     first, later = ([each.draw(VIEW, SIZE, time_ns=ms * 1_000_000) for each in (server, baked)] for ms in (500, 2500))
     truth, same, moved, stayed = (read(eye.colour)[..., :3] for eye in (*first, *later))
     seen = [read(eye.inverse_depth) for eye in (first[1], later[1])]
-    server.close()
-    baked.close()
     assert np.array_equal(truth, same)
     rest = np.equal(*seen)[..., 0]
     assert 0.3 < rest.mean() < 1

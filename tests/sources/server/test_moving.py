@@ -9,11 +9,10 @@ from reference._rays import world_directions
 from reference.raycast import cast_triangles
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.errors import SceneError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Track, load_scene
+from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Track
 from hmdwarp.sources.server import Server
 
 MS = 1_000_000
@@ -103,11 +102,8 @@ def away_from_edges(shape: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("time_ns", [0, 400 * MS, 500 * MS, 570 * MS])
 def test_everything_is_drawn_where_it_is_then(gpu, server, time_ns):
-    """Against rays.
-
-    The runner is in sight around 0.5 s alone, 30 m from where its positions at time 0 would have it
-    culled.
-    """
+    """Against rays. The runner is in sight around 0.5 s alone, 30 m from where its positions at
+    time 0 would have it culled."""
     corners, of = corners_at(server.scene, time_ns)
     hits = cast_triangles(corners, EYE.pose.position_m, world_directions(EYE, SIZE).reshape(-1, 3))
     exact, mesh = hits.inverse_depth.reshape(SIZE[::-1]), np.append(of, -1)[hits.shape].reshape(SIZE[::-1])
@@ -150,39 +146,18 @@ def test_depth_alone_is_that_of_the_picture(gpu, server):
     depth.release()
 
 
-def test_a_mesh_is_written_once_for_each_instant(gpu):
+def test_a_mesh_is_written_once_for_each_instant(serve):
     scene = moving_scene()
-    counts, server = scene.meshes[3].deformation, Server(gpu, scene)
+    counts, server = scene.meshes[3].deformation, serve(scene)
     for time_ns, asked in ((0, 1), (0, 1), (100 * MS, 2), (0, 3)):
         frame = server.draw_frame([EYE, EYE], time_ns, SIZE, needs=ALL)
         server.recycle(frame)
         assert counts.asked == asked
-    server.close()
-
-
-def test_the_same_instant_gives_the_same_bits(server):
-    found = []
-    for time_ns in (300 * MS, 700 * MS, 300 * MS):
-        frame = server.draw_frame([EYE], time_ns, SIZE, needs=ALL)
-        found.append([texture.read() for texture in frame.eyes[0].textures()])
-        server.recycle(frame)
-    assert found[0] == found[2] != found[1]
-
-
-def test_motion_layers_are_drawn_by_name(server):
-    for needs in (Needs(), Needs(ids=True), Needs(velocity=True)):
-        frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
-        eye = frame.eyes[0]
-        assert ("ids" in eye, "velocity" in eye) == ("ids" in needs, "velocity" in needs)
-        assert "ids" not in eye or len(eye["ids"].bodies) == 2
-        server.recycle(frame)
 
 
 def test_layers_behind_leave_out_what_the_client_moves(server):
-    """Behind the door is the wall.
-
-    Where nobody compensates, the door is behind what hides it as everything else.
-    """
+    """Behind the door is the wall. Where nobody compensates, the door is behind what hides it as
+    everything else."""
     for needs in (Needs(peeled=1), Needs(peeled=1, ids=True), Needs(peeled=2, ids=True, velocity=True)):
         frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
         eye = frame.eyes[0]
@@ -193,60 +168,3 @@ def test_layers_behind_leave_out_what_the_client_moves(server):
         if "ids" in needs:
             assert not ((behind[..., 0] == 1) | ((behind[..., 1] == 1) & (behind[..., 0] == 0))).any()
         server.recycle(frame)
-
-
-def test_the_cube_shows_the_same_instant(gpu, server):
-    found = []
-    for time_ns in (0, 500 * MS):
-        frame = server.draw_frame([EYE], time_ns, SIZE, needs=Needs(cube=True))
-        found.append(read(frame.eyes[0]["cube"]).astype(np.float64))
-        server.recycle(frame)
-    assert not (found[0][..., 1] > found[0][..., 0] + 0.4).any()
-    assert (found[1][..., 1] > found[1][..., 0] + 0.4).any()  # the runner is there
-
-
-def test_a_scene_of_moving_things_alone_can_be_drawn(gpu):
-    scene = Scene("door", "", [quad("door", 0, 0.3, (1, 0, 0), body=1)], bodies=[Body("door", DOOR)])
-    server = Server(gpu, scene)
-    assert (read(server.draw(EYE, SIZE).colour)[..., 0] == 1).any()
-    server.close()
-
-
-def test_a_deforming_mesh_without_triangles_draws_nothing(gpu):
-    bare = attrs.evolve(quad("bare", 0, 0.3, (1, 0, 0)), triangles=np.empty((0, 3), np.uint32))
-    server = Server(gpu, Scene("bare", "", [attrs.evolve(bare, deformation=Breathing(bare.positions))]))
-    assert (read(server.draw(EYE, SIZE).inverse_depth) == 0).all()
-    server.close()
-
-
-def test_a_plain_scene_has_nothing_to_tell_and_pays_nothing(gpu):
-    server = Server(gpu, load_scene("planes"))
-    before = len(gpu.shaders)
-    server.recycle(server.draw_frame([EYE], 0, SIZE))
-    assert not server._moving
-    assert len(gpu.shaders) == before
-    frame = server.draw_frame([EYE], 0, SIZE, needs=ALL)  # forced: empty layers
-    assert not read(frame.eyes[0]["ids"].numbers).any()
-    assert not read(frame.eyes[0]["velocity"]).any()
-    server.close()
-
-
-class Growing(Breathing):
-    def positions(self, time_ns: int) -> np.ndarray:
-        return np.zeros((7, 3))
-
-
-class Lost(Breathing):
-    def positions(self, time_ns: int) -> np.ndarray:
-        return self.rest * np.nan
-
-
-@pytest.mark.parametrize(
-    ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), expected \(4, 3\)"), (Lost, "not finite numbers")]
-)
-def test_a_broken_deformation_is_refused_by_the_name_of_its_mesh(gpu, kind, message):
-    mesh = quad("soft", -2, 0.4, (0, 0, 1))
-    server = Server(gpu, Scene("bent", "", [attrs.evolve(mesh, deformation=kind(mesh.positions))]))
-    with pytest.raises(SceneError, match=f"mesh 'soft': its deformation gives .*{message}"):
-        server.draw(EYE, SIZE)
-    server.close()

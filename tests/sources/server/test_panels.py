@@ -21,7 +21,6 @@ from hmdwarp.frames.layers.panels import PanelDelivery
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
 from hmdwarp.scenes import Panel, Scene, load_scene
-from hmdwarp.sources.server import Server
 
 VIEW = View(Pose((0.0, 1.6, 0.0)), Fov(-0.5, 0.5, -0.45, 0.45), Pose((-0.03, 0.0, 0.0)))
 SIZE = (96, 80)
@@ -52,8 +51,8 @@ def frames(server, times, budget=20_000):
         server.recycle(frame)
 
 
-def test_each_picture_crosses_once_and_when_it_changes(gpu, scene):
-    server = Server(gpu, scene)
+def test_each_picture_crosses_once_and_when_it_changes(serve, scene):
+    server = serve(scene)
     # Second 0, 0.5, 1.0 (the other page), 1.5, 2.0 (the first again, which the client has), 2.5
     sent = [bytes_of(frame) for frame in frames(server, range(0, 3 * SECOND, SECOND // 2))]
     head = 8 + 2 + 2 * 2  # the instant, how many panels, a number each
@@ -61,11 +60,10 @@ def test_each_picture_crosses_once_and_when_it_changes(gpu, scene):
     assert sent[0] > 2 * page
     assert sent[1] == sent[3] == sent[4] == sent[5] == head
     assert page < sent[2] < 1.1 * page
-    server.close()
 
 
-def test_a_budget_spreads_pictures_over_frames(gpu, scene):
-    server, client = Server(gpu, scene), ClientScene(gpu, scene)
+def test_a_budget_spreads_pictures_over_frames(gpu, serve, scene):
+    server, client = serve(scene), ClientScene(gpu, scene)
     kept = client.store(KeptPanels, PanelDelivery(2000))
     held = []
     for frame in frames(server, range(0, SECOND, SECOND // 10), 2000):
@@ -78,11 +76,10 @@ def test_a_budget_spreads_pictures_over_frames(gpu, scene):
     assert not server.has_more(SECOND // 2)
     assert server.has_more(SECOND)
     client.close()
-    server.close()
 
 
-def test_what_was_lost_is_sent_again_and_the_page_before_stays_until_then(gpu, scene):
-    server, client = Server(gpu, scene), ClientScene(gpu, scene)
+def test_what_was_lost_is_sent_again_and_the_page_before_stays_until_then(gpu, serve, scene):
+    server, client = serve(scene), ClientScene(gpu, scene)
     kept = client.store(KeptPanels, PanelDelivery())
     shown = []
     for time_ns, arrives in ((0, True), (SECOND, False), (SECOND + 1, True), (SECOND + 9, True)):
@@ -95,11 +92,10 @@ def test_what_was_lost_is_sent_again_and_the_page_before_stays_until_then(gpu, s
     assert shown[0] is shown[1] is shown[2]  # the loss is not known yet
     assert shown[3] is not shown[0]
     client.close()
-    server.close()
 
 
-def test_a_frame_that_comes_late_does_not_turn_the_page_back(gpu, scene):
-    server, client = Server(gpu, scene), ClientScene(gpu, scene)
+def test_a_frame_that_comes_late_does_not_turn_the_page_back(gpu, serve, scene):
+    server, client = serve(scene), ClientScene(gpu, scene)
     kept = client.store(KeptPanels, PanelDelivery())
     first, second = (server.draw_frame([VIEW], at, SIZE, needs=needs()) for at in (0, SECOND))
     for frame in (first, second):
@@ -108,14 +104,13 @@ def test_a_frame_that_comes_late_does_not_turn_the_page_back(gpu, scene):
     client.receive(first)
     assert kept.held[0].texture is page
     client.close()
-    server.close()
 
 
 @pytest.mark.parametrize("pose", [VIEW.pose, Pose((0.1, 1.5, 0.1), (0.0, 0.0499792, 0.0, 0.9987503))])
-def test_what_a_client_shows_is_what_the_server_draws(gpu, pose):
+def test_what_a_client_shows_is_what_the_server_draws(gpu, serve, pose):
     """The library's scene: the frame lacks the panels, and the pass lays them over it."""
     scene, size = load_scene("reading"), (192, 160)
-    server, client = Server(gpu, scene), ClientScene(gpu, scene)
+    server, client = serve(scene), ClientScene(gpu, scene)
     view = attrs.evolve(VIEW, pose=pose)
     whole = read(server.draw(view, size).colour)
     rendered = None
@@ -138,17 +133,15 @@ def test_what_a_client_shows_is_what_the_server_draws(gpu, pose):
     assert (error > 0.1).mean() < 0.03
     assert error[apart > 0.05].mean() < 0.04
     client.close()
-    server.close()
 
 
-def test_drawn_into_a_frame_a_panel_in_the_world_has_its_depth(gpu):
+def test_drawn_into_a_frame_a_panel_in_the_world_has_its_depth(serve):
     scene = load_scene("reading")
     for panel, place, expected in zip(scene.panels, ((0, 1.6, -1.6), (0, 0, -1.6)), (1 / 1.6, 0.0), strict=True):
-        server = Server(gpu, Scene("panel", "", (), panels=[attrs.evolve(panel, pose=Pose(place))]))
+        server = serve(Scene("panel", "", (), panels=[attrs.evolve(panel, pose=Pose(place))]))
         drawn = server.draw(VIEW, SIZE)
         assert read(drawn.colour)[40, 48, :3].min() > 0
         assert read(drawn.inverse_depth)[40, 48, 0] == pytest.approx(expected, rel=1e-5)
-        server.close()
 
 
 AT_ONCE = """
@@ -174,14 +167,13 @@ def test_what_reads_a_picture_at_once_reads_all_of_it():
 
 
 @pytest.mark.parametrize("layer", ["wide", "views"])
-def test_no_other_picture_of_a_frame_shows_what_the_client_lays_over(gpu, layer):
+def test_no_other_picture_of_a_frame_shows_what_the_client_lays_over(serve, layer):
     scene = load_scene("reading")
     amount = layers.get(layer).something
     found = []
     for one in (scene, attrs.evolve(scene, panels=())):
-        server = Server(gpu, one)
+        server = serve(one)
         eye = server.draw_frame([VIEW], 0, SIZE, needs=needs() | Needs(**{layer: amount})).eyes[0]
         pictures = eye[layer] if isinstance(eye[layer], tuple) else (eye[layer],)
         found.append([read(picture.colour) for picture in pictures])
-        server.close()
     assert all(np.array_equal(*both) for both in zip(*found, strict=True))

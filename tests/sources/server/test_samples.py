@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from scipy.spatial.transform import Rotation
 from worlds import pixels
 
-from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
-from hmdwarp.sources.server import Server
 
 SIZE = (64, 48)
 FRONT, BACK = np.array([0.75, 0.25, 0.5]), np.array([0.125, 0.5, 1.0])
@@ -43,8 +40,8 @@ def covered_by_the_sheet() -> np.ndarray:
     return left.reshape(SIZE[1], fine, SIZE[0], fine).mean(axis=(1, 3))
 
 
-def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface(gpu):
-    server = Server(gpu, before_a_wall(), samples=4)
+def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface(serve):
+    server = serve(before_a_wall(), samples=4)
     eye = server.draw(VIEW, SIZE)
     colour, depth = pixels(eye.colour)[..., :3], pixels(eye.inverse_depth)
     share = covered_by_the_sheet()
@@ -59,52 +56,40 @@ def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface
     assert (weight[mixed] > 0.1).sum() > 20 and (weight[mixed] < 0.9).sum() > 20
 
     assert ((np.abs(depth - 1) < 1e-6) | (np.abs(depth - 0.25) < 1e-6)).all()  # never a mean of 1 and 1/4
-    alone = Server(gpu, before_a_wall())
+    alone = serve(before_a_wall())
     assert np.array_equal(depth, pixels(alone.draw(VIEW, SIZE).inverse_depth))
-    alone.close()
-    server.close()
 
 
-def test_light_keeps_its_value_along_the_edges_inside_a_surface(gpu):
-    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell.
-
-    The light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits.
-    """
+def test_light_keeps_its_value_along_the_edges_inside_a_surface(serve):
+    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell. The
+    light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits."""
     floor = [(-9.0, -0.2, 0.5), (9.0, -0.2, 0.5), (9.0, -0.2, -30.0), (-9.0, -0.2, -30.0)]
     scene = Scene("floor", "", (sheet("floor", floor, np.ones(3)),), background=Background.uniform((1,) * 3))
-    server = Server(gpu, scene, samples=4)
+    server = serve(scene, samples=4)
     assert np.abs(pixels(server.draw(VIEW, SIZE).colour) - 1).max() <= HALF
-    server.close()
 
 
-def test_lamps_leave_no_seams_inside_a_surface(gpu):
+def test_lamps_leave_no_seams_inside_a_surface(serve):
     """One of four samples in a false shadow takes a quarter of a pixel; textures take less."""
     scene = load_scene("lantern")
     turned = Pose(scene.viewpoint.position_m, Rotation.from_euler("y", 20, degrees=True).as_quat())
     wall, found = (slice(60, 140), slice(0, 56)), []
     for samples in (1, 4):
-        server = Server(gpu, scene, samples=samples)
+        server = serve(scene, samples=samples)
         found.append(pixels(server.draw(View(turned, Fov.symmetric(1.6, 1.2)), (160, 200)).colour)[wall][..., 0])
-        server.close()
     one, four = found
     padded = np.pad(one, 1, mode="edge")
     darkest = np.min([padded[y : y + 80, x : x + 56] for y in range(3) for x in range(3)], axis=0)
     assert (four >= 0.9 * darkest).all()
 
 
-def test_a_body_has_its_number_at_each_pixel_that_has_its_depth(gpu):
+def test_a_body_has_its_number_at_each_pixel_that_has_its_depth(serve):
     scene, needs = load_scene("workshop"), Needs(ids=True)
     view, found = View(Pose((0, 1.6, 0)), Fov.symmetric(0.8, 0.85)), []
     for samples in (1, 4):
-        server = Server(gpu, scene, samples=samples)
+        server = serve(scene, samples=samples)
         (eye,) = server.draw_frame([view], 10**9, (160, 200), needs=needs).eyes
         found.append((pixels(eye.get("ids").numbers), pixels(eye.inverse_depth)))
-        server.close()
     (plain, depth), (centre, centre_depth) = found
     assert (plain > 0).any()
     assert np.array_equal(plain, centre) and np.array_equal(depth, centre_depth)
-
-
-def test_more_samples_than_the_gpu_has_are_refused(gpu):
-    with pytest.raises(MachineError, match=r"--samples 4096: .* draws at most \d+ a pixel"):
-        Server(gpu, load_scene("planes"), samples=4096)

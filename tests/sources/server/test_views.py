@@ -4,17 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from replays import each_refresh, run, small
+from replays import each_refresh, small
 
-from hmdwarp.client import build_plan
-from hmdwarp.client.capability import lacking
-from hmdwarp.client.classes import load_client
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.link import LinkOptions
-from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server
 from hmdwarp.sources.server.parts.views import LEAST_M, Motion, chosen, moved, seen
 
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
@@ -99,30 +93,22 @@ def test_views_are_chosen_whatever_the_depth():
         assert len({tuple(way) for way in ways}) == 3
 
 
-def test_the_server_draws_them_as_any_other_picture(gpu):
-    scene = load_scene("room")
-    server, needs, age_ns = Server(gpu, scene), Needs(views=2), 400 * MS
-    place = scene.viewpoint.position_m
-    try:
-        for number in range(3):
-            eyes = [view_at(place + (0.03 * number + x, 0, 0)) for x in (-0.03, 0.03)]
-            frame = server.draw_frame(eyes, number * 100 * MS, SIZE, needs=needs, age_ns=age_ns)
-            ways = [
-                [view.view.pose.position_m - eye.view.pose.position_m for view in eye["views"]] for eye in frame.eyes
-            ]
-            assert np.allclose(ways[0], ways[1]), "as far from each eye"
-            # 0.3 m/s for 0.4 s, once there is a frame before.
-            reach = 0.12 if number else LEAST_M
-            assert np.linalg.norm(ways, axis=-1).max() <= reach + 1e-9
-            for eye in frame.eyes:
-                for view in eye["views"]:
-                    again = server.draw(view.view, SIZE, time_ns=frame.drawn_ns)
-                    assert np.array_equal(download(again.colour), download(view.colour))
-                    server.pool(SIZE).release(again.colour)
-            server.recycle(frame)
-        assert server.pool(SIZE).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
-    finally:
-        server.close()
+def test_the_server_draws_them_as_any_other_picture(serve):
+    server, needs, age_ns = serve("room"), Needs(views=2), 400 * MS
+    place = server.scene.viewpoint.position_m
+    for number in range(3):
+        eyes = [view_at(place + (0.03 * number + x, 0, 0)) for x in (-0.03, 0.03)]
+        frame = server.draw_frame(eyes, number * 100 * MS, SIZE, needs=needs, age_ns=age_ns)
+        ways = [[view.view.pose.position_m - eye.view.pose.position_m for view in eye["views"]] for eye in frame.eyes]
+        assert np.allclose(ways[0], ways[1]), "as far from each eye"
+        # 0.3 m/s for 0.4 s, once there is a frame before.
+        assert np.linalg.norm(ways, axis=-1).max() <= (0.12 if number else LEAST_M) + 1e-9
+        for view in (view for eye in frame.eyes for view in eye["views"]):
+            again = server.draw(view.view, SIZE, time_ns=frame.drawn_ns)
+            assert np.array_equal(download(again.colour), download(view.colour))
+            server.pool(SIZE).release(again.colour)
+        server.recycle(frame)
+    assert server.pool(SIZE).made == 2 * 3 + 1, "two eyes of three pictures, and the one to compare with"
 
 
 def empty_shares(warp: str) -> list[float]:
@@ -143,31 +129,8 @@ def test_they_leave_less_empty_than_what_comes_anyway():
     assert with_views < 0.5 * anyway, (with_views, anyway)
 
 
-def test_the_link_counts_what_they_weigh(tmp_path):
-    rates = run(tmp_path, warp="multi:views=2", seconds=0.1).summary["link"]["layers_mbit_s"]
-    assert rates["views"] == pytest.approx(2 * (rates["colour"] + rates["inverse_depth"]))
-
-
-def test_a_head_at_rest_sends_them_once_and_a_lost_frame_again(tmp_path):
-    times = np.arange(301) / 100
-    (tmp_path / "still.txt").write_text(
-        "# timestamp tx ty tz qx qy qz qw\n" + "".join(f"{t} 0 1.6 0 0 0 0 1\n" for t in times), encoding="utf-8"
-    )
-    network = LinkOptions(send="changes")
-    options = {"trace": str(tmp_path / "still.txt"), "warp": "multi:views=2", "latency_ms": 50.0}
-    frames = run(tmp_path / "run", network=network, **options).summary["link"]["frames"]
-    assert (frames["drawn"], frames["shown"]) == (1, 1)
-
-
 def test_an_eye_that_turns_away_falls_back_on_an_older_frame():
     found: list[int] = []
     options = {"warp": "multi:views=2,frames=1,eye=own,spacing=50", "latency_ms": 50.0, "size": (32, 24)}
     each_refresh(small(**options), lambda setup, number, refresh: found.append(len(refresh.inputs[0].others)))
     assert found[-1] == 3, "two views and the older frame"
-
-
-def test_a_client_that_gets_a_picture_alone_cannot_have_them():
-    client = load_client("picture")
-    plans = [build_plan((), warp, "none", "none", client_geometry=True) for warp in ("multi", "multi:views=1")]
-    assert lacking(plans[0], client) == ""
-    assert "rendered.views" in lacking(plans[1], client)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
-from hmdwarp.study.design import SHIPPED
+from hmdwarp.study.design import SHIPPED, Design, design_from_text
+from hmdwarp.study.design.orders import williams
+from hmdwarp.study.respondents import Model, Population, RatingModel
 from hmdwarp.study.scales import load_scale
+
+from ..plans import text_of
 
 PUBLISHED = SHIPPED / "thesis_ratings.csv"
 GRADE = ScaleInfo.of(load_scale("grade"))
+SCORES = {"late": -2.0, "turned": -1.4, "warped": -0.8, "reference": 0.0}
 
 
 def ratings_of(
@@ -35,12 +36,9 @@ def ratings_of(
 def in_order(
     effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
 ) -> pd.DataFrame:
-    """Ratings of four conditions in the orders of a Williams square.
-
-    Effect per trial, carry times what the condition before is worth.
+    """Ratings of four conditions in the orders of a Williams square. Effect per trial, carry times
+    what the condition before is worth.
     """
-    from hmdwarp.study.design.orders import williams
-
     random, rows = np.random.default_rng(seed), []
     square = williams(4)
     for person in range(people):
@@ -62,11 +60,29 @@ def in_order(
     return frame(rows)
 
 
-def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom: bool = False) -> Path:
-    """A long table."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), delimiter=delimiter, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    path.write_bytes((b"\xef\xbb\xbf" if bom else b"") + text.getvalue().encode())
-    return path
+def pairs_of(scale: str = "preference", repeats: int = 1) -> Design:
+    """A study of pairs."""
+    changes = ('"preference"', f'"{scale}"'), ("repeats = 1", f"repeats = {repeats}")
+    return design_from_text(text_of("scored", *changes), "pairs.toml", checked=False)
+
+
+def judges(scale: str, noise: float, taste: float, threshold: float) -> Model:
+    """People with known scores."""
+    rating = RatingModel(means=SCORES, noise_sd=noise, condition_sd=taste, threshold=threshold)
+    return Model("judges", ratings={scale: rating})
+
+
+def simulated(design: Design, model: Model, study: int, people: int = 14) -> Ratings:
+    """A whole study of pairs, without pictures."""
+    scale = design.scales[0]
+    population = Population(model, design, "main")
+    cohort = population.of(range(people), 7, study)
+    orders = population._orders[population._allotted(cohort.why)]  # who saw what first
+    names = [condition.name for condition in cohort.part.conditions]
+    said = [
+        {"participant": f"p{k}", "part": "main", "scale": scale.name, "first": names[first], "second": names[second]}
+        | {"answer": float(answer), "allows_ties": scale.allows_ties, "reference": "reference"}
+        for k in range(people)
+        for (first, second), answer in zip(orders[k], cohort.answers[scale.name][k], strict=True)
+    ]
+    return Ratings(rows=(), scale_info={}, preferences=said, families=design.families)

@@ -29,35 +29,32 @@ BLAND = """
 """
 
 
-def made_up(seed, effects, people=12, conditions=8, noise=0.5, together=0.0, repeats=1):
-    """Rows of a study.
-
-    Measures are drawn for each condition, tremble a little with each person, and move the grade by
-    their effects.
-
-    together: how far all measures are one and the same.
-    """
-    rng = np.random.default_rng(seed)
-    shared = rng.normal(size=conditions)
-    levels = {name: together * shared + (1 - together) * rng.normal(size=conditions) for name in effects}
-    rows = []
-    for person in range(people):
-        own = rng.normal(3, 0.7)
-        for c in range(conditions):
-            for repeat in range(repeats):
-                x = {name: levels[name][c] + 0.05 * rng.normal() for name in effects}
-                value = own + sum(effects[name] * x[name] for name in effects) + noise * rng.normal()
-                rows.append(row(f"p{person}", f"c{c}", value, x) | {"repeat": repeat + 1})
-    return rows
-
-
 def row(participant, condition, value, measures):
     asked = {"part": "main", "scale": "grade", "low_is_good": True}
     return {"participant": participant, "condition": condition, "value": value, **asked, **measures}
 
 
+def made_up(seed, effects, people=12, conditions=8, noise=0.5):
+    """Rows of a study. Measures are drawn for each condition, tremble with each person, and move
+    the grade.
+    """
+    rng = np.random.default_rng(seed)
+    levels = {name: rng.normal(size=conditions) for name in effects}
+    rows = []
+    for person in range(people):
+        own = rng.normal(3, 0.7)
+        for c in range(conditions):
+            x = {name: levels[name][c] + 0.05 * rng.normal() for name in effects}
+            value = own + sum(effects[name] * x[name] for name in effects) + noise * rng.normal()
+            rows.append(row(f"p{person}", f"c{c}", value, x))
+    return rows
+
+
 def found_in(rows, scale="grade"):
     return correlation_data(pd.DataFrame(rows), scale)
+
+
+ROWS = made_up(4, {FLIP: 0.5, HOLES: 0.2})
 
 
 def test_the_published_correlation_comes_out():
@@ -109,11 +106,15 @@ def test_untestable_measures_are_named_with_their_reason():
     assert any(said.startswith("Not tested: ") and "flicker" in said for said in found["sentences"])
 
 
-def test_too_little_has_a_reason_and_no_figure():
+def test_what_cannot_be_compared_has_a_reason_and_no_figure():
     assert found_in([row("p", "c", 1.0, {})]) is None
+    alike = [one | {"measured_size": "320x400", "measured_every": 20} for one in ROWS]
+    assert found_in(alike)["measures"] == found_in(ROWS)["measures"]
     for rows, word in (
         (made_up(1, {FLIP: 0.5}, people=1, conditions=3), "too few"),
-        ([one | {"value": 3.0} for one in made_up(1, {FLIP: 0.5})], "one rating throughout"),
+        ([one | {"value": 3.0} for one in ROWS], "one rating throughout"),
+        ([one | {"measured_size": "640x800"} if k % 2 else one for k, one in enumerate(alike)], "one --size"),
+        ([one | {"measured_every": 10} if k % 2 else one for k, one in enumerate(alike)], "one --size"),
     ):
         found = found_in(rows)
         assert found["measures"] == [] and word in dict(found["left_out"])[MEASURES[FLIP]]
@@ -124,25 +125,15 @@ def test_a_perfect_line_is_one():
     assert found["r"] == pytest.approx(1) and found["low"] > 0.999 and found["p"] < 1e-12
 
 
-def test_pictures_measured_in_different_ways_are_not_compared():
-    alike = [one | {"measured_size": "320x400", "measured_every": 20} for one in made_up(4, {FLIP: 0.5, HOLES: 0.2})]
-    assert found_in(alike)["measures"] == found_in(made_up(4, {FLIP: 0.5, HOLES: 0.2}))["measures"]
-    for other in ({"measured_size": "640x800"}, {"measured_every": 10}):
-        found = found_in([one | other if k % 2 else one for k, one in enumerate(alike)])
-        assert found["measures"] == [] and "one --size" in dict(found["left_out"])[MEASURES[FLIP]]
-
-
 def test_missing_ratings_and_other_scales_are_left_alone():
-    rows = made_up(4, {FLIP: 0.5, HOLES: 0.2})
-    more = [one | {"value": None} for one in rows[:5]] + [one | {"scale": "acr", "low_is_good": False} for one in rows]
-    assert found_in(rows + more) == found_in(rows)
-    assert found_in(rows + more, "acr")["measures"][0]["r"] == pytest.approx(-found_in(rows)["measures"][0]["r"])
+    more = [one | {"value": None} for one in ROWS[:5]] + [one | {"scale": "acr", "low_is_good": False} for one in ROWS]
+    assert found_in(ROWS + more) == found_in(ROWS)
+    assert found_in(ROWS + more, "acr")["measures"][0]["r"] == pytest.approx(-found_in(ROWS)["measures"][0]["r"])
 
 
 def test_the_page_has_each_correlation():
     pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
-    rows = made_up(4, {FLIP: 0.5, HOLES: 0.2})
-    data = analyse(Ratings(rows, {"grade": ScaleInfo("grade", "Grade", low_is_good=True)}))
+    data = analyse(Ratings(ROWS, {"grade": ScaleInfo("grade", "Grade", low_is_good=True)}))
     page = study_page(data, "hmdwarp study analyse").html()
     said = data["scales"][0]["prediction"]["sentences"]
     assert "What goes with the ratings" in page and said[0] in page

@@ -1,90 +1,135 @@
-"""The console of lines."""
+"""The console of lines: what is typed, checked, and what is said."""
 
 from __future__ import annotations
 
-import ast
 import os
-import subprocess
 import sys
-from pathlib import Path
+from contextlib import contextmanager
 
 import attrs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
+from together import together
 
-from hmdwarp.study.console.line_console import ConsoleState, LineConsole, TypedLine, fitted, news, status, subject_of
+from hmdwarp.study.line_console import (
+    ConsoleState,
+    LineConsole,
+    TypedLine,
+    checked_answer,
+    clock,
+    fitted,
+    news,
+    parse_line,
+    status,
+    subject_of,
+)
 
-from .played import ASKING, GRADE, SHOWING, STATES
-
-ROOT = Path(__file__).resolve().parents[3]
-PATIENCE_S = 600
-
-
-def told(tmp_path, commands: str, *more: str) -> tuple[list[tuple[str, object]], str]:
-    """What a played session got from these lines on stdin, and what it said on stderr."""
-    log = tmp_path / "asked.log"
-    done = subprocess.run(
-        [sys.executable, str(Path(__file__).with_name("played.py")), str(log), *more], input=commands,
-         capture_output=True, text=True,
-        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}, timeout=PATIENCE_S, check=True,
-    )  # fmt: skip
-    return [ast.literal_eval(line) for line in log.read_text(encoding="utf-8").splitlines()], done.stderr
+from .played import ASKING, GRADE, SHOWING, SICK, STATES
 
 
-def test_lines_through_pipes(tmp_path):
-    asked, said = told(
-        tmp_path, "help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\nstop\n", "--states", "asking"
-    )
-    assert asked == [("answer", 3.25), ("pause", None), ("remark", "it slipped"), ("stop", None)]
-    for words in ("commands are read from stdin", "trial 3 of 12: asking",
-    "asked: How good was the picture?",
-                  "1 very good", "9 is not on the scale", "'dance' is no command", "leave this question"):  # fmt: skip
+@contextmanager
+def typed(monkeypatch, **more):
+    """A console, and what types into its stdin and reads the commands that come of it."""
+    read, write = os.pipe()
+    with os.fdopen(read) as stdin, os.fdopen(write, "wb", buffering=0) as end:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with LineConsole("a study", **more) as console:
+
+            def types(text: str) -> list[tuple[str, object]]:
+                end.write(text.encode())
+                return [(each.control, each.value) for each in console.commands()]
+
+            yield console, types
+
+
+# --- what is typed
+
+
+@given(st.integers(0, 20))
+def test_every_step_of_the_scale_is_taken_with_point_and_comma(step):
+    value = 1.0 + step * 0.25
+    assert checked_answer(f"{value}", GRADE) == checked_answer(f" {value} ".replace(".", ","), GRADE) == value
+
+
+def test_a_step_that_is_no_binary_fraction_is_met():
+    tenths = attrs.evolve(GRADE, least=0.0, most=1.0, step=0.1)
+    assert [checked_answer(f"0.{k}", tenths) for k in range(10)] == [round(k / 10, 9) for k in range(10)]
+
+
+WRONG = [
+    ("answer", ASKING, "nothing was typed"), ("answer good", ASKING, "no number"), ("answer 7", ASKING, "not on the"),
+    ("answer 0.75", ASKING, "not on the scale"), ("answer nan", ASKING, "not on the scale"),
+    ("answer inf", ASKING, "not on the scale"), ("answer 3.3", ASKING, "between two steps"),
+    ("answer 3.25.1", ASKING, "no number.*1 to 6 in steps of 0.25"),
+    ("answer 15.5", attrs.evolve(ASKING, question=SICK), "between two steps"),
+    ("answer 3", SHOWING, "nothing is being asked"), ("agree", SHOWING, "no text to agree"),
+    ("pause now", SHOWING, "takes no value"), ("remark", SHOWING, "needs words"), ("dance", SHOWING, "no command"),
+    ("continue", SHOWING, "going on already"), ("pause", STATES["paused"], "paused already"),
+    ("break", STATES["break"], "a break already"), ("stop", STATES["sick"], "is over"),
+]  # fmt: skip
+
+
+@together("line, state, words", WRONG)
+def test_a_wrong_line_is_refused_with_what_is_wanted(line, state, words):
+    with pytest.raises(ValueError, match=words):
+        parse_line(line, state)
+
+
+def test_lines_as_commands():
+    for line, state, command in (
+        (" answer 3,25 ", ASKING, ("answer", 3.25)),
+        ("answer 15", attrs.evolve(ASKING, question=SICK), ("answer", 15.0)),
+        ("Pause", SHOWING, ("pause", None)),
+        ("decline", STATES["reading"], ("decline", None)),
+        ("remark the strap slipped", SHOWING, ("remark", "the strap slipped")),
+        ("   ", SHOWING, None),
+    ):
+        assert parse_line(line, state) == command
+
+
+def test_lines_through_pipes(monkeypatch, capfd):
+    with typed(monkeypatch) as (console, types):
+        console.tell(ASKING)
+        asked = types("help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\n")
+        assert asked == [("answer", 3.25), ("pause", None), ("remark", "it slipped")]
+    said = capfd.readouterr().err
+    for words in (
+        "commands are read from stdin", "trial 3 of 12: asking", "asked: How good was the picture?", "1 very good",
+        "9 is not on the scale", "'dance' is no command", "leave this question",
+    ):  # fmt: skip
         assert words in said, said
     assert all(line.startswith("console: ") for line in said.splitlines())
 
 
-def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp_path):
-    asked, _ = told(tmp_path, "pause", "--seconds", "1")
-    assert asked == [("pause", None)]
-
-
-def test_news_are_what_an_experimenter_should_know():
-    assert news(ConsoleState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
-    assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9)) == []
-    assert news(SHOWING, attrs.evolve(SHOWING, notice="tracking lost")) == ["! tracking lost"]
-    assert news(attrs.evolve(SHOWING, notice="tracking lost"), SHOWING) == ["no longer: tracking lost"]
-    assert news(ASKING, attrs.evolve(ASKING, question=attrs.evolve(ASKING.question, entered=1.0))) == []
-    assert [line[:6] for line in news(ASKING, STATES["next"])] == ["trial ", "asked:"]
-    assert news(SHOWING, STATES["open"]) == []
-    assert news(SHOWING, attrs.evolve(SHOWING, step="session finished", phase="over")) == ["session finished"]
-    assert news(ConsoleState(heading=SHOWING.heading), STATES["open"]) == ["trial 3 of 12: showing (late-200)"]
-
-
-def test_a_second_scale_that_asks_the_same_is_announced():
-    """Who reads the questions aloud must not miss it; no answer typed for the first reaches it."""
-    first = attrs.evolve(ASKING, question=attrs.evolve(GRADE, scale="School grade"))
-    second = attrs.evolve(first, question=attrs.evolve(first.question, scale="Quality, continuous", most=100.0))
-    (line,) = news(first, second)
-    assert line.startswith("asked: Quality, continuous: How good was the picture? (1 to 100")
-    assert subject_of(first) != subject_of(second)
-    assert news(second, second) == []
+def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp_path, monkeypatch):
+    (tmp_path / "typed").write_text("pause")
+    with (tmp_path / "typed").open() as stdin:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with LineConsole("a study") as console:
+            console.tell(SHOWING)
+            assert [each.control for _ in range(3) for each in console.commands()] == ["pause"]
 
 
 def test_a_quiet_console_only_answers(capfd, monkeypatch):
-    read, write = os.pipe()
-    with os.fdopen(read) as stdin, os.fdopen(write, "w") as typed:
-        monkeypatch.setattr(sys, "stdin", stdin)
-        typed.write("dance\npause\n")
-        typed.flush()
-        with LineConsole("a study", quiet=True) as console:
-            console.say("a line")
-            console.tell(ASKING)
-            commands = [command.control for command in console.commands()]
-    assert commands == ["pause"]
+    with typed(monkeypatch, quiet=True) as (console, types):
+        console.say("a line")
+        console.tell(ASKING)
+        assert types("dance\npause\n") == [("pause", None)]
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith("console: 'dance' is no command")
+
+
+def test_an_answer_half_typed_is_not_one_to_the_next_question(capfd, monkeypatch):
+    with typed(monkeypatch) as (console, types):
+        console.tell(ASKING)
+        assert types("answer 3") == []
+        console.tell(STATES["next"])
+        assert types("\nremark it sl") == []
+        console.tell(SHOWING)
+        assert types("ipped\n") == [("remark", "it slipped")]
+    assert "'answer 3' is dropped: what it was typed for is over" in capfd.readouterr().err
 
 
 class Broken:
@@ -104,28 +149,6 @@ def test_a_console_without_stdin_or_an_unread_stderr_blocks_nothing(monkeypatch,
         assert console.commands() == ()
 
 
-def test_the_status_says_who_what_and_when():
-    assert status(SHOWING) == "P07 | trial 3 of 12 | showing, 0:14 left | 12:04 | 89.9/s, 3 missed"
-    assert status(ASKING).startswith("P07 | trial 3 of 12 | asking (3.25 entered) | 12:04")
-    assert status(STATES["break"]).startswith("P07 | break 1 of 2 | break, 0:22 left")
-    assert status(STATES["open"]).split(" | ")[3] == "late-200"
-    assert status(STATES["lost"]).startswith("! tracking lost | P07 - PILOT | ")
-    done = attrs.evolve(SHOWING, seen_s=12.0, left_s=588.0)
-    assert "showing, 0:12 so far, 9:48 left" in status(done)
-
-
-@given(st.text(), st.text(), st.integers(1, 200))
-def test_a_status_line_never_reaches_the_last_column(head, typed, columns):
-    """There the cursor would go to the next line, and the line before would stay."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("COLUMNS", str(columns))
-        patch.setenv("LINES", "24")
-        line = fitted(head, typed)
-    assert cell_len(line) <= max(columns - 1, 11) and line.isprintable()
-    shown = line.rpartition(" > ")[2] if not {">", " "} & {*typed} else ""
-    assert typed.endswith(shown) or not typed.isprintable()
-
-
 def test_what_is_typed_can_be_mended():
     line = TypedLine()
     assert line.feed("answér 3".encode()) == [] and line.text == "answér 3"
@@ -134,18 +157,54 @@ def test_what_is_typed_can_be_mended():
     assert line.feed("é".encode()[:1]) == [] and line.feed("é".encode()[1:]) == [] and line.text == "heé"
 
 
-def test_an_answer_half_typed_is_not_one_to_the_next_question(capfd, monkeypatch):
-    read, write = os.pipe()
-    with os.fdopen(read) as stdin, os.fdopen(write, "wb", buffering=0) as typed:
-        monkeypatch.setattr(sys, "stdin", stdin)
-        with LineConsole("a study") as console:
-            console.tell(ASKING)
-            typed.write(b"answer 3")
-            assert console.commands() == []
-            console.tell(STATES["next"])
-            typed.write(b"\nremark it sl")
-            assert console.commands() == []
-            console.tell(SHOWING)
-            typed.write(b"ipped\n")
-            assert [(each.control, each.value) for each in console.commands()] == [("remark", "it slipped")]
-    assert "'answer 3' is dropped: what it was typed for is over" in capfd.readouterr().err
+# --- what is said
+
+
+def test_news_are_what_an_experimenter_should_know():
+    lost = attrs.evolve(SHOWING, notice="tracking lost")
+    over = attrs.evolve(SHOWING, step="session finished", phase="over")
+    for before, now, said in (
+        (ConsoleState(), SHOWING, [SHOWING.heading, "trial 3 of 12: showing"]),
+        (SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9), []),
+        (SHOWING, lost, ["! tracking lost"]),
+        (lost, SHOWING, ["no longer: tracking lost"]),
+        (ASKING, attrs.evolve(ASKING, question=attrs.evolve(ASKING.question, entered=1.0)), []),
+        (SHOWING, STATES["open"], []),
+        (SHOWING, over, ["session finished"]),
+        (ConsoleState(heading=SHOWING.heading), STATES["open"], ["trial 3 of 12: showing (late-200)"]),
+    ):
+        assert news(before, now) == said
+    assert [line[:6] for line in news(ASKING, STATES["next"])] == ["trial ", "asked:"]
+
+
+def test_a_second_scale_that_asks_the_same_is_announced():
+    """Who reads the questions aloud must not miss it; no answer typed for the first reaches it."""
+    first = attrs.evolve(ASKING, question=attrs.evolve(GRADE, scale="School grade"))
+    second = attrs.evolve(first, question=attrs.evolve(first.question, scale="Quality, continuous", most=100.0))
+    (line,) = news(first, second)
+    assert line.startswith("asked: Quality, continuous: How good was the picture? (1 to 100")
+    assert subject_of(first) != subject_of(second)
+    assert news(second, second) == []
+
+
+def test_the_status_says_who_what_and_when():
+    assert status(SHOWING) == "P07 | trial 3 of 12 | showing, 0:14 left | 12:04 | 89.9/s, 3 missed"
+    assert status(ASKING).startswith("P07 | trial 3 of 12 | asking (3.25 entered) | 12:04")
+    assert status(STATES["break"]).startswith("P07 | break 1 of 2 | break, 0:22 left")
+    assert status(STATES["open"]).split(" | ")[3] == "late-200"
+    assert status(STATES["lost"]).startswith("! tracking lost | P07 - PILOT | ")
+    assert "showing, 0:12 so far, 9:48 left" in status(attrs.evolve(SHOWING, seen_s=12.0, left_s=588.0))
+    told = {-1: "0:00", 0: "0:00", 59.99: "0:59", 65: "1:05", 3600: "1:00:00", 3723.5: "1:02:03"}
+    assert {seconds: clock(seconds) for seconds in told} == told
+
+
+@given(st.text(), st.text(), st.integers(1, 200))
+def test_a_status_line_never_reaches_the_last_column(head, text, columns):
+    """There the cursor would go to the next line, and the line before would stay."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", str(columns))
+        patch.setenv("LINES", "24")
+        line = fitted(head, text)
+    assert cell_len(line) <= max(columns - 1, 11) and line.isprintable()
+    shown = line.rpartition(" > ")[2] if not {">", " "} & {*text} else ""
+    assert text.endswith(shown) or not text.isprintable()

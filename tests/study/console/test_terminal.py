@@ -7,14 +7,81 @@ import os
 import signal
 import sys
 import termios
+import time
 from pathlib import Path
 
 import pytest
 
-pytest.importorskip("pexpect", reason="these tests drive a pseudo-terminal by pexpect")
-pytest.importorskip("pyte", reason="these tests read a screen by pyte")
+pexpect = pytest.importorskip("pexpect", reason="these tests drive a pseudo-terminal by pexpect")
+pyte = pytest.importorskip("pyte", reason="these tests read a screen by pyte")
 
-from .terminals import Terminal, played, played_by_a_shell
+ROOT = Path(__file__).resolve().parents[3]
+PATIENCE_S = 600.0  # against hanging; a loaded machine is slow, and may stand still
+PLAYED = [sys.executable, str(Path(__file__).with_name("played.py"))]
+
+
+class Terminal:
+    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte). size:
+    (columns, rows). more: of the environment.
+    """
+
+    def __init__(self, argv: list[str], size: tuple[int, int] = (80, 24), **more: str) -> None:
+        columns, rows = size
+        environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT), "PYTHONUTF8": "1", **more}
+        environment.pop("NO_COLOR", None)
+        self.screen = pyte.Screen(columns, rows)
+        self._stream = pyte.ByteStream(self.screen)
+        self.program = pexpect.spawn(
+            argv[0], argv[1:], dimensions=(rows, columns), env=environment, timeout=PATIENCE_S, cwd=str(ROOT)
+        )
+        self.program.delaybeforesend = None
+        self.keys = self.program.send
+
+    def __enter__(self) -> Terminal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.program.close(force=True)
+
+    def take(self, seconds: float = 0.05) -> bool:
+        """Read what the program has written; return whether that was anything."""
+        try:
+            data = self.program.read_nonblocking(1 << 16, timeout=seconds)
+        except (pexpect.TIMEOUT, pexpect.EOF):
+            return False
+        self._stream.feed(data)
+        return True
+
+    def lines(self) -> list[str]:
+        self.take()
+        return [line.rstrip() for line in self.screen.display]
+
+    def text(self) -> str:
+        return "\n".join(self.lines())
+
+    def last(self) -> str:
+        """The lowest line with something on it."""
+        return next((line for line in self.lines()[::-1] if line), "")
+
+    def until(self, *what: str) -> None:
+        """Wait for texts that are on the screen together."""
+        deadline, has_ended = time.monotonic() + PATIENCE_S, False
+        while off := [each for each in what if each not in (text := self.text())]:
+            assert not has_ended and time.monotonic() < deadline, f"{off} did not come, has ended: {has_ended}\n{text}"
+            has_ended = not self.program.isalive()
+            while has_ended and self.take():  # a terminal gives a few kilobytes at a time
+                pass
+
+    def modes(self) -> list:
+        return termios.tcgetattr(self.program.child_fd)
+
+    def ended(self) -> int | None:
+        """Wait until the program has; its exit status, None if by a signal."""
+        deadline = time.monotonic() + PATIENCE_S
+        while self.program.isalive() or self.take():
+            self.take()
+            assert time.monotonic() < deadline, f"it does not end:\n{self.text()}"
+        return self.program.exitstatus
 
 
 @pytest.fixture
@@ -23,7 +90,7 @@ def log(tmp_path) -> Path:
 
 
 def asked(log: Path) -> list[tuple[str, object]]:
-    return [ast.literal_eval(line) for line in log.read_text(encoding="utf-8").splitlines() if line.startswith("(")]
+    return [ast.literal_eval(line) for line in log.read_text(encoding="utf-8").splitlines()]
 
 
 def show(log: Path, state: str) -> None:
@@ -32,9 +99,17 @@ def show(log: Path, state: str) -> None:
     new.replace(log.with_suffix(".state"))
 
 
-def last(terminal: Terminal) -> str:
-    """The lowest line with something on it."""
-    return next((line for line in terminal.lines()[::-1] if line), "")
+SESSION = [  # the state, what is there then, what is typed, what comes of it
+    ("reading", "P07 | consent | reading | 12:04", "agree\r", "asked for: agree"),
+    ("asking", "asking (3.25 entered)", "answer 3,3\r", "lies between two steps"),
+    ("asking", "asked: How good was the picture?", "answer 3,3\x7f5\r", "asked for: answer"),
+    ("asking", "asking", "again\r", "asked for: again"),
+    ("asking", "asking", "remark the strap slipped: é\r", "asked for: remark"),
+    ("asking", "asking", "skip\r", "asked for: skip"),
+    ("showing", "trial 3 of 12 | showing, 0:14 left | 12:04", "pause\r", "asked for: pause"),
+    ("paused", "| paused |", "continue\r", "asked for: continue"),
+    ("paused", "| paused |", "break\r\x04\x1b[A", "asked for: break"),  # Ctrl-D and an arrow key do nothing
+]
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
@@ -42,55 +117,33 @@ def test_a_session_by_typed_commands(log, size):
     """Every command arrives, wrong ones are refused with words, and the terminal is afterwards as
     it was.
     """
-    with played(log, "--states", "reading", size=size) as terminal:
+    with Terminal([*PLAYED, str(log), "reading"], size) as terminal:
         before = terminal.modes()
-        terminal.until("P07 | consent | reading | 12:04", "the session begins")
-        assert terminal.modes() != before
-        terminal.keys("agree\r")
-        terminal.until("asked for: agree")
-        show(log, "asking")
-        terminal.until("asked: How good was the picture?", "asking (3.25 entered)")
-        terminal.keys("answer 3,3\r")
-        terminal.until("lies between two steps")
-        terminal.keys("answer 3,3\x7f5\r")
-        terminal.until("asked for: answer")
-        terminal.keys("again\r")
-        terminal.until("asked for: again")
-        terminal.keys("remark the strap slipped: é\r")
-        terminal.until("asked for: remark")
-        terminal.keys("skip\r")
-        terminal.until("asked for: skip")
-        show(log, "showing")
-        terminal.until("trial 3 of 12 | showing, 0:14 left | 12:04")
-        terminal.keys("pause\r")
-        terminal.until("asked for: pause")
-        show(log, "paused")
-        terminal.until("| paused |")
-        terminal.keys("continue\r")
-        terminal.until("asked for: continue")
-        terminal.keys("break\r")
-        terminal.until("asked for: break")
-        terminal.keys("\x04\x1b[A")  # Ctrl-D and an arrow key do nothing
+        terminal.until("the session begins")
+        for state, there, keys, told in SESSION:
+            show(log, state)
+            terminal.until(there)
+            assert terminal.modes() != before
+            terminal.keys(keys)
+            terminal.until(told)
         terminal.keys("stop\r")
         assert terminal.ended() == 0
         assert terminal.modes() == before
-        assert "the program has ended" in terminal.text() and " | " not in last(terminal)
-    assert asked(log) == [
-        ("agree", None), ("answer", 3.5), ("again", None), ("remark", "the strap slipped: é"), ("skip", None),
-        ("pause", None),
-        ("continue", None), ("break", None), ("stop", None),
-    ]  # fmt: skip
+        assert "the program has ended" in terminal.text() and " | " not in terminal.last()
+    values = {"answer": 3.5, "remark": "the strap slipped: é"}
+    commands = ("agree", "answer", "again", "remark", "skip", "pause", "continue", "break", "stop")
+    assert asked(log) == [(command, values.get(command)) for command in commands]
 
 
 def test_the_status_is_one_line_and_keeps_what_is_typed(log):
     """Lines of the session come above it while a command is half typed, on a narrow screen too."""
-    with played(log, "--states", "showing", size=(44, 24)) as terminal:
+    with Terminal([*PLAYED, str(log), "showing"], (44, 24)) as terminal:
         terminal.until("P07 | trial 3")
         terminal.keys("pau")
         terminal.until("> pau")
         show(log, "lost")
         terminal.until("! tracking lost | P07")
-        assert last(terminal).endswith("> pau")
+        assert terminal.last().endswith("> pau")
         assert sum(" > " in line for line in terminal.lines()) == 1
         terminal.keys("se\r")
         terminal.until("asked for: pause")
@@ -101,21 +154,25 @@ def test_the_status_is_one_line_and_keeps_what_is_typed(log):
 
 
 def test_the_terminal_is_given_back_after_an_error_and_taken_again_after_a_stop(log):
-    with played_by_a_shell(log, "--do", "raise") as terminal:
+    """By a shell, whose terminal stays when the program dies."""
+    shell = ["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 600', "sh"]
+    with Terminal([*shell, *PLAYED, str(log), "showing", "fault"]) as terminal:
         before = terminal.modes()
         terminal.until("trial 3 of 12 | showing")
         child = int(Path(f"/proc/{terminal.program.pid}/task/{terminal.program.pid}/children").read_text().split()[0])
         os.kill(child, signal.SIGSTOP)
         termios.tcsetattr(terminal.program.child_fd, termios.TCSANOW, before)
         os.kill(child, signal.SIGCONT)
-        terminal.until_holds(lambda: terminal.modes() != before)
+        deadline = time.monotonic() + PATIENCE_S
+        while terminal.modes() == before and time.monotonic() < deadline:
+            terminal.take()
         terminal.keys("again\r")
         terminal.until("RuntimeError: a fault in the session", "status 1")
         assert terminal.modes() == before
 
 
 def test_ctrl_c_ends_the_program_and_the_terminal_is_as_before(log):
-    with played(log) as terminal:
+    with Terminal([*PLAYED, str(log), "showing"]) as terminal:
         before = terminal.modes()
         terminal.until("trial 3 of 12 | showing")
         terminal.keys("half a line\x03")
@@ -124,15 +181,10 @@ def test_ctrl_c_ends_the_program_and_the_terminal_is_as_before(log):
         assert terminal.modes() == before
 
 
-def test_without_a_terminal_on_stdout_there_are_plain_lines(log):
-    with Terminal(["/bin/sh", "-c", f"{sys.executable} {Path(__file__).with_name('played.py')} {log} | cat"]) as one:
-        one.until("console: trial 3 of 12: showing")
-        assert " | " not in one.text()
-        one.keys("stop\n")
-        one.until("the program has ended")
-
-
-def test_a_terminal_that_cannot_place_text_has_plain_lines(log):
-    with played(log, TERM="dumb") as terminal:
+@pytest.mark.parametrize(("end", "kind"), [(" | cat", "xterm"), ("", "dumb")], ids=["no terminal", "dumb"])
+def test_what_cannot_place_text_has_plain_lines(log, end, kind):
+    with Terminal(["/bin/sh", "-c", f"{' '.join(PLAYED)} {log} showing{end}"], TERM=kind) as terminal:
         terminal.until("console: trial 3 of 12: showing")
         assert " | " not in terminal.text()
+        terminal.keys("stop\n")
+        terminal.until("the program has ended")

@@ -1,25 +1,19 @@
-"""What a plan comes to: time, balance, and what to think of."""
+"""What a plan comes to: time, balance, and what to think of. How it is printed: golden/."""
 
 from __future__ import annotations
 
 from itertools import product
-
-import pytest
 
 from hmdwarp.study.design import design_as_json, design_from_text, load_design, notes, rows_for
 from hmdwarp.study.design.orders import presented
 from hmdwarp.study.design.plan_text import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
 
-from .plans import WHOLE
+from ..plans import text_of
 
 
 def design(*changes: tuple[str, str]):
-    text = WHOLE
-    for found, put in changes:
-        assert found in text
-        text = text.replace(found, put)
-    return design_from_text(text, "study.toml")
+    return design_from_text(text_of("whole", *changes), "study.toml")
 
 
 def test_trials_until_done_take_at_most_their_longest_time():
@@ -30,80 +24,45 @@ def test_trials_until_done_take_at_most_their_longest_time():
     assert phases["trials"].at_most and not phases["practice"].at_most
     assert phases["trials"].seconds >= 6 * 90
     assert design_as_json(plan)["trial_until_done"]
-    assert design(("seconds = 20\n", 'seconds = "until done"\n')).seconds == 600
-    long = notes(design(("seconds = 20\n", 'seconds = "until done"\n')))
-    assert any("at most about" in note and "a shorter longest" in note for note in long)
+    long = design(("seconds = 20\n", 'seconds = "until done"\n'))
+    assert long.seconds == 600
+    assert any("at most about" in note and "a shorter longest" in note for note in notes(long))
 
 
 def by_enumeration(n: int) -> float:
-    """By going through all 2^n ways n differences can turn out.
-
-    How many are as extreme as all in one direction.
+    """By going through all 2^n ways n differences can turn out. How many are as extreme as all in
+    one direction.
     """
     sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
     most = n * (n + 1) // 2
     return sum(abs(total - most / 2) >= most / 2 for total in sums) / len(sums)
 
 
-@pytest.mark.parametrize("n", range(1, 9))
-def test_the_smallest_p_of_n_pairs(n):
-    assert smallest_p(n) == by_enumeration(n)
-
-
-@pytest.mark.parametrize("comparisons", [1, 3, 6, 20])
-def test_with_fewer_people_nothing_can_be_found(comparisons):
-    need = least_participants(comparisons)
-    assert comparisons * smallest_p(need) <= 0.05 < comparisons * smallest_p(need - 1)
-
-
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ([('order = "williams"', 'order = "fixed"')], "the order is the same for all participants"),
-        ([('order = "williams"', 'order = "random"')], "random orders are balanced only on average"),
-        ([], "part run-1: 3 conditions, an odd number, need 6 orders; 4 would need 4"),
-        ([], "part run-2: no condition is a hidden reference"),
-        ([("latency = 0\nreference", "latency = 20\nreference")], "the reference 'reference' has a latency of its own"),
-        ([], "the reference 'reference' is warped"),
-        ([], "the scales go different ways (grade: low, acr: high is good)"),
-        ([("loss = 0.02\n", ""), ("jitter = 'uniform:20'\n", "")], "part run-2: 'b' has the settings of 'a'"),
-        ([("seconds = 20", "seconds = 0.5")], "'late-200' is 0.2 s late, shown for 0.5 s"),
-        ([], "part run-2: no [[family]] plans a comparison"),
-        ([("stop_at = 15\nrise = 8\n", "")], "sickness has no stop rule"),
-        ([('[sickness]\nscale = "fms"\nevery = 1\nstop_at = 15\nrise = 8\n', "")], "no question about sickness"),
-        ([("[practice]\nseconds = 60\nlatency = 10\n", "")], "there is no [practice]"),
-        ([('[consent]\nversion = "1"\ntext = "You may stop at any moment."\n', "")], "there is no [consent]"),
-        ([("loss = 0.02", 'lens = "radial"')], "'a' applies a lens, which a headset's runtime does by itself"),
-        ([("repeats = 2", "repeats = 40")], "minutes are long in a headset"),
-    ],
-)
-def test_hints_before_a_study(changes, says):
-    assert any(says in note for note in notes(design(*changes)))
+def test_with_fewer_people_nothing_can_be_found():
+    for n in range(1, 9):
+        assert smallest_p(n) == by_enumeration(n)
+    for comparisons in (1, 3, 6, 20):
+        need = least_participants(comparisons)
+        assert comparisons * smallest_p(need) <= 0.05 < comparisons * smallest_p(need - 1)
 
 
 SAME_FRAMES = ("[trial]", 'guard = 1.2\npredict = "cautious"\n[trial]')  # [common] stands before it
 
 
-def about_settings(*changes: tuple[str, str]) -> list[str]:
-    return [note for note in notes(design(*changes)) if "several settings differ" in note]
-
-
 def test_a_comparison_of_several_settings_names_them_and_the_lines_that_leave_one():
-    (note,) = about_settings()
+    def about(*changes: tuple[str, str]) -> list[str]:
+        return [note for note in notes(design(*changes)) if "several settings differ" in note]
+
+    (note,) = about()
     assert "part run-1: 'warped-200' over 'late-200'" in note
     assert 'warp ("mesh" and "none"), guard (1.2 and 1), predict ("cautious" and "none")' in note
     assert 'write guard = 1.2 and predict = "cautious" into [common]' in note
-    assert not about_settings(SAME_FRAMES)
-
-
-def test_settings_that_the_plan_sets_differently_have_no_line_that_mends_them():
-    (note,) = about_settings(SAME_FRAMES, ('latency = 200\nwarp = "mesh"', 'latency = 300\nwarp = "mesh"'))
+    assert not about(SAME_FRAMES)
+    # What the plan sets differently has no line that mends it.
+    (note,) = about(SAME_FRAMES, ('latency = 200\nwarp = "mesh"', 'latency = 300\nwarp = "mesh"'))
     assert 'latency (300 and 200), warp ("mesh" and "none"); which' in note and "[common]" not in note
-
-
-@pytest.mark.parametrize("name", ["quick", "thesis", "thesis-as-was"])
-def test_shipped_studies_compare_one_thing(name):
-    assert not [note for note in notes(load_design(name)) if "several settings differ" in note]
+    for name in ("quick", "thesis", "thesis-as-was"):
+        assert not [note for note in notes(load_design(name)) if "several settings differ" in note]
 
 
 def test_a_sound_plan_leaves_little_to_think_of():
@@ -121,10 +80,9 @@ def test_breaks_come_between_trials():
 
 
 def test_balance_is_counted():
-    plan = design()
+    plan, fixed = design(), design(('order = "williams"', 'order = "fixed"'))
     found = balance(rows_for(plan, "run-1"), presented(plan, "run-1"))
     assert (found.orders, found.repeated, found.seams) == (6, 0, (1, 1))  # 3 conditions, 2 repeats
     assert found.places == found.pairs == (4, 4)
-    fixed = design(('order = "williams"', 'order = "fixed"'))
     found = balance(rows_for(fixed, "run-1"), presented(fixed, "run-1"))
     assert (found.orders, found.places, found.pairs, found.seams) == (1, (0, 2), (0, 2), (0, 1))

@@ -5,12 +5,14 @@ What is drawn where pointing finds it, nothing beyond the paper, nothing that ju
 
 from __future__ import annotations
 
+from itertools import pairwise, product
+
 import attrs
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
+from together import together
 
 from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Notices
 from hmdwarp.display.desktop import window_view
@@ -38,8 +40,7 @@ from hmdwarp.study.dialogs.dialog_panels import (
 
 from .made_scales import SHIPPED, any_scale, asked_of, place_of, said
 
-BOTH_HINTS = pytest.mark.parametrize("hints", [KEYS, CONTROLLERS], ids=["keys", "controllers"])
-EVERY = pytest.mark.parametrize("scale", SHIPPED, ids=lambda one: one.name)
+EVERY = together("scale", SHIPPED)
 
 
 def panel_of(scale, value=None, hints=KEYS) -> QuestionPanel:
@@ -47,9 +48,8 @@ def panel_of(scale, value=None, hints=KEYS) -> QuestionPanel:
 
 
 def marker_of(scale, value) -> tuple[float, float]:
-    """(x, y) of where the marker is in the panel's picture, from the picture alone.
-
-    What is there that is not there without a value.
+    """(x, y) of where the marker is in the panel's picture, from the picture alone. What is there
+    that is not there without a value.
     """
     plain, marked = (panel_of(scale, at).ink().astype(int) for at in (None, value))
     assert plain.shape == marked.shape
@@ -74,19 +74,16 @@ def test_pointing_finds_what_is_drawn(scale):
         assert panel.value_at((x + 0.5) / WIDTH, 1 - (y + 0.5) / panel.height()) == value
 
 
-@BOTH_HINTS
-@EVERY
+@together("scale, hints", product(SHIPPED, [KEYS, CONTROLLERS]))
 def test_panels_cut_nothing_off_and_do_not_jump(scale, hints):
-    shapes = set()
-    for value in (None, scale.least, scale.most):
-        ink = panel_of(scale, value, hints).ink()
-        shapes.add(ink.shape)
-        assert ink.dtype == np.uint8 and ink.shape[1] == WIDTH
-        for edge in (ink[0], ink[-1], ink[:, 0], ink[:, -1]):
-            assert not edge.any()
-    assert len(shapes) == 1
     noted = attrs.evolve(panel_of(scale, None, hints), note="3.2 is no answer here: expected 1 to 6 in steps of 0.25")
-    assert noted.ink().shape in shapes
+    inks = [panel.ink() for panel in (noted, *(panel_of(scale, at, hints) for at in (None, scale.least, scale.most)))]
+    assert len({ink.shape for ink in inks}) == 1
+    for ink in inks[1:]:
+        assert ink.dtype == np.uint8 and ink.shape[1] == WIDTH
+        assert not any(edge.any() for edge in (ink[0], ink[-1], ink[:, 0], ink[:, -1]))
+    height = inks[0].shape[0]  # all of it is seen at full size in a headset; Notice._in_head: 0.056 m for 38 pixels
+    assert WIDTH * 0.056 / 38 <= MAX_WIDTH_M and height * 0.056 / 38 <= MAX_HEIGHT_M
 
 
 @settings(max_examples=60)
@@ -100,16 +97,9 @@ def test_every_scale_is_drawn_and_pointed_at(scale, u, v):
     assert panel.button_at(u, v) in ("", "skip")
 
 
-@EVERY
-def test_all_of_a_panel_is_seen_at_full_size_in_a_headset(scale):
-    height = panel_of(scale).height()  # Notice._in_head: 0.056 m for 38 pixels
-    assert WIDTH * 0.056 / 38 <= MAX_WIDTH_M and height * 0.056 / 38 <= MAX_HEIGHT_M
-
-
 def test_numbers_at_the_line_do_not_touch():
-    for least, most, step in (
-        (1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1),
-    ):  # fmt: skip
+    scales = [(1, 6, 0.25), (0, 20, 1), (0, 100, 1), (0, 1, 0.01), (0, 10000, 1), (-3, 3, 1), (0, 7, 0.1), (0, 97, 1)]
+    for least, most, step in scales:
         layout = layout_of(ScaleForm(float(least), float(most), float(step)))
         xs = sorted(width_of(f"{label:g}", 24) / 2 + 36 for label in layout._labels)
         assert {float(least), float(most)} <= set(layout._labels), "both ends have their numbers"
@@ -123,13 +113,10 @@ def test_words_do_not_overlap():
         layout = layout_of(panel_of(scale).form)
         if isinstance(layout, LineLayout):
             for row in (0, 1):
-                ends = [
-                    (button.x - w, button.x + w)
-                    for button in layout._placed
-                    if button.row == row
-                    for w in [max(width_of(line, 24) for line in button.lines) / 2]
-                ]
-                assert all(after[0] - before[1] > 4 for before, after in zip(ends, ends[1:], strict=False))
+                placed = [button for button in layout._placed if button.row == row]
+                halves = [max(width_of(line, 24) for line in button.lines) / 2 for button in placed]
+                for (a, half_a), (b, half_b) in pairwise(zip(placed, halves, strict=True)):
+                    assert b.x - half_b - (a.x + half_a) > 4
             assert {button.value for button in layout._placed} == set(scale.anchors)
 
 
@@ -173,9 +160,8 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
     notices, size = Notices(gpu.gl), (600, 800)
     try:
         panel, text = notices.of(panel_of(SHIPPED[0])), notices.of("tracking lost")
-        assert np.allclose(
-            panel.uv_from_pixel(size, None) @ (300, 400, 1), (0.5, 0.5, 1), atol=1 / panel.ink.height
-        )  # to the pixel
+        middle = panel.uv_from_pixel(size, None) @ (300, 400, 1)
+        assert np.allclose(middle, (0.5, 0.5, 1), atol=1 / panel.ink.height)  # to the pixel
         assert (text.uv_from_pixel(size, None) @ (300, 400, 1))[1] > 1  # above it
         eye = window_view("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
         tall = notices.of(panel_of(next(scale for scale in SHIPPED if scale.name == "misc")))
@@ -202,8 +188,7 @@ def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
         notices.close()
 
 
-@pytest.mark.parametrize("width", [40, 200, 636])
-@given(st.text(alphabet="ab cdefg\n", max_size=200))
+@given(st.sampled_from([40, 200, 636]), st.text(alphabet="ab cdefg\n", max_size=200))
 def test_wrapped_text_fits_and_loses_nothing(width, text):
     rows = wrapped(text, TEXT, width)
     assert all(width_of(row, TEXT) <= width or len(row) == 1 for row in rows)
@@ -211,13 +196,8 @@ def test_wrapped_text_fits_and_loses_nothing(width, text):
 
 
 def test_cards_are_drawn():
-    for made in (
-        message_panel("A title", "some text " * 30, "a hint"),
-        trial_panel(3, 12),
-        trial_panel(0, 12),
-        MenuDialog().panel(),
-        ConsentDialog("x").panel(),
-    ):
+    message = message_panel("A title", "some text " * 30, "a hint")
+    for made in (message, trial_panel(3, 12), trial_panel(0, 12), MenuDialog().panel(), ConsentDialog("x").panel()):
         ink = made.ink()
         assert ink.shape == (made.height(), WIDTH) and ink.max() == 255
         assert hash(made) == hash(attrs.evolve(made))

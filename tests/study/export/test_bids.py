@@ -1,99 +1,104 @@
-"""The BIDS tree.
+"""What holds for every export, of the recorded studies of golden/."""
 
-Names and contents by the rules of the specification, poses as they were recorded, no date anywhere.
-"""
+from __future__ import annotations
 
 import csv
 import json
+import re
+import sys
 
 import attrs
 import numpy as np
 import pytest
+from commands import hmdwarp
+from together import together
 
-from hmdwarp.poses import load_trace
-from hmdwarp.scenes import INPUTS_HEADER, InputEvent, inputs_beside
-from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.export.write import CHANNELS, ExportOptions, Rates, TrackingSystem, export, motion_text
-from hmdwarp.study.store import PERSON, Store
+from hmdwarp.errors import InputError, MachineError
+from hmdwarp.poses import PoseTrack
+from hmdwarp.study.design import design_from_text, load_design
+from hmdwarp.study.export.export_rows import field_text
+from hmdwarp.study.export.write import ExportOptions, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.store import PERSON, PILOT, Store
 
-from .conftest import day, write_trace
+from ..test_golden import GOLDEN, restored
+
+RATINGS = GOLDEN / "ratings"
+TEXT = (RATINGS / "study.toml").read_text(encoding="utf-8")
+parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install '.[study]')")
+
+
+@pytest.fixture(scope="module")
+def design():
+    return load_design(str(RATINGS / "study.toml"))
 
 
 @pytest.fixture
-def tree(store, design, tmp_path):
-    return export(store.contents(), design, tmp_path / "out").folder / "bids"
+def store(tmp_path):
+    with Store(restored(RATINGS, tmp_path / "data")) as made:
+        yield made
 
 
-def files(tree):
-    return sorted(path for path in tree.rglob("*") if path.is_file())
+@pytest.fixture(scope="module", params=sorted(GOLDEN.glob("*/")), ids=lambda folder: folder.name)
+def made(request, tmp_path_factory):
+    """What `study export` makes of a recorded study."""
+    folder = tmp_path_factory.mktemp("made")
+    out, data = folder / "out", restored(request.param, folder / "data")
+    out.mkdir(mode=0o755)
+    assert hmdwarp("study", "export", request.param / "study.toml", "--store", data, "--out", out).returncode == 0
+    return out
 
 
-def table(path):
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file, delimiter="\t"))
+def files(folder) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def loaded(path):
-    return json.loads(path.read_text(encoding="utf-8"))
+def test_a_validator_of_others_takes_every_name(made):
+    why = "bids_validator is not installed (pip install bids_validator)"
+    validator = pytest.importorskip("bids_validator", reason=why).BIDSValidator()
+    for name in files(made / "bids"):
+        assert validator.is_bids(f"/{name}"), name
 
 
-def test_a_validator_of_others_takes_every_name(tree):
-    validator = pytest.importorskip(
-        "bids_validator", reason="bids_validator is not installed (pip install bids_validator)"
-    ).BIDSValidator()
-    for path in files(tree):
-        assert validator.is_bids(f"/{path.relative_to(tree).as_posix()}"), path
+def test_every_column_of_every_table_is_in_its_sidecar(made):
+    tables = [path for path in made.rglob("*.tsv") if not path.name.endswith(("_motion.tsv", "_channels.tsv"))]
+    assert tables
+    for path in tables:
+        columns, *lines = path.read_text(encoding="utf-8").splitlines()
+        side = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        names = columns.split("\t")
+        assert [name for name in names if name != "participant_id" and "Description" not in side.get(name, {})] == []
+        assert all(line.count("\t") == len(names) - 1 and "\t\t" not in line for line in lines)
 
 
-def test_every_column_of_every_table_is_in_its_sidecar(tree):
-    for path in tree.rglob("*.tsv"):
-        if path.name.endswith(("_motion.tsv", "_channels.tsv")):
-            continue
-        with path.open(encoding="utf-8") as file:
-            columns = file.readline().rstrip("\n").split("\t")
-        side = loaded(path.with_suffix(".json"))
-        assert [name for name in columns if name != "participant_id" and "Description" not in side.get(name, {})] == []
-        lines = path.read_text(encoding="utf-8").splitlines()
-        assert all(line.count("\t") == len(columns) - 1 and "\t\t" not in line for line in lines)
+def test_no_date_code_or_remark_is_in_any_byte_and_the_export_is_for_its_owner_alone(made):
+    """The stores' clocks say 2031-07-23, from 16:41 on; remarks and traces name Maria."""
+    for name, data in files(made).items():
+        found = re.search(rb"2031-0|\b1[67]:[0-5]\d\b|Maria|secret-of|\bP\d\b", name.encode() + b"\n" + data)
+        assert found is None, (name, found)
+    modes = {(path.is_dir(), path.stat().st_mode & 0o777) for path in (made, *made.rglob("*"))}
+    assert modes == {(True, 0o700), (False, 0o600)}
+    assert "apostrophe" in (made / "README").read_text()
 
 
-def test_poses_are_as_they_were_recorded(tree, store):
-    """Read by NumPy, against what the trace reader reads."""
-    count = 0
-    for session in store.contents().sessions:
-        folder = tree / f"sub-{session.sub}" / "ses-01"
-        scans = {row["filename"]: row for row in table(folder / f"sub-{session.sub}_ses-01_scans.tsv")}
-        shown = {
-            (showing.trial, showing.presentation): showing
-            for showing in store.contents().showings
-            if showing.session == session.id
-        }
-        for path in sorted(folder.glob("motion/*_motion.tsv")):
-            row = scans[f"motion/{path.name}"]
-            showing = shown[int(row["trial"]), int(row["presentation"])]
-            assert row["condition"] == showing.condition
-            track = load_trace(store.traces / showing.trace).track
-            data = np.loadtxt(path, delimiter="\t")
-            assert (data[:, 1:4] == track.position_m).all() and (data[:, 4:] == track.orientation_xyzw).all()
-            # Instants are rounded to the microsecond, as the specification writes them.
-            assert np.abs(data[:, 0] * 1e9 - (track.time_ns - track.start_ns)).max() <= 500.1 and data[0, 0] == 0
-            channels = table(path.with_name(path.name.replace("_motion", "_channels")))
-            assert len(channels) == data.shape[1] == len(CHANNELS)
-            assert [channel["type"] for channel in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
-            assert [channel["component"] for channel in channels] == [
-                "n/a", "x", "y", "z", "quat_x", "quat_y", "quat_z", "quat_w",
-            ]  # fmt: skip
-            count += 1
-    assert count == 4 + 3 + 4
+def test_both_tables_say_the_same_and_parquet_can_be_searched(made):
+    with (made / "ratings.csv").open(encoding="utf-8", newline="") as file:
+        comma = list(csv.DictReader(file))
+    table = parquet.read_table(made / "ratings.parquet")
+    assert [[field_text(v) for v in row.values()] for row in table.to_pylist()] == [list(row.values()) for row in comma]
+    assert table.schema.field("value").type == "double" and table.schema.field("trial").type == "int64"
+    assert table.schema.field("latency_ms").metadata[b"units"] == b"ms" and table.schema.metadata[b"title"]
+    group = parquet.ParquetFile(made / "ratings.parquet").metadata.row_group(0)
+    assert {group.column(k).compression for k in range(group.num_columns)} == {"UNCOMPRESSED"}
+    subs = {row["participant"].encode() for row in comma}
+    assert all(sub in (made / "ratings.parquet").read_bytes() for sub in subs)
 
 
-def test_rates_tell_how_uneven_samples_are(tmp_path):
-    track = write_trace(tmp_path / "a.csv", 1, samples=400)
-    steps = np.diff(track.time_ns)
+def test_rates_tell_how_uneven_samples_are():
+    steps = np.random.default_rng(1).integers(10_500_000, 11_700_000, 399)
+    track = PoseTrack(np.concatenate([[0], np.cumsum(steps)]), np.zeros((400, 3)), np.tile([0.0, 0, 0, 1], (400, 1)))
     rates = Rates.of(track)
-    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps)) and rates.effective_hz == pytest.approx(
-        399e9 / steps.sum()
-    )
+    assert rates.nominal_hz == pytest.approx(1e9 / np.median(steps))
+    assert rates.effective_hz == pytest.approx(399e9 / steps.sum())
     # Steps are even between 10.5 and 11.7 ms: one tenth of that range lies more than 0.555 ms from
     # its middle, half of it on either side.
     assert 0.02 < rates.uneven < 0.15
@@ -102,28 +107,14 @@ def test_rates_tell_how_uneven_samples_are(tmp_path):
     assert motion_text(even).splitlines()[1].startswith("0.011111\t")
 
 
-def test_no_date_and_no_code_is_in_any_byte(tree):
-    """The tests' clock says 2031-07-23, 16:41; so do the traces' headers."""
-    for path in tree.parent.rglob("*"):
-        data = path.read_bytes() if path.is_file() else b""
-        for word in (
-            b"2031-0", b"16:41", b"16:42", b"Alpha-1", b"Beta-2", b"Gamma-3", b"Pilot-4", b"secret-of",
-            b"Recorder of",
-        ):  # fmt: skip
-            assert word not in data and word.decode() not in path.name, (
-                path.name,
-                word,
-                data[max(0, data.find(word) - 40) :][:80],
-            )
-
-
 HEADSET = {"runtime": "Monado", "runtime_version": "25.0.0", "headset": "Index"}
+REPLAYED = "head trace, replayed"
 LED = [  # facts of a session; label, name, model
     ({"source": "desktop", "headset": "rift-dk1"}, ("mouse", "mouse and keyboard of a desktop window", "")),
-    ({"source": "desktop", "headset": "rift-dk1", "trace": "secret.csv"}, ("trace", "head trace, replayed", "")),
+    ({"source": "desktop", "headset": "rift-dk1", "trace": "secret.csv"}, ("trace", REPLAYED, "")),
     (
         {"source": "offscreen", "trace": "secret.csv", "trace_axes": "unity (..), assumed"},
-        ("trace", "head trace, replayed; its axes: unity (..), assumed", ""),
+        ("trace", f"{REPLAYED}; its axes: unity (..), assumed", ""),
     ),
     (
         {"source": "openxr", "headset": "Index", "display": HEADSET},
@@ -133,74 +124,96 @@ LED = [  # facts of a session; label, name, model
 ]
 
 
-@pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[1][:22] for _, wanted in LED])
+@together("facts, wanted", LED)
 def test_the_tracking_system_is_named_not_the_emulated_headset(facts, wanted):
     assert attrs.astuple(TrackingSystem.of(facts)) == wanted
 
 
-def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, design):
-    """Begun with a mouse and resumed in a headset: each trial's own."""
-    with Store(tmp_path / "data", create=True, clock=day()) as store:
-        session = store.begin(design, None, "P1", PERSON, facts={"source": "desktop", "headset": "rift-dk1"})
-        steps = [step for step in steps_of(design, session.order, session.part) if isinstance(step, Show)]
-        for step in steps[:2]:
-            if step is steps[1]:
-                store.end(session, "interrupted")
-                store.resume("P1", facts={"source": "openxr", "display": HEADSET})
-            showing = store.begin_showing(session, step, {})
-            write_trace(store.traces / showing.trace, step.trial)
-            store.end_showing(session, showing, {}, complete=True)
-        contents = store.contents()
-    tree = export(contents, design, tmp_path / "out").folder / "bids"
-    sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
-    assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[3][1][1]]
-    assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
+def test_a_session_resumed_elsewhere_names_what_led_the_head_then(store, design, tmp_path):
+    """Interrupted at a mouse, resumed in a headset: the further trial's own."""
+    cut = next(session for session in store.contents().sessions if session.status == "interrupted")
+    code = next(session.code for session in store.contents().sessions if session.id == cut.id)
+    session = store.resume(code, facts={"source": "openxr", "display": HEADSET})
+    last = [showing for showing in store.contents().showings if showing.session == cut.id][-1]
+    from hmdwarp.study.design import Show, steps_of
+
+    step = [step for step in steps_of(design, session.order, session.part) if isinstance(step, Show)][-1]
+    showing = store.begin_showing(session, step, {})
+    (store.traces / showing.trace).write_bytes((store.traces / last.trace).read_bytes())
+    store.end_showing(session, showing, {}, complete=True)
+    tree = export(store.contents(), design, tmp_path / "out").folder / f"bids/sub-{cut.sub}"
+    sides = [json.loads(path.read_text("utf-8")) for path in sorted(tree.rglob("*_motion.json"))]
+    named = {side["TrackingSystemName"] for side in sides}
+    assert len(named) == 2 and LED[3][1][1] in named
+    assert {side["ManufacturersModelName"] for side in sides} == {"n/a", "Index"}
 
 
-def test_what_was_done_in_a_trial_is_events_of_its_recording(store, design, tmp_path):
-    """By the recording's clock, oldest first; recordings without inputs have no such columns."""
+def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    made = export(store.contents(), design, tmp_path / "out")
+    assert not (made.folder / "ratings.parquet").exists() and (made.folder / "ratings.csv").exists()
+    assert any("pip install '.[study]'" in text for text in made.notes)
+    with pytest.raises(MachineError, match="pyarrow"):
+        export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
+    assert not (tmp_path / "other").exists()
+
+
+def test_people_and_pilots_never_stand_in_one_table(store, design, tmp_path):
+    found = {}
+    mixed = attrs.evolve(store.contents(), sessions=(*store.contents().sessions, *store.contents(pilot=True).sessions))
+    for contents, origin in ((store.contents(pilot=True), PILOT), (store.contents(), PERSON), (mixed, PERSON)):
+        out = export(contents, design, tmp_path / str(len(found)), ExportOptions(origin=origin)).folder
+        found[len(found)] = (out / "ratings.csv").read_text(encoding="utf-8")
+        with (out / "ratings.csv").open(encoding="utf-8", newline="") as file:
+            assert {row["origin"] for row in csv.DictReader(file)} == {origin}
+    assert found[1] == found[2] != found[0]
+
+
+def test_no_byte_of_a_withdrawn_participant_remains_and_the_rest_is_as_before(store, design, tmp_path):
+    """A forced export removes older versions' files too, which wrote more."""
+    session = next(session for session in store.contents().sessions if session.code == "P5")
+    mark, out = session.sub.encode(), tmp_path / "out"
+    before = files(export(store.contents(), design, out).folder)
+    assert mark in b"".join(before.values())
+    (out / "sessions").mkdir()
+    for name in ("ratings.tsv", "ratings_short.csv", f"sessions/{session.sub}_ses-01.csv", "remarks.csv"):
+        (out / name).write_text(session.sub, encoding="utf-8")
+    store.withdraw("P5")
+    after = files(export(store.contents(), design, out, ExportOptions(force=True)).folder)
+    assert not [name for name, data in after.items() if mark in name.encode() + data]
+    # But for the count, nothing tells that there was anybody: the rest is as it was.
+    assert set(after) == {name for name in before if session.sub not in name}
+    tables = {"bids/participants.tsv", "ratings.csv"}
+    changed = {name for name in after if after[name] != before[name]}
+    assert changed <= tables | {"README", "bids/README", "bids/participants.json", "ratings.parquet"}
+    for name in tables:
+        kept = [line for line in before[name].splitlines() if mark not in line]
+        assert after[name].splitlines() == kept
+    assert b'"Count": 1' in after["bids/participants.json"]
+
+
+def test_another_plan_is_refused(store, design, tmp_path):
     contents = store.contents()
-    first, *others = [showing for showing in contents.showings if showing.trial == 1]
-    start_ns = int((store.traces / first.trace).read_text("utf-8").split("time_ns")[1].split("\n")[1].split(",")[0])
-    done = [
-        InputEvent(start_ns + 300_000_000, "release", "ball", (0.5, 1.25, -1.0), (0.0, -0.5, -2.0)),
-        InputEvent(start_ns + 12_345_678, "grab", "ball", (0.25, 1.5, -0.0), (0.0, 0.0, -1.0)),
-    ]
-    inputs_beside(store.traces / first.trace).write_text(INPUTS_HEADER + "".join(each.row for each in done))
-    inputs_beside(store.traces / others[0].trace).write_text(INPUTS_HEADER + "soon,push,ball,0,0,0,0,0,-1\n")
-    made = export(contents, design, tmp_path / "out")
-    (left_out,) = [text for text in made.notes if text.startswith("left out: ")]
-    assert others[0].trace in left_out and "line 2: 'soon," in left_out
-    tables = {path: table(path) for path in made.folder.rglob("motion/*_events.tsv")}
-    ((path, (trial, *rows)),) = [(path, rows) for path, rows in tables.items() if "action" in rows[0]]
-    assert {name for name, value in trial.items() if value == "n/a"} == {"action", "target", *"xyz", "dx", "dy", "dz"}
-    assert [(row["onset"], row["duration"], row["action"], row["target"]) for row in rows] == [
-        ("0.012346", "0", "grab", "ball"),
-        ("0.3", "0", "release", "ball"),
-    ]
-    numbers = [[float(row[name]) for name in ("x", "y", "z", "dx", "dy", "dz")] for row in rows]
-    assert numbers == [[0.25, 1.5, 0, 0, 0, -1], [0.5, 1.25, -1, 0, -0.5, -2]]
-    side = loaded(path.with_suffix(".json"))
-    assert all("Description" in side[name] for name in rows[0]) and side["x"]["Units"] == "m"
-    assert set(side["action"]["Levels"]) == {"push", "switch", "grab", "release"}
-    test_every_column_of_every_table_is_in_its_sidecar(made.folder / "bids")
+    other = design_from_text(TEXT.replace('"warped"', '"renamed"'), "late.toml")
+    with pytest.raises(InputError, match="this plan lacks"):
+        export(contents, other, tmp_path / "out")
+    old = attrs.evolve(contents.sessions[0], plan=f"{TEXT}\n[gone]\ncount = 3\n", facts={"hmdwarp": "0.2.0"})
+    with pytest.raises(InputError, match=r"unknown key .*gone.*export it with hmdwarp 0\.2\.0, which ran it"):
+        export(attrs.evolve(contents, sessions=(old, *contents.sessions[1:])), design, tmp_path / "out")
+    (tmp_path / "old.toml").write_text(old.plan, encoding="utf-8")
+    with pytest.raises(InputError, match=r"old\.toml:.*gone.*hmdwarp 0\.2 ran with this plan"):
+        load_design(str(tmp_path / "old.toml"), checked=False)
+    assert not (tmp_path / "out").exists()
 
 
-def test_without_motion_the_rest_is_the_same(store, design, tmp_path):
-    whole = export(store.contents(), design, tmp_path / "whole").folder
-    made = export(store.contents(), design, tmp_path / "out", ExportOptions(motion=False))
-    assert not [*made.folder.rglob("*motion*")] and "without head motion" in made.notes[-1]
-    for path in sorted(made.folder.rglob("*_beh.*")) + [made.folder / "ratings.csv"]:
-        assert path.read_bytes() == (whole / path.relative_to(made.folder)).read_bytes()
-    scans = [row for path in made.folder.rglob("*_scans.tsv") for row in table(path)]
-    assert scans and all(row["filename"].startswith("beh/") for row in scans)
-
-
-def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):
-    contents = store.contents()
-    showings = [showing for showing in contents.showings if showing.trial == 1]
-    (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")
-    (store.traces / showings[1].trace).unlink()
-    made = export(contents, design, tmp_path / "out")
-    assert len([text for text in made.notes if text.startswith("left out: ")]) == 2
-    assert len(list(made.folder.rglob("*_motion.tsv"))) == 11 - 2
+def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(store, design, tmp_path):
+    before = files(export(store.contents(), design, tmp_path / "before").folder)
+    text = TEXT.replace("latency = 400", "latency = 700").replace('"grade"', '"acr"').replace('"vrsq"', '"ssq"')
+    made = export(store.contents(), design_from_text(text, "late.toml"), tmp_path / "after")
+    after = files(made.folder)
+    for name in before:
+        assert before[name] == after[name] or not name.endswith(("ratings.csv", "_beh.tsv")), name
+    told = json.loads(after["columns.json"])
+    assert told["scale"]["Levels"]["grade"].startswith("School grade")
+    assert "changed after" in " ".join(made.notes)

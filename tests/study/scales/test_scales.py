@@ -4,7 +4,6 @@ papers say.
 
 from __future__ import annotations
 
-from itertools import product
 from pathlib import Path
 
 import attrs
@@ -30,20 +29,18 @@ from hmdwarp.study.scales import (
     scored,
 )
 
-from ..refusals import check_refused, table
-
 SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
+SHIPPED = "acr comments dcr demographics fms grade ipq misc nasa_tlx preference preference_or_tie slider ssq vrsq"
+
+
 def test_shipped_scales_are_complete():
-    assert scale_names() == [
-        "acr", "comments", "dcr", "demographics", "fms", "grade", "ipq", "misc", "nasa_tlx", "preference",
-        "preference_or_tie", "slider", "ssq", "vrsq",
-    ]  # fmt: skip
+    assert scale_names() == SHIPPED.split()
 
 
-@pytest.mark.parametrize("name", [name for name in scale_names() if load_scale(name).has_answers])
+@together("name", [name for name in scale_names() if load_scale(name).has_answers])
 def test_a_shipped_scale_is_whole(name):
     scale = load_scale(name)
     assert scale.name == name and scale.kind in KINDS and len(scale.source) > 20
@@ -54,7 +51,7 @@ def test_a_shipped_scale_is_whole(name):
     assert scale.badness(best) == 0 and scale.badness(worst) == scale.most - scale.least
 
 
-@pytest.mark.parametrize("name", [name for name in scale_names() if not load_scale(name).has_answers])
+@together("name", [name for name in scale_names() if not load_scale(name).has_answers])
 def test_a_questionnaire_whose_questions_have_their_own_answers(name):
     scale = load_scale(name)
     assert scale.kind in (QUESTIONNAIRE, PREFERENCE) and not scale.scores and not scale.anchors and not scale.direction
@@ -68,39 +65,36 @@ def test_a_questionnaire_whose_questions_have_their_own_answers(name):
             scored(scale, {item.key: own.most + 1})
 
 
-def test_directions_and_ranges_as_published():
-    """ACR: ITU-T P.910, 5 is excellent.
+PUBLISHED = [
+    ("grade", 1, 6, 0.25, True, "rating", {1: "very good", 6: "insufficient"}),
+    ("acr", 1, 5, 1, False, "rating", {5: "excellent"}),  # ITU-T P.910
+    ("dcr", 1, 5, 1, False, "rating", {5: "imperceptible"}),  # P.910 as well
+    ("fms", 0, 20, 1, True, "sickness", {}),  # Keshavarz 2011
+    ("misc", 0, 10, 1, True, "sickness", {}),  # Bos 2005
+]
 
-    FMS: Keshavarz 2011, 0 to 20. MISC: Bos 2005, 0 to 10. Grades: 1 is very good.
-    """
-    grade, acr, fms, misc = map(load_scale, ("grade", "acr", "fms", "misc"))
-    assert (grade.least, grade.most, grade.step, grade.low_is_good) == (1, 6, 0.25, True)
-    assert grade.anchors[1] == "very good" and grade.anchors[6] == "insufficient"
-    assert (acr.least, acr.most, acr.step, acr.low_is_good) == (1, 5, 1, False) and acr.anchors[5] == "excellent"
-    dcr = load_scale("dcr")  # P.910 as well: 5 is imperceptible
-    assert (dcr.least, dcr.most, dcr.step, dcr.low_is_good) == (1, 5, 1, False) and dcr.anchors[5] == "imperceptible"
-    assert [name for name in scale_names() if load_scale(name).beside_reference] == ["dcr"]
-    assert (fms.least, fms.most, fms.low_is_good, fms.kind) == (0, 20, True, "sickness")
-    assert (misc.least, misc.most, misc.low_is_good, misc.kind) == (0, 10, True, "sickness") and len(misc.anchors) == 11
+
+@together("name, least, most, step, low_is_good, kind, words", PUBLISHED)
+def test_directions_and_ranges_as_published(name, least, most, step, low_is_good, kind, words):
+    scale = load_scale(name)
+    found = (scale.least, scale.most, scale.step, scale.low_is_good, scale.kind)
+    assert found == (least, most, step, low_is_good, kind)
+    assert words.items() <= scale.anchors.items()
+    assert scale.beside_reference == (name == "dcr")
+    assert name != "misc" or len(scale.anchors) == 11
 
 
 # --- scores -------------------------------------------------------------------------------------
 
 
-def test_the_most_an_ssq_can_come_to():
-    """Kennedy and others 1993.
-
-    All 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x 3.74).
+def test_the_most_that_questionnaires_can_come_to():
+    """Kennedy and others 1993: all 16 items at 3 give these (21 x 9.54, 21 x 7.58, 21 x 13.92, 63 x
+    3.74). Kim and others 2018: per cent of the most.
     """
-    wanted = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
-    assert score_ranges(load_scale("ssq"))[1] == pytest.approx(wanted)
-
-
-def test_the_most_a_vrsq_can_come_to():
-    """Kim and others 2018: per cent of the most."""
-    assert score_ranges(load_scale("vrsq"))[1] == pytest.approx(
-        {"oculomotor": 100, "disorientation": 100, "total": 100}, abs=1e-12
-    )
+    ssq = {"nausea": 200.34, "oculomotor": 159.18, "disorientation": 292.32, "total": 235.62}
+    assert score_ranges(load_scale("ssq"))[1] == pytest.approx(ssq)
+    vrsq = dict.fromkeys(("oculomotor", "disorientation", "total"), 100)
+    assert score_ranges(load_scale("vrsq"))[1] == pytest.approx(vrsq, abs=1e-12)
 
 
 def test_a_reversed_item_counts_most_for_the_lowest_answer():
@@ -135,17 +129,6 @@ def test_an_ipq_against_the_published_table(answers):
         for short, name in IPQ_NAMES.items()
     }
     assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
-
-
-def test_full_presence_gives_the_most_of_every_score():
-    """The end of each item that means presence, by its words."""
-    scale = load_scale("ipq")
-    lowest = {"pictures", "attention", "real"}
-    answers = {item.key: 0.0 if item.key in lowest else 6.0 for item in scale.items}
-    words = {item.key: scale.of(item).anchors[answers[item.key]] for item in scale.items}
-    assert words["real"] == "completely real" and words["not_present"] == "felt present"
-    assert words["aware"] == "not aware at all" and words["pictures"] == "fully disagree"
-    assert scored(scale, answers) == pytest.approx(dict.fromkeys(IPQ_NAMES.values(), 6))
 
 
 def test_items_with_words_of_their_own(tmp_path):
@@ -214,62 +197,16 @@ def load_text(folder: Path, text: str | bytes) -> Scale:
     return load_scale(str(path))
 
 
-def test_one_s_own_file(tmp_path):
+def test_one_s_own_file_unknown_names_and_absent_files(tmp_path):
     assert load_text(tmp_path, GRADE).name == "mine"
-
-
-def test_unknown_names_and_absent_files(tmp_path):
-    with pytest.raises(UnknownNameError, match="unknown scale 'grades': did you mean 'grade'"):
-        load_scale("grades")
-    with pytest.raises(InputError, match=r"none\.toml: no such file: expected a \.toml file"):
-        load_scale(str(tmp_path / "none.toml"))
     (tmp_path / "folder.toml").mkdir()
-    with pytest.raises(InputError, match="is a directory"):
-        load_scale(str(tmp_path / "folder.toml"))
-
-
-WRONG_GRADES = r"""
-least = 1 -> least = 6 => answer.most is 6: expected more than answer.least, 6 @ most = 6
-least = 1 -> leest = 1 => the key answer.least is missing
-step = 0.25 -> step = 0.3 => answer.step is 0.3: expected one that divides 1 to 6 into equal steps
-step = 0.25 -> step = 7 => answer.step is 7: expected one that divides
-step = 0.25 -> step = 0 => answer.step is 0: expected a number above 0
-step = 0.25 -> step = 1e-9 => answer.step is 1e-09: expected one that makes at most 10000 steps
-most = 6 -> most = inf => answer.most is inf: expected a finite number
-low_is_good = true -> low_is_good = "yes" => answer.low_is_good is 'yes': expected true or false
-6 = "insufficient" ->  => answer.anchors has no word for 6 @ [answer.anchors]
-6 = "insufficient" -> 7 = "worse" => answer.anchors.7 is no answer: expected a number from 1 to 6
-2 = "good" -> two = "good" => answer.anchors.two is no answer
-2 = "good" -> 2 = "good"⏎»"2.0" = "fine" => says a second time what this answer means
-2 = "good" -> 2 = "" => answer.anchors.2 is '': expected a text
-2 = "good" -> 2 = "a\nb" => expected a text of one line
-kind = "rating" -> kind = "slider" => kind is 'slider': expected rating, sickness, questionnaire or preference
-[[item]] -> [item] => expected tables, each beginning with [[item]]
-[[item]] -> [[items]] => item comes 0 times: expected 1 to 500 questions @ # School
-key = "grade" -> key = "the grade" => item.key is 'the grade': expected a word
-title = "School grade" -> titel = "School grade" => the key title is missing
-title = "School grade" -> title = "School grade"⏎»foo = 1 => unknown key foo: known are
-step = 0.25 -> step = 0.25⏎»steps = 1 => unknown key answer.steps: did you mean answer.step?
-step = 0.25 -> step =  => this is no TOML
-[[item]] -> [[score]]⏎name = "x"⏎[[item]] => score is for questionnaires: a rating is its own score
-"""
-WRONG_SSQ = r"""
-key = "fatigue" -> key = "headache" => item.key is 'headache' a second time @ key = "headache"⏎text = "H
-[1, 6, 7, 8, 9, 15, 16] -> [1, 17] => score.items is [1, 17]: expected numbers of questions, from 1 to 16
-[1, 6, 7, 8, 9, 15, 16] -> [1, 1] => score.items is [1, 1]
-[1, 6, 7, 8, 9, 15, 16] -> [1.5] => score.items is [1.5]
-[1, 6, 7, 8, 9, 15, 16] -> [] => score.items is []
-name = "oculomotor" -> name = "nausea" => score.name is 'nausea': expected a word of letters, digits and _ that no other
-of = ["nausea",  -> of = ["nausia",  => score.of names 'nausia': expected scores that stand above this one (nausea, ocu
-of = ["nausea", "oculomotor", "disorientation"] ->
-    => 'total': expected either items, numbers of questions from 1 on, or of @ [[score]]⏎name = "total"
-weight = 3.74 -> weight = 3.74⏎»of_what = 3 => score.of_what is 3: expected sums or scores
-"""
-
-
-@together("text, entry", [*product([GRADE], table(WRONG_GRADES)), *product([SSQ], table(WRONG_SSQ))])
-def test_a_bad_value_is_named_with_its_line(tmp_path, text, entry):
-    check_refused(entry, text, lambda wrong: load_text(tmp_path, wrong), tmp_path / "mine.toml")
+    for name, says in (
+        ("grades", "unknown scale 'grades': did you mean 'grade'"),
+        (str(tmp_path / "none.toml"), r"none\.toml: no such file: expected a \.toml file"),
+        (str(tmp_path / "folder.toml"), "is a directory"),
+    ):
+        with pytest.raises((UnknownNameError, InputError), match=says):
+            load_scale(name)
 
 
 @settings(max_examples=150)

@@ -8,73 +8,34 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import attrs
+import numpy as np
+from PIL import Image
 from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
-from hmdwarp.study.console.line_console import ConsoleState
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.line_console import ConsoleState
 from hmdwarp.study.session import program
 from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Contents, Session, Store
 
+from ..plans import text_of
+
+RED, BLUE = (220, 40, 40), (30, 60, 200)
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
-TEXT = """
-schema = 1
-name = "small"
-title = "Is it better?"
-seed = 5
-{more}
-[common]
-scene = "planes"
-samples = 1
-size = "96x120"
-reconnect = 0.05
-gc_between = false
-[trial]
-seconds = 0.1
-scales = ["grade"]
-[[condition]]
-name = "plainly-late"
-latency = 130
-warp = "none"
-fill = "none"
-[[condition]]
-name = "spun-about"
-latency = 170
-warp = "rotation"
-fill = "none"
-"""
-WHOLE = """
-blind = "{blind}"
-[consent]
-version = "1"
-text = "You will see pictures."
-[practice]
-seconds = 0.1
-[breaks]
-every = 1
-seconds = 0.2
-[sickness]
-scale = "fms"
-stop_at = 15
-[questionnaires]
-before = ["fms"]
-after = ["acr"]
-"""
+TEXT, MORE = text_of("small"), text_of("small-more")
 
 
 def study(folder: Path, more: str = "") -> Path:
     """A study's file."""
     path = folder / "small.toml"
-    path.write_text(TEXT.format(more=more), encoding="utf-8")
+    path.write_text(TEXT.replace("[common]", f"{more}\n[common]"), encoding="utf-8")
     return path
 
 
-def whole(folder: Path, blind: str = "both") -> Path:
+def whole(folder: Path) -> Path:
     """One with everything in it that may come between trials."""
-    return study(
-        folder, WHOLE.format(blind=blind).replace('[questionnaires]\nbefore = ["fms"]\n', "[questionnaires]\n")
-    )
+    return study(folder, MORE)
 
 
 def press(panel: MessagePanel, name: str) -> Command:
@@ -91,10 +52,9 @@ Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the panels and goes through the session as it is asked to.
-
-    grade: answered to every question. own: what is done instead, asked first with each panel; None
-    from it for nothing of one's own.
+    """Reads the panels and goes through the session as it is asked to. grade: answered to every
+    question. own: what is done instead, asked first with each panel; None from it for nothing of
+    one's own.
     """
 
     def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
@@ -124,10 +84,9 @@ class Person:
 
 
 class SeatedDisplay(OffscreenDisplay):
-    """A display with somebody before it.
-
-    events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
-    from 1), what happens right before the next: an exception is raised, anything else called.
+    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's;
+    at: by the n-th picture shown (counted from 1), what happens right before the next: an exception
+    is raised, anything else called.
     """
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
@@ -211,10 +170,8 @@ def run(
     at=None,
     **options,
 ) -> Ran:
-    """One run of the program.
-
-    at: of SeatedDisplay. options: of SessionOptions, participant P1 and a desktop where nothing
-    else is said; back_after: of the display.
+    """One run of the program. at: of SeatedDisplay. options: of SessionOptions, participant P1 and
+    a desktop where nothing else is said; back_after: of the display.
     """
     back_after = options.pop("back_after", 0)
     ran = Ran(SeatedDisplay(gpu, person or Person(), at, back_after=back_after), console or ScriptedConsole(), [])
@@ -246,3 +203,10 @@ def closing() -> Closed:
 def losing() -> Lost:
     """The headset goes."""
     return Lost("the headset went away")
+
+
+def picture(path: Path, size: tuple[int, int] = (900, 600)) -> None:
+    """Red on the left, blue on the right."""
+    half = np.zeros((size[1], size[0], 3), np.uint8)
+    half[:, : size[0] // 2], half[:, size[0] // 2 :] = RED, BLUE
+    Image.fromarray(half).save(path)

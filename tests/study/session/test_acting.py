@@ -19,21 +19,40 @@ from hmdwarp.study.measure import run_options
 from . import sessions
 from .sessions import Person, SeatedDisplay, contents, run, study
 
+UNTIL_DONE = 'seconds = "until done"\nlongest = 3'
+CHANGES = [('"96x120"', '"48x40"'), ("= 130", "= 20"), ("= 170", "= 30"), ('"rotation"', '"none"')]
+MORE = 'lens = "none"\npredict = "none"\nguard = 1.0\nclient_motion = "held"'
+# By the number of the picture: with keys or a mouse, and with a controller whose trigger acts and
+# confirms at once, in a hand that points at a thing, or aside.
+BY_KEYS = {3: ["push"], 9: ["grab"], 20: ["grab"]}
+BY_HAND = {
+    3: ["confirm", ("push", True, "at")],
+    6: ["confirm", ("grab", True, "at")],
+    8: [("grab", MOVED, "aside")],
+    9: [("grab", False, "aside")],
+    14: [("grab", MOVED, "aside"), "confirm"],
+}
+
 
 class Acting(Person):
-    """In the first trials: pushes at the 3rd picture, grabs at the 9th, lets go at the 20th."""
+    """Acts in so many trials. thing: what a hand points at."""
 
-    ACTS = {3: "push", 9: "grab", 20: "grab"}
-
-    def __init__(self, trials: int) -> None:
+    def __init__(self, acts: dict[int, list], trials: int = 2, thing: str = "ball") -> None:
         super().__init__()
-        self._trials, self._pictures = trials, 0
+        self._acts, self._trials, self._pictures = acts, trials, 0
+        eye = np.array((0.2, 1.4, -0.3))
+        way = load_scene("playroom").inputs.things[thing].handle(0) - eye
+        turn = Rotation.align_vectors([way / np.linalg.norm(way)], [[0, 0, -1]])[0].as_quat()
+        self._hands = {name: Pose(eye + (aside, 0, 0), turn) for name, aside in (("at", 0), ("aside", 0.1))}
 
     def looks(self, panel):
         if panel == "":
             self._pictures += 1
-            at = self.ACTS.get(self._pictures, "") if self._trials > 0 else ""
-            return (Command(at),) if at else ()
+            acts = self._acts.get(self._pictures, ()) if self._trials > 0 else ()
+            return [
+                Command(act) if isinstance(act, str) else Command(act[0], act[1], hand=self._hands[act[2]])
+                for act in acts
+            ]
         self._trials -= self._pictures > 0
         self._pictures = 0
         return super().looks(panel)
@@ -53,36 +72,44 @@ class Watched(SeatedDisplay):
         return super().show(refresh, label)
 
 
-def in_the_playroom(folder, scene="playroom"):
-    """Two trials, 20 and 30 ms late, whose client knows no more than has arrived."""
-    path, more = study(folder), 'lens = "none"\npredict = "none"\nguard = 1.0\nclient_motion = "held"\n'
-    text = path.read_text(encoding="utf-8").replace('scene = "planes"\n', f'scene = "{scene}"\n{more}')
-    text = text.replace('"96x120"', '"48x40"').replace("seconds = 0.1", "seconds = 0.3")
-    text = text.replace("latency = 130", "latency = 20").replace("latency = 170", "latency = 30")
-    path.write_text(text.replace('"rotation"', '"none"'), encoding="utf-8")
-    return path
+@pytest.fixture
+def acted(monkeypatch, gpu, tmp_path):
+    """Runs two trials, 20 and 30 ms late, whose client knows no more than has arrived."""
+
+    def act(person: Person, scene: str = "playroom", seconds: str = "seconds = 0.3"):
+        monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
+        path = study(tmp_path)
+        text = path.read_text(encoding="utf-8")
+        for found, put in [*CHANGES, ('"planes"', f'"{scene}"\n{MORE}'), ("seconds = 0.1", seconds)]:
+            text = text.replace(found, put)
+        path.write_text(text, encoding="utf-8")
+        ran = run(monkeypatch, gpu, path, person=person)
+        assert ran.error is None and ran.session.status == "complete", ran.error
+        return ran, contents(path)
+
+    return act
 
 
-def test_what_participants_do_in_a_trial_is_kept_and_repeats_it_bit_for_bit(monkeypatch, gpu, tmp_path):
+def done_in(stored, showing) -> list:
+    return read_inputs(inputs_beside(stored.folder / "traces" / showing.trace))
+
+
+def test_what_participants_do_in_a_trial_is_kept_and_repeats_it_bit_for_bit(acted):
     """In the second trial they do nothing, and nobody had been there before."""
-    monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
-    path = in_the_playroom(tmp_path)
-    ran = run(monkeypatch, gpu, path, person=Acting(1))
-    assert ran.session.status == "complete", ran.error
-    found = contents(path)
-    first, second = found.showings
-    traces = found.folder / "traces"
-    done = [event.action for event in read_inputs(inputs_beside(traces / first.trace))]
+    ran, stored = acted(Acting(BY_KEYS, trials=1))
+    first, second = stored.showings
+    done = [event.action for event in done_in(stored, first)]
     assert [what for number, what in enumerate(done) if what not in done[:number]] == ["push", "grab", "release"]
     assert first.actual["inputs"] == 3 and second.actual["inputs"] == 0
     # Drawn within a refresh of 10 ms, and shown the latency later.
     late_ms = first.settings["latency"]
     assert late_ms <= first.actual["input_response_ms_mean"] <= first.actual["input_response_ms_p95"] <= late_ms + 10
-    assert second.actual["input_response_ms_mean"] is None and not inputs_beside(traces / second.trace).exists()
+    assert second.actual["input_response_ms_mean"] is None
+    assert not inputs_beside(stored.folder / "traces" / second.trace).exists()
     for showing in (first, second):
         again = {}
         each_refresh(
-            run_options(showing, ran.session, traces, MeasureOptions(workers=0)),
+            run_options(showing, ran.session, stored.folder / "traces", MeasureOptions(workers=0)),
             lambda setup, number, refresh, again=again: again.update(
                 {refresh.shown_ns + setup.trace.track.epoch_ns: download(refresh.eyes[0].shown.texture)}
             ),
@@ -98,60 +125,26 @@ def test_what_participants_do_in_a_trial_is_kept_and_repeats_it_bit_for_bit(monk
     assert panels and all("Z or left mouse button: push" in hint for hint in panels)
 
 
-class ByHand(Person):
-    """A controller whose trigger acts and confirms at once: pushes, moves a ball, presses A."""
-
-    def __init__(self, thing: str) -> None:
-        super().__init__()
-        eye = np.array((0.2, 1.4, -0.3))
-        way = load_scene("playroom").inputs.things[thing].handle(0) - eye
-        turn = Rotation.align_vectors([way / np.linalg.norm(way)], [[0, 0, -1]])[0].as_quat()
-        self._hand, self._aside = (Pose(eye + (aside, 0, 0), turn) for aside in (0, 0.1))
-        self._pictures = 0
-
-    def looks(self, panel):
-        if panel != "":
-            self._pictures = 0
-            return super().looks(panel)
-        self._pictures += 1
-        return {
-            3: (Command("confirm"), Command("push", hand=self._hand)),
-            6: (Command("confirm"), Command("grab", True, hand=self._hand)),
-            8: (Command("grab", MOVED, hand=self._aside),),
-            9: (Command("grab", False, hand=self._aside),),
-            14: (Command("grab", MOVED, hand=self._aside), Command("confirm")),
-        }.get(self._pictures, ())
-
-
 @pytest.mark.parametrize(("thing", "does"), [("ball", ["push", "grab", "grab", "release"]), ("lamp", ["push"])])
-def test_by_controllers_people_act_in_a_trial_and_end_it_by_another_button(monkeypatch, gpu, tmp_path, thing, does):
+def test_by_controllers_people_act_in_a_trial_and_end_it_by_another_button(acted, thing, does):
     """A lamp takes a push too; nothing that acts confirms."""
-    monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
-    path = in_the_playroom(tmp_path)
-    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
-    path.write_text(text, encoding="utf-8")
-    ran = run(monkeypatch, gpu, path, person=ByHand(thing))
-    assert ran.session.status == "complete", ran.error
-    for showing in contents(path).showings:
-        done = read_inputs(inputs_beside(contents(path).folder / "traces" / showing.trace))
+    _, stored = acted(Acting(BY_HAND, thing=thing), seconds=UNTIL_DONE)
+    for showing in stored.showings:
+        done = done_in(stored, showing)
         assert [event.action for event in done] == does
         assert {event.target for event in done} == {thing}
         assert showing.actual["ended_by"] == "participant" and showing.actual["pictures"] >= 14
 
 
-def test_where_nothing_reacts_a_trigger_confirms_and_nothing_is_said(monkeypatch, gpu, tmp_path):
-    path = in_the_playroom(tmp_path, "planes")
-    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
-    path.write_text(text, encoding="utf-8")
-    ran = run(monkeypatch, gpu, path, person=ByHand("ball"))
-    assert [showing.actual["ended_by"] for showing in contents(path).showings] == ["participant"] * 2
+def test_where_nothing_reacts_a_trigger_confirms_and_nothing_is_said(acted):
+    ran, stored = acted(Acting(BY_HAND), "planes", UNTIL_DONE)
+    assert [showing.actual["ended_by"] for showing in stored.showings] == ["participant"] * 2
     assert not any("does not react" in line for line in ran.console.said)
-    assert all(showing.actual["pictures"] < 6 for showing in contents(path).showings)
+    assert all(showing.actual["pictures"] < 6 for showing in stored.showings)
 
 
-def test_the_console_says_once_that_a_scene_does_not_react(monkeypatch, gpu, tmp_path):
-    monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
-    ran = run(monkeypatch, gpu, in_the_playroom(tmp_path, "planes"), person=Acting(2))
+def test_the_console_says_once_a_trial_that_a_scene_does_not_react(acted):
+    ran, stored = acted(Acting(BY_KEYS), "planes")
     assert sum("does not react to what people do" in line for line in ran.console.said) == 2
-    assert [showing.actual["inputs"] for showing in contents(tmp_path / "small.toml").showings] == [0, 0]
+    assert [showing.actual["inputs"] for showing in stored.showings] == [0, 0]
     assert not any("push" in getattr(panel, "hint", "") for panel in ran.display.panels)

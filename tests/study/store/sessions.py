@@ -13,36 +13,10 @@ from pathlib import Path
 from hmdwarp.study.design import Ask, Design, Show, Step, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, Session, Showing, Store
 
+from ..plans import text_of
+
 ROOT = Path(__file__).resolve().parents[3]
-TEXT = """schema = 1
-name = "late"
-title = "How late is too late?"
-seed = 5
-[trial]
-seconds = 2
-scales = ["grade"]
-[practice]
-seconds = 1
-[consent]
-version = "1"
-text = "You may stop at any time."
-[breaks]
-every = 2
-seconds = 1
-[sickness]
-scale = "fms"
-every = 1
-stop_at = 15
-[[part]]
-name = "one"
-condition = [
-  { name = "a", latency = 0 }, { name = "b", latency = 200 },
-  { name = "c", latency = 400 }, { name = "d", latency = 800 },
-]
-[[part]]
-name = "two"
-condition = [{ name = "a", latency = 0 }, { name = "b", latency = 200 }]
-"""
+TEXT = text_of("late")
 
 
 @functools.cache
@@ -74,11 +48,9 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
 def go_through(
     store: Store, session: Session, value=2.25, trace="", of: Design | None = None, until: int = 99, actual=None
 ) -> None:
-    """Every step of it that is not done, up to this trial.
-
-    value: of every answer, or a function of the step, whose last value counts if there are several.
-    trace: what is written as each head's recording, "" for none, or a function that writes it.
-    actual: a function of the step.
+    """Every step of it that is not done, up to this trial. value: of every answer, or a function of
+    the step, whose last value counts if there are several. trace: what is written as each head's
+    recording, "" for none, or a function that writes it. actual: a function of the step.
     """
     showing: Showing | None = None
     for step in steps(session, of):
@@ -133,7 +105,6 @@ def sql(file: Path, statement: str) -> None:
 
 def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:
     """Another program that runs `code`, with the names of this module, in the project's folder.
-
     before: what it is started by.
     """
     head = "import sys, os, json\nfrom pathlib import Path\nfrom tests.study.store.sessions import *\n"

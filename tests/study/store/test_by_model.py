@@ -18,7 +18,7 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initial
 from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Store
 
-from .sessions import asks, begun, shows
+from .sessions import asks, begun, design, shows
 
 CODES = [f"P{k}" for k in range(6)]
 
@@ -39,9 +39,8 @@ class Told:
 
 
 class StoreByModel(RuleBasedStateMachine):
-    """Sessions of six people and pilots.
-
-    The store is closed and opened, or its program dies, in between.
+    """Sessions of six people and pilots. The store is closed and opened, or its program dies, in
+    between.
     """
 
     running = Bundle("running")
@@ -71,6 +70,11 @@ class StoreByModel(RuleBasedStateMachine):
     def begin(self, code, origin, part, again):
         known = self.of(code)
         refused = code in self.withdrawn or bool(known) != again or any(session.origin != origin for session in known)
+        if refused:
+            with pytest.raises(InputError):
+                self.store.would_begin(design(), part, code, origin, new_session=again)
+        else:
+            self.store.would_begin(design(), part, code, origin, new_session=again)
         try:
             session = begun(self.store, code, part, origin, new_session=again)
         except InputError:
@@ -143,7 +147,9 @@ class StoreByModel(RuleBasedStateMachine):
     def resume(self, code):
         parts = {session.part for session in self.of(code) if session.status == INTERRUPTED}
         try:
+            would = self.store.would_resume(code)
             session = self.store.resume(code)
+            assert would.id == session.id
         except InputError:
             assert len(parts) != 1
             return None
@@ -153,9 +159,8 @@ class StoreByModel(RuleBasedStateMachine):
 
     @rule()
     def reopen(self):
-        """As a program that died: nothing was ended.
-
-        The next that writes finds what still runs interrupted.
+        """As a program that died: nothing was ended. The next that writes finds what still runs
+        interrupted.
         """
         self.store.close()
         self.store = Store(self.folder / "data", create=True)

@@ -13,10 +13,10 @@ import shutil
 import sqlite3
 import stat
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from together import together
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.study.store import COPY, DATABASE, Contents, Store
@@ -98,40 +98,29 @@ def another_program_s(path: Path, chance: random.Random) -> None:
     sql(path, "CREATE TABLE bookmarks (url)")
 
 
+SCHEMAS = [
+    "PRAGMA user_version = 0", "PRAGMA user_version = 9", "PRAGMA application_id = 0", "DROP TABLE event",
+    "ALTER TABLE answer DROP COLUMN seconds", "ALTER TABLE answer RENAME TO replies",
+    "DELETE FROM participant WHERE id = 2", "UPDATE answer SET value = value + 1 WHERE id = 3",
+    "UPDATE event SET data = '[]' WHERE id = 5", "DELETE FROM event WHERE id > 20",
+]  # fmt: skip
+
+
 def another_schema(path: Path, chance: random.Random) -> None:
-    with sqlite3.connect(path) as db:
-        db.execute(
-            chance.choice(
-                (
-                    "PRAGMA user_version = 0", "PRAGMA user_version = 9", "PRAGMA application_id = 0",
-                    "ALTER TABLE answer DROP COLUMN seconds", "ALTER TABLE answer RENAME TO replies",
-                    "DROP TABLE event",
-                    "DELETE FROM participant WHERE id = 2", "UPDATE answer SET value = value + 1 WHERE id = 3",
-                    "UPDATE event SET data = '[]' WHERE id = 5", "DELETE FROM event WHERE id > 20",
-                )
-            )
-        )  # fmt: skip
-    db.close()
+    sql(path, chance.choice(SCHEMAS))
 
 
 def may_not_be_read(path: Path, chance: random.Random) -> None:
     path.chmod(0)  # which stops nobody who is root
 
 
-Damage = Callable[[Path, random.Random], None]
-OF_THE_FILE: tuple[Damage, ...] = (
+OF_THE_FILE = (
     *(flipped, flipped, flipped, overwritten, overwritten, cut, gone, a_folder, another_kind, another_program_s),
     *(another_schema, may_not_be_read),
 )
 # These may change a value, which SQLite does not notice, or put another sound store in place.
 OF_VALUES = ("flipped", "overwritten", "another_schema", "swapped", "log flipped", "log overwritten", "log cut")
-OF_THE_LOG: tuple[Damage, ...] = (flipped, flipped, overwritten, cut, gone, gone, a_folder)
-
-
-def swapped(folder: Path, stores: dict[str, Path], chance: random.Random) -> None:
-    """A file of another store, or of an older copy, in place of one of this."""
-    source, name = chance.choice((("older", DATABASE), ("other", DATABASE), ("older", DATABASE)))
-    shutil.copyfile(stores[source] / name, folder / name)
+OF_THE_LOG = (flipped, flipped, overwritten, cut, gone, gone, a_folder)
 
 
 def one(stores: dict[str, Path], folder: Path, chance: random.Random) -> tuple[str, str]:
@@ -140,7 +129,8 @@ def one(stores: dict[str, Path], folder: Path, chance: random.Random) -> tuple[s
     shutil.copytree(stores[kind], folder)
     way = chance.random()
     if way < 0.1:
-        swapped(folder, stores, chance)
+        other = stores[chance.choice(("older", "other", "older"))]  # another store, or an older copy of this
+        shutil.copyfile(other / DATABASE, folder / DATABASE)
         return kind, "swapped"
     if way < 0.4 and kind == "cut-off":
         damage = chance.choice(OF_THE_LOG)
@@ -244,39 +234,34 @@ def test_a_copy_that_cannot_be_written_costs_no_session_and_leaves_the_one_befor
     assert (tmp_path / "data" / COPY).read_bytes() == before
 
 
+def emptied(file: Path) -> None:
+    """As of a folder whose files were moved away, but for the traces and the copy."""
+    for path in file.parent.glob(f"{DATABASE}*"):
+        path.unlink()
+    (file.parent / "lock").unlink()
+
+
 SPOILT = [  # what is done to the database, what is said of it
     (lambda file: file.write_bytes(b"ratings: 3, 4, 5\n" * 100), "no database"),
     (lambda file: another_program_s(file, random.Random(0)), "not of an hmdwarp study"),
     (lambda file: sql(file, "PRAGMA user_version = 99"), "newer hmdwarp (schema 99; this one knows 1)"),
     (lambda file: os.truncate(file, file.stat().st_size // 2 // 4096 * 4096), "damaged"),
+    (emptied, "there were sessions"),
 ]
 
 
-@pytest.mark.parametrize(("spoil", "why"), SPOILT, ids=[why for _, why in SPOILT])
+@together("spoil, why", SPOILT)
 def test_what_is_no_store_is_told_as_what_it_is(stores, tmp_path, spoil, why):
-    shutil.copytree(stores["closed"], tmp_path / "data")
-    spoil(tmp_path / "data" / DATABASE)
-    with pytest.raises(InputError) as error, Store(tmp_path / "data") as store:
-        store.contents()
-    assert why in str(error.value)
-
-
-def test_the_line_tells_that_there_is_no_copy(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        begun(store, "P1")
-    (tmp_path / "data" / DATABASE).write_bytes(b"no database at all" * 100)
-    with pytest.raises(InputError, match="there is no copy, as no session has ended"):
-        Store(tmp_path / "data")
-
-
-def test_a_store_whose_database_is_gone_is_no_new_study(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        whole(store, "P1")
-    for path in (tmp_path / "data").glob(f"{DATABASE}*"):
-        path.unlink()
-    (tmp_path / "data" / "lock").unlink()
-    with pytest.raises(InputError, match="there were sessions.*the newest copy"), Store(tmp_path / "data", create=True):
-        pass
+    for copy in ("the newest copy, ", "there is no copy, as no session has ended"):
+        shutil.rmtree(tmp_path / "data", ignore_errors=True)
+        shutil.copytree(stores["closed"], tmp_path / "data")
+        if "no copy" in copy:
+            (tmp_path / "data" / COPY).unlink()
+        spoil(tmp_path / "data" / DATABASE)
+        with pytest.raises(InputError) as error, Store(tmp_path / "data", create=True) as store:
+            store.contents()
+        assert why in str(error.value)
+        assert copy in str(error.value) or why not in ("no database", "damaged")
 
 
 def test_who_withdrew_is_not_in_the_copy(stores, tmp_path):

@@ -7,14 +7,16 @@ from __future__ import annotations
 import contextlib
 import signal
 import struct
+import sys
 
 import pytest
+from commands import hmdwarp
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.store import COMPLETE, Store
 
-from .sessions import asks, begun, child, go_through
+from .sessions import TEXT, asks, begun, child, go_through, whole
 
 REMARK = "Zwölf Xylophone quietschen: {}"
 RATING = 3.0625 + 2.0**-30  # a double whose eight bytes are nowhere else by chance
@@ -22,17 +24,15 @@ POSE = "0.7342918{}"
 
 
 def told_of(number: int) -> list[bytes]:
-    """What only participant P<number> left.
-
-    The remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose.
+    """What only participant P<number> left. The remark (in the row, in the event and as JSON), the
+    rating as SQLite has it, the pose.
     """
     return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
 
 
 def filled(store: Store, numbers: range) -> list[str]:
-    """Whole sessions with all that; the subs.
-
-    A question is asked again, a session is interrupted and gone on with.
+    """Whole sessions with all that; the subs. A question is asked again, a session is interrupted
+    and gone on with.
     """
     subs = []
     for number in numbers:
@@ -58,26 +58,26 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(5))
         before = store.contents()
+        marks = {number: [*told_of(number), sub.encode()] for number, sub in enumerate(subs)}
         acted = next(store.traces.glob(f"*{subs[2]}*"))
         inputs_beside(acted).write_text("what P2 did")  # no trace, and erased with it
+        marks[2].append(b"what P2 did")
+        (store.traces / f".{subs[2]}_ses-1_trial-9_1.csv.a1b2.part").write_text("half a trace")
+        (tmp_path / "elsewhere").write_text("mine")
+        (store.traces / f"{subs[2]}_link").symlink_to(tmp_path / "elsewhere")
+        size = acted.stat().st_size
+        (tmp_path / "second").hardlink_to(acted)
         data = everything(tmp_path / "data")
-        for number, sub in enumerate(subs):
-            assert sub.encode() in data and all(mark in data for mark in told_of(number)), (
-                "the test looks for what is there"
-            )
+        assert all(mark in data for each in marks.values() for mark in each), "the test looks for what is there"
         erased = store.withdraw("P2")
-        assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
+        assert "1 session, " in erased.describe() and "head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
-            assert (
-                subs[2].encode() not in data
-                and b"what P2 did" not in data
-                and not [mark for mark in told_of(2) if mark in data]
-            ), when
+            assert not [mark for mark in marks[2] if mark in data], when
             store.close()
-        assert not [
-            mark for number in (0, 1, 3, 4) for mark in (*told_of(number), subs[number].encode()) if mark not in data
-        ]
+        assert not [mark for number in (0, 1, 3, 4) for mark in marks[number] if mark not in data]
+    assert (tmp_path / "elsewhere").read_text() == "mine", "a link is not followed"
+    assert (tmp_path / "second").read_bytes() == bytes(size), "traces are overwritten before they go"
     with Store(tmp_path / "data") as store:
         after = store.contents()
         gone = next(session.id for session in before.sessions if session.code == "P2")
@@ -95,38 +95,14 @@ def test_the_tombstone_is_the_code_alone(tmp_path):
         assert store._db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
         for table in ("participant", "session", "answer", "showing", "event", "plan"):
             assert store._db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
-        for again in (lambda: store.withdraw("P0"), lambda: store.holdings("P0")):
-            with pytest.raises(InputError, match="has withdrawn already"):
-                again()
-        with pytest.raises(InputError, match="codes are not reused"):
-            begun(store, "P0")
-        with pytest.raises(InputError, match="nothing to resume"):
-            store.resume("P0")
-        with pytest.raises(InputError, match="P9 is not known here"):
-            store.withdraw("P9")
-
-
-def test_partial_and_copied_traces_of_the_participant_alone_are_erased(tmp_path):
-    with Store(tmp_path / "data", create=True) as store:
-        subs = filled(store, range(2))
-        (store.traces / f".{subs[0]}_ses-1_trial-9_1.csv.a1b2.part").write_text(POSE)
-        (tmp_path / "elsewhere").write_text("mine")
-        (store.traces / f"{subs[0]}_link").symlink_to(tmp_path / "elsewhere")
-        store.withdraw("P0")
-        assert (tmp_path / "elsewhere").read_text() == "mine", "a link is not followed"
-        assert not [path.name for path in store.traces.iterdir() if subs[0] in path.name]
-        assert len([path for path in store.traces.iterdir() if subs[1] in path.name]) == 5
-
-
-def test_traces_are_overwritten_before_they_go(tmp_path):
-    """Seen through a second name for one of them."""
-    with Store(tmp_path / "data", create=True) as store:
-        filled(store, range(1))
-        trace = next(store.traces.iterdir())
-        size = trace.stat().st_size
-        (tmp_path / "second").hardlink_to(trace)
-        store.withdraw("P0")
-        assert (tmp_path / "second").read_bytes() == bytes(size)
+        for act, why in (
+            (store.withdraw, "has withdrawn already"),
+            (store.holdings, "has withdrawn already"),
+            (lambda code: begun(store, code), "codes are not reused"),
+            (store.resume, "nothing to resume"),
+        ):
+            with pytest.raises(InputError, match=why):
+                act("P0")
 
 
 def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_path, monkeypatch):
@@ -138,9 +114,8 @@ def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_
             reader._db.execute("SELECT count(*) FROM answer").fetchone()
             with pytest.raises(MachineError, match="another program reads"):
                 store.withdraw("P0")
-            assert [session.code for session in store.contents().sessions] == ["P1"], (
-                "nobody reads them any more in any case"
-            )
+            codes = [session.code for session in store.contents().sessions]
+            assert codes == ["P1"], "nobody reads them any more in any case"
             reader._db.execute("ROLLBACK")
     said: list[str] = []
     with Store(tmp_path / "data", say=said.append) as store:
@@ -149,15 +124,13 @@ def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_
         assert subs[0].encode() not in everything(tmp_path / "data")
 
 
-def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
+def test_a_file_that_still_holds_something_is_no_success(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(1))
         (tmp_path / "data" / "traces" / "notes").write_text(f"{subs[0]} was tired")
         with pytest.raises(HmdwarpError, match="notes: still holds"):
             store.withdraw("P0")
 
-
-# --- killed in the middle
 
 KILLED = """
 import importlib
@@ -172,43 +145,68 @@ def die(*words):
 setattr(erasing, name, die)
 with Store(Path(sys.argv[1])) as store: store.withdraw("P1")
 """
+MOMENTS = [
+    ("_erase_traces", 0), ("overwrite", 0), ("overwrite", 2), ("_erase_rows", 0), ("_clean", 0), ("erase_copies", 0),
+    ("_empty_log", 0), ("_empty_log", 1), ("_check_bytes", 0),
+]  # fmt: skip
 
 
-def check_finished(folder, subs) -> None:
-    """The next one who writes finishes it.
-
-    A reader before that sees nothing of it, or all where nothing had been begun.
-    """
+@pytest.mark.parametrize(("step", "count"), MOMENTS)
+def test_killed_before_each_step(tmp_path, step, count):
+    """Nobody reads them from then on, and the next one who writes finishes it."""
+    folder = tmp_path / "data"
+    with Store(folder, create=True) as store:
+        subs = filled(store, range(3))
+    process = child(KILLED, folder, step, count)
+    process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGKILL
     with Store(folder) as store:
-        seen = {session.code for session in store.contents().sessions}
-        assert {"P0", "P2"} <= seen
+        assert [session.code for session in store.contents().sessions] == ["P0", "P2"]
         with contextlib.suppress(InputError):
             store.withdraw("P1")
-        assert [session.code for session in store.contents().sessions] == [
-            "P0",
-            "P2",
-        ] and store.contents().withdrawn == 1
+        assert [session.code for session in store.contents().sessions] == ["P0", "P2"]
+        assert store.contents().withdrawn == 1
         assert begun(store, "P7").row in range(4)
     data = everything(folder)
-    assert subs[1].encode() not in data and not [mark for mark in told_of(1) if mark in data]
+    assert not [mark for mark in (subs[1].encode(), *told_of(1)) if mark in data]
     assert not [mark for number in (0, 2) for mark in told_of(number) if mark not in data]
 
 
+# --- as typed; what is refused, and pilots: golden/ratings
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study's file with two participants' data beside it."""
+    (tmp_path / "late.toml").write_text(TEXT, encoding="utf-8")
+    with Store(tmp_path / "late-data", create=True) as store:
+        for code in ("P01", "P02"):
+            whole(store, code)
+    return tmp_path / "late.toml"
+
+
+@pytest.mark.filterwarnings(
+    "ignore:This process .* is multi-threaded:DeprecationWarning"
+)  # of pexpect's fork, where a test left threads
 @pytest.mark.parametrize(
-    ("step", "count"),
-    [
-        ("_erase_traces", 0), ("overwrite", 0), ("overwrite", 2), ("_erase_rows", 0), ("_clean", 0),
-        ("erase_copies", 0), ("_empty_log", 0), ("_empty_log", 1), ("_check_bytes", 0),
-    ],
-)  # fmt: skip
-def test_killed_before_each_step(tmp_path, step, count):
-    with Store(tmp_path / "data", create=True) as store:
-        subs = filled(store, range(3))
-    process = child(KILLED, tmp_path / "data", step, count)
-    process.communicate(timeout=60)
-    assert process.returncode == -signal.SIGKILL
-    with Store(tmp_path / "data") as reader:
-        assert [session.code for session in reader.contents().sessions] == ["P0", "P2"], (
-            "marked first: nobody reads them from then on"
-        )
-    check_finished(tmp_path / "data", subs)
+    ("answer", "left", "told"), [("y", ["P02"], "has withdrawn; erased"), ("n", ["P01", "P02"], "Nothing was")]
+)
+def test_it_asks_on_a_terminal(study, answer, left, told):
+    pexpect = pytest.importorskip("pexpect")
+    words = ["-m", "hmdwarp", "study", "withdraw", str(study), "p01"]
+    screen = pexpect.spawn(sys.executable, words, encoding="utf-8", timeout=120, dimensions=(24, 200))
+    screen.expect("Participant P01 in .*: 1 session, .*revisions included.*Exports call .*Erase it for good.*: ")
+    screen.sendline(answer)
+    screen.expect(told)
+    screen.expect(pexpect.EOF)
+    screen.close()
+    with Store(study.with_name("late-data")) as store:
+        assert screen.exitstatus == 0 and [session.code for session in store.contents().sessions] == left
+
+
+def test_not_while_a_session_runs(study):
+    with Store(study.with_name("late-data")) as store:
+        begun(store, "P03")
+        done = hmdwarp("study", "withdraw", study, "P01", "--yes")
+        assert done.returncode == 3 and "running already" in done.stderr and done.stderr.count("\n") == 1
+        assert len(store.contents().sessions) == 3

@@ -1,4 +1,7 @@
-"""Sheets: surfaces with holes, what is fixed to the head, and what light passes in part."""
+"""Sheets (surfaces with holes, overlays, what light passes in part), what is occluded, light.
+
+Occluded ones by depth peeling. Source: Everitt 2001, Interactive Order-Independent Transparency.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,9 @@ from ....frames import EyeImage, Surface, Transparent
 from ....geometry import View
 from ....gpu.shaders import Draw
 from ....gpu.textures import drawing_into
-from ....scenes import Mesh, Scene, is_cutout
-from ..passes import SAME_SURFACE
+from ....scenes import Mesh, Scene, is_cutout, only_light
+from ..passes import SAME_SURFACE, ScenePasses
+from ..upload import Moving, SceneBuffers, SceneTextures, moving_parts
 from . import DrawContext, Drawing, Part, parts
 from ._sheets import MOST, OVER, OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 
@@ -152,3 +156,71 @@ class Transparency(SheetsPart):
     def _tested(self, program: Draw, tests: int) -> Draw:
         program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
         return program
+
+
+@parts.register
+class Peeled(Part):
+    """Surfaces behind the picture's own, nearest first.
+
+    Moving things are left out, since the client moves them: the surface behind then fills the place
+    that they leave.
+    """
+
+    name = "peeled"
+    order = 100
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._passes: dict[tuple[ScenePasses, tuple[Moving, ...]], ScenePasses] = {}
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        plain = self.context.passes_for(drawing)
+        moving = tuple(mover for mover in plain.moving if mover.layer not in drawing.needs)
+        if (plain, moving) not in self._passes:
+            self._passes[plain, moving] = plain.peeling(moving)
+        passes = self._passes[plain, moving]
+        before, surfaces = eye.inverse_depth, []
+        for _ in range(drawing.needs["peeled"]):
+            target = self.context.acquire(eye.size)
+            before.use(1)
+            into = self.context.framebuffers.over(target.colour, target.inverse_depth)
+            passes.draw(eye.view, into, eye.drawn_ns, in_front=1, keep=1 - SAME_SURFACE)
+            surfaces.append(Surface(target.colour, target.inverse_depth))
+            before = target.inverse_depth
+        return eye.having(peeled=tuple(surfaces))
+
+    def close(self) -> None:
+        for passes in self._passes.values():
+            passes.close()
+
+
+@parts.register
+class Light(Part):
+    """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
+
+    name = "light"
+    order = -1  # before cut-outs, which it would draw over
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        gpu, scene = context.gpu, only_light(context.scene)
+        self._textures = SceneTextures(gpu, scene)
+        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        # Lamps light it as they light the scene itself: between white surfaces there is more light.
+        lighting = context.colour.lighting
+        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        if "light" not in drawing.needs:
+            return eye
+        self.context.draw_colour(self._passes, eye.view, eye.colour, eye.drawn_ns)
+        return eye.having(light=True)
+
+    def close(self) -> None:
+        self._passes.close()
+        for drawing in self._moving:
+            drawing.close()
+        self._buffers.close()
+        self._textures.close()

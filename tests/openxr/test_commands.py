@@ -1,0 +1,202 @@
+"""Other commands with a real runtime: doctor, headset, record, and a session of a study."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from display.virtual_screen import until
+from study import tiny
+
+from hmdwarp.display import Lost
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import load_headset
+from hmdwarp.poses import load_trace
+from hmdwarp.run import RecordOptions, record
+from hmdwarp.study.store import Contents, Store
+
+from .live_runs import LONG_S
+from .monado import UNSEEN, WOBBLING
+from .remote_head import RemoteHead
+
+pytestmark = pytest.mark.usefixtures("no_screen")
+
+COMMAND = (sys.executable, "-m", "hmdwarp")
+PLACES = [Pose((0.1, 1.7, -0.25), (0.1, -0.2, 0.05, 0.97)), Pose((0.0, 1.6, 0.1), (0.1, -0.1, 0.05, 0.97))]
+FLOAT32 = 2e-7  # relative step of the runtime's numbers, all of which are below 2 here
+
+
+def test_the_doctor_before_and_while_a_service_runs(runtime):
+    def lines() -> dict[str, str]:
+        """By the name of what was looked at."""
+        done = subprocess.run([*COMMAND, "doctor"], check=True, capture_output=True, text=True)
+        return {row[10:26].strip(): row for row in done.stdout.splitlines() if row[:1].isalpha()}
+
+    monado = runtime(WOBBLING, UNSEEN)
+    down = lines()
+    assert "service does not answer" in down["OpenXR runtime"]
+    assert down["live"].startswith("optional") and "no display" in down["live"]
+    monado.start()
+    up = lines()
+    assert up["OpenXR runtime"].startswith("ok")
+    assert "Monado" in up["OpenXR runtime"] and "Simulated HMD" in up["OpenXR runtime"]
+    assert up["live"].startswith("ok") and "takes the headset" in up["live"]
+
+
+def test_the_connected_headset_becomes_a_file(monado, tmp_path):
+    out = tmp_path / "simulated.toml"
+    subprocess.run([*COMMAND, "headset", "from-openxr", "--out", str(out)], check=True)
+    found = load_headset(str(out))
+    # Monado's simulated HMD: two eyes that look straight ahead.
+    assert "Monado" in found.source and min(found.eye_size_px) > 100 and found.refresh_hz > 10
+    assert max(map(abs, found.cants_deg)) < 1 and found.overlap_deg > 30
+    # It has a mask too: a triangle in each corner, an eighth of the view along each side.
+    assert all(0.02 < eye.hidden_share < 0.05 for eye in found.eyes)
+
+
+# --- record -------------------------------------------------------------------------------------
+
+
+def places_in(path) -> np.ndarray:
+    """Which of PLACES each pose is that has reached the disk; exactly one.
+
+    A trace's reader would take the first of them for a tracker that had not begun.
+    """
+    meant = np.array([np.concatenate([pose.position_m, pose.orientation_xyzw]) for pose in PLACES])
+    lines = [line for line in path.read_text().splitlines() if line[:1].isdigit()] if path.is_file() else []
+    found = np.array([line.split(",")[1:8] for line in lines], float).reshape(-1, 7)
+    near = np.abs(found[:, None] - meant[None]).max(axis=2) < 2 * FLOAT32
+    assert (near.sum(axis=1) == 1).all()
+    return near[:, 1].astype(int)
+
+
+@contextlib.contextmanager
+def meanwhile(path, do: Callable[[], None], seen: Callable[[], bool] = lambda: False) -> Iterator[None]:
+    """Do it as soon as ten poses are on the disk; press Ctrl-C ten after what follows was seen."""
+    over = threading.Event()
+
+    def wait(there: Callable[[], bool]) -> None:
+        while not there() and not over.is_set():
+            time.sleep(0.02)
+
+    def work() -> None:
+        wait(lambda: len(places_in(path)) >= 10)
+        do()
+        wait(seen)
+        count = len(places_in(path))
+        wait(lambda: len(places_in(path)) >= count + 10)
+        if not over.is_set():
+            signal.raise_signal(signal.SIGINT)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def recording(out: Path, said: list[str], reconnect_s: float) -> None:
+    record(RecordOptions(source="openxr", out=out, rate_hz=50.0, reconnect_s=reconnect_s), said.append)
+
+
+def test_poses_are_the_runtime_s(remote_head, tmp_path):
+    out, said = tmp_path / "head.csv", []
+    remote_head.put(PLACES[0])
+    with meanwhile(out, lambda: remote_head.put(PLACES[1]), lambda: places_in(out)[-1] == 1):
+        recording(out, said, 1.0)
+    places = places_in(out)
+    assert (np.diff(places) >= 0).all() and (places[0], places[-1]) == (0, 1)
+    track = load_trace(out).track
+    # A busy machine samples late, after which the next one has its whole period; now and then it is
+    # in time.
+    assert track.duration_ns >= (len(track) - 2) * 20_000_000 and np.diff(track.time_ns).min() < 30_000_000
+    assert "# rate: 50 Hz" in out.read_text().splitlines()
+    assert "Monado" in track.origin and "headset" in track.origin
+    assert said[0].startswith("recording ") and said[-1].startswith(f"{out}: {len(places)} poses, ")
+
+
+@pytest.mark.parametrize("returns", [True, False])
+def test_a_runtime_that_dies_leaves_what_was_recorded(monado, tmp_path, returns):
+    """One that comes back goes on in the same file, with a gap."""
+    out, said, began = tmp_path / "head.csv", [], time.monotonic()
+
+    def put() -> None:
+        with RemoteHead() as head:
+            head.put(PLACES[0])
+
+    def fails() -> None:
+        monado.kill()
+        if returns:
+            monado.start()
+            put()
+
+    put()
+    ends = contextlib.nullcontext() if returns else pytest.raises(Lost, match="has not come back within 1 s")
+    with meanwhile(out, fails, lambda: "it is back" in said), ends:
+        recording(out, said, LONG_S if returns else 1.0)
+    track = load_trace(out).track
+    assert len(track) >= 10 and track.duration_ns < 1e9 * (time.monotonic() - began)
+    assert not returns or track.broken[9:].any()
+    assert "waiting up to" in said[1]
+
+
+# --- a study ------------------------------------------------------------------------------------
+
+
+def contents(folder: Path) -> Contents | None:
+    if not (folder / "study.sqlite3").exists():
+        return None
+    with contextlib.suppress(InputError), Store(folder) as store:  # the file may be there before what it holds
+        return store.contents()
+    return None
+
+
+def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
+    """A clear line, nothing lost, and the trial is shown again."""
+    study, model = tiny.write(tmp_path, pause=0.0, again=0.0, missing=0.0)
+    text = study.read_text().replace("rate = 20\n", "reconnect = 1\n").replace("seconds = 0.2", "seconds = 5")
+    # Two of its conditions: one trial before the one that is cut, and none after it.
+    lines = text[: text.index("[[family]]")].splitlines()
+    study.write_text("\n".join(line for line in lines if '"late"' not in line and '"turned"' not in line))
+    command = [*COMMAND, "study", "run", str(study), "--participant", "one", "--simulate", str(model)]
+    command += ["--source", "openxr", "--console", "none"]
+    folder, monado = tmp_path / "tiny-simulated-data", runtime(WOBBLING, UNSEEN)
+    monado.start()
+
+    def is_shown() -> bool:
+        assert process.poll() is None, process.communicate()
+        now = contents(folder)
+        return now is not None and any(showing.key == "trial/2" for showing in now.showings)
+
+    said = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, **said) as process:
+        try:
+            until(is_shown, "trial/2")
+            time.sleep(2.0)  # its wait before the first picture is over
+            monado.kill()
+            told = process.communicate(timeout=LONG_S)[0]
+        finally:
+            process.kill()
+    assert process.returncode == 3 and "--resume" in told and "Traceback" not in told, told
+    before = contents(folder)
+    assert [session.status for session in before.sessions] == ["interrupted"]
+    assert [showing.complete for showing in before.showings if showing.key == "trial/2"] == [False]
+    monado.start()
+    done = subprocess.run([*command, "--resume"], check=False, stdin=subprocess.DEVNULL, **said)
+    assert done.returncode == 0, done.stdout
+    after = contents(folder)
+    assert [session.status for session in after.sessions] == ["complete"]
+    assert [showing.complete for showing in after.showings if showing.key == "trial/2"] == [False, True]
+    assert after.answers[: len(before.answers)] == before.answers
+    assert len({answer.key for answer in after.answers}) == len(after.answers)
