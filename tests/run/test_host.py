@@ -12,6 +12,7 @@ import hmdwarp.pipeline.sizes
 from hmdwarp.client import parse_warp
 from hmdwarp.display import CONTROLS, Command, control
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.headsets import load_headset
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
 from hmdwarp.run import host as handling
 from hmdwarp.run.host import changed, choices, values
@@ -367,3 +368,24 @@ REFUSED = [
 def test_impossible_values_are_refused_by_name(name, value):
     with pytest.raises(InputError, match=name):
         changed(OPTIONS, Command(name, value))
+
+
+@pytest.mark.parametrize(
+    "scene, headset, has",
+    [
+        ("planes", "rift-dk1", {"lens", "scenes"}),
+        ("planes", "quest-3", {"scenes"}),
+        ("playroom", "rift-dk1", {"lens", "scenes", "push", "switch", "grab", "release"}),
+    ],
+)
+def test_controls_are_offered_that_scene_and_headset_can_follow(monkeypatch, gpu, scene, headset, has):
+    """And another scene's after it was chosen."""
+    first, then = ("planes", "playroom") if scene == "playroom" else (scene, scene)
+    monkeypatch.setattr("hmdwarp.display.offscreen.load_headset", lambda _: load_headset(headset))
+    display = OffscreenDisplay(gpu=gpu, asked={2: [Command("scene", then)]})
+    options = LiveOptions(scene=first, headset=headset, latency_ms=0, warp="none", fill="none", samples=1, pictures=4)
+    run_on(monkeypatch, display, options)
+    assert display.statuses[-1].has == has
+    assert [one.name for one in CONTROLS if one.needs and not display.statuses[-1].offers(one)] == [
+        one.name for one in CONTROLS if one.needs and one.needs not in has
+    ]

@@ -250,9 +250,8 @@ class WindowInput:
     def _scrolled(self, _: object, __: float, up: float) -> None:
         if self._locate is None or self._is_for_control_panel:
             return
-        self._notches += up
-        notches = int(self._notches)  # touchpads scroll in fractions
-        self._notches -= notches
+        notches = int(self._notches + up)  # touchpads scroll in fractions
+        self._notches += up - notches
         self.commands += [Command("up" if notches > 0 else "down")] * abs(notches)
 
     def _moved(self, _: object, x: float, y: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from operator import attrgetter
 
 import xr
@@ -153,19 +154,17 @@ class HeadTracker:
         read_ns = time.monotonic_ns()
         self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
         flags = self._location._location_flags
-        pose = self._located(flags) if flags & _TURN_VALID else None
+        pose = None
+        if flags & _TURN_VALID:
+            with suppress(InputError):  # NaN, or a zero quaternion: some runtimes call even that valid
+                pose = pose_of(self._location.pose)
+        if pose is not None and not flags & _PLACE_VALID:
+            pose = Pose(self._last.position_m, pose.orientation_xyzw)
         self._last = pose or self._last
         self.lost = pose is None or not flags & _TURN_TRACKED
         origin = Origin.HELD if self.lost else Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED
         space = self._sessions + sum(time <= time_ns + self.offset_ns for time in self._changes)
         return PoseSample(time_ns, self._last, origin, read_ns, space)
-
-    def _located(self, flags: int) -> Pose | None:
-        try:
-            pose = pose_of(self._location.pose)
-        except InputError:  # NaN, or a zero quaternion: some runtimes call even that valid
-            return None
-        return pose if flags & _PLACE_VALID else Pose(self._last.position_m, pose.orientation_xyzw)
 
     def close(self) -> None:
         """Do nothing: it owns nothing."""
