@@ -48,6 +48,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "averaging": ("docs/measure/averaging_cost.py", True),
     "foveation": ("docs/measure/foveated.py", True),
     "hidden area": ("docs/measure/hidden_area.py", True),
+    "page reads": ("docs/measure/page_reads.py", True),
 }
 
 

@@ -1,9 +1,7 @@
 """A depth camera in a rendered scene: frames as a real one gives them, and the truth beside them.
-
 Its faults are those of the devices: noise that grows with the distance squared, no depth at edges
 and beyond the range, depth that does not line up with colour, rows that are read one after the
-other. Each can be switched off.
-"""
+other. Each can be switched off."""
 
 from __future__ import annotations
 

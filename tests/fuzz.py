@@ -390,8 +390,7 @@ def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
 def _traces() -> Iterator[tuple[str, Target]]:
     from poses import layouts
     from poses.traces import head, rows, save, write
-    from published_folders import write_colmap
-    from recorded_folders import taken
+    from recorded_folders import taken, write_colmap
     from ros_bags import BEGINS_NS
 
     from hmdwarp import resources
@@ -515,7 +514,7 @@ def _scenes() -> Iterator[tuple[str, Target]]:
 
     def draco(folder: Path) -> None:
         from scenes.glb import SQUARE
-        from scenes.test_scene_files_whole import packed
+        from scenes.test_gltf_rules import packed
 
         data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
         (folder / "scene.glb").write_bytes(data)

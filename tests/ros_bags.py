@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import PUBLISHED, ROBOT, Form, ros
-from recorded_folders import CX, CY, FX, FY, HAS_EXR, LAYOUTS, OPTICAL, Taken, camera_matrix
+from recorded_folders import CX, CY, FX, FY, HAS_EXR, LAYOUTS, OPTICAL, ROBOT, Form, Taken, camera_matrix, ros
 from scipy.spatial.transform import Rotation
 
 HAS_ROSBAGS = importlib.util.find_spec("rosbags") is not None
@@ -188,7 +187,7 @@ BAGS = {
     "ros2_odometry": Form("rosbag", partial(write_ros2, motion="odometry")),
 }
 # Every layout by name, as readers must recognise it.
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
+FORMS = LAYOUTS | BAGS
 
 
 def form_of(name: str) -> Form:

@@ -180,25 +180,25 @@ def test_every_part_has_its_place():
 # Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
 # that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
-    "sources": (10529, 8500),
-    "run": (6971, 5400),
-    "client": (7910, 6500),
+    "sources": (10497, 8500),
+    "run": (6926, 5400),
+    "client": (7907, 6500),
     "cloudlight": (3600, 3600),  # done
-    "scenes": (5387, 4600),
-    "poses": (6007, 4500),
-    "pipeline": (5066, 3700),
+    "scenes": (5380, 4600),
+    "poses": (5995, 4500),
+    "pipeline": (5051, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),
-    "gpu geometry headsets": (3752, 3100),
-    "report": (5379, 4200),
-    "experiments": (4044, 3200),
-    "metrics options": (3461, 2600),
-    "cli": (2953, 2400),
-    "display web": (5014, 4000),
-    "study": (11691, 10000),
+    "gpu geometry headsets": (3744, 3100),
+    "report": (5202, 4200),
+    "experiments": (4028, 3200),
+    "metrics options": (3454, 2600),
+    "cli": (2916, 2400),
+    "display web": (5002, 4000),
+    "study": (11645, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (89184, 58000)
+TEST_LINES = (70928, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

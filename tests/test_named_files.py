@@ -19,8 +19,7 @@ import attrs
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import Form
-from recorded_folders import HAS_EXR, LAYOUTS, taken
+from recorded_folders import HAS_EXR, LAYOUTS, Form, taken
 from ros_bags import BEGINS_NS, FORMS, HAS_ROSBAGS, Messages, form_of, write_bag
 
 import hmdwarp
@@ -184,7 +183,7 @@ def test_a_trace_has_so_many_rows_at_most(tmp_path, monkeypatch):
 @pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed")
 def test_pixels_of_an_exr_are_bounded_by_what_they_unpack_to(tmp_path):
     """No pixel of it is read: it holds as many as before."""
-    LAYOUTS["exr"][1](tmp_path, taken(1))
+    LAYOUTS["exr"].write(tmp_path, taken(1))
     (file,) = tmp_path.glob("*.exr")
     head, name, rest = file.read_bytes().partition(b"dataWindow\0box2i\0\x10\0\0\0")
     file.write_bytes(head + name + struct.pack("<4i", 0, 0, 6000, 6000) + rest[16:])

@@ -180,13 +180,12 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
         if better:
             return _simplest(search, better)
 
-    def is_as_good(one: Candidate) -> bool:
-        share = agreement(search, one.reading)
-        if margin(one, best) < SURE and share >= _AS_GOOD * most:
-            return True
-        return share >= most and likeness(search, one.reading) >= alike
-
-    as_good = [candidate for candidate in candidates if is_as_good(candidate)]
+    as_good = [
+        one
+        for one, share in ((one, agreement(search, one.reading)) for one in candidates)
+        if (margin(one, best) < SURE and share >= _AS_GOOD * most)
+        or (share >= most and likeness(search, one.reading) >= alike)
+    ]
     return min(as_good, key=lambda one: (one.changes, one.total))
 
 

@@ -8,7 +8,7 @@ import math
 import shlex
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -90,7 +90,7 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
     The function becomes a command with these options, and gets their values by name. The command's
     attribute `options` has them.
     """
-    options = [*_options_in(declared)]
+    options = [one for part in declared for one in ([part] if isinstance(part, Option) else options_of(part))]
     options += [OUTSIDE] if any(option.names_files for option in options) else []
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
@@ -106,11 +106,6 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
         return command
 
     return decorate
-
-
-def _options_in(declared: Sequence[type[Declared] | Option]) -> Iterator[Option]:
-    for part in declared:
-        yield from [part] if isinstance(part, Option) else options_of(part)
 
 
 def _read(option: Option, value: Any) -> Any:

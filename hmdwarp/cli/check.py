@@ -81,7 +81,7 @@ def _print_findings(answer: conventions.Answer) -> None:
             typer.echo(f"    {line}")
 
 
-@takes(SynthesisOptions)
+@takes(SynthesisOptions, JSON)
 def synthesise(said: Said) -> None:
     """Make the frame between two or after them from motion vectors and depth, with its error.
 
@@ -105,5 +105,8 @@ def synthesise(said: Said) -> None:
                     f"PSNR {one.psnr_db:.2f} dB to {one.truth}; {one.without_vectors_db:.2f} by head and depth alone, "
                     f"{one.as_it_was_db:.2f} as it was"
                 )
-            typer.echo(f"{one.name}.png at {one.time_ns} ns: {error}")
-        out.write_json("synthesis.json", {"at": options.at, "frames": rows})
+            if not said["json"]:
+                typer.echo(f"{one.name}.png at {one.time_ns} ns: {error}")
+        out.write_json("synthesis.json", entry := {"at": options.at, "frames": rows})
+    if said["json"]:
+        typer.echo(as_json(entry))

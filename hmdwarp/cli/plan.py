@@ -31,10 +31,10 @@ def plan(said: Said) -> None:
     from ..pipeline.source import motion_notes
 
     source = said["source"]
-    headsets.load_headset(said["headset"])
+    own = headsets.load_headset(said["headset"]).lens
     kind, told = _driver(source)
-    if said["lens"] is None and told:
-        said["lens"] = "none"
+    if said["lens"] is None:
+        said["lens"] = "none" if told or said["frames"] or own is None else own.model
     options = kind.of(said)
     if options.warp == AUTO:
         raise InputError("plan --warp auto: 'hmdwarp choose' with the same options names warp and fill; plan those")

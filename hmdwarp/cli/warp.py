@@ -12,9 +12,10 @@ import typer
 from .. import geometry
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..pipeline.proxy_options import SINGLE_FILL
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
-from ._options import Said, takes
+from ._options import JSON, Said, as_json, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others,
 # with all that comes with a layer of its own.
@@ -52,7 +53,7 @@ class WarpOptions(Declared):
     force: bool = force_field()
     warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER, added=False)}.")
     fill: str = same_as(
-        _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
+        _PIPELINE.fill, SINGLE_FILL, help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
     repair: str = repair_field()
     no_depth: str = same_as(attrs.fields(SequenceOptions).no_depth)
@@ -73,7 +74,7 @@ class WarpOptions(Declared):
     )
 
 
-@takes(WarpOptions)
+@takes(WarpOptions, JSON)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..frames.layers import PICTURE
@@ -113,9 +114,14 @@ def warp(said: Said) -> None:
             depth=depth,
         )
     write_image(options.out, result, shown)
+    notes = [*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)]
+    if said["json"]:
+        facts = {"time_ms": result.time_ms, "hole_share": result.hole_share, "notes": notes}
+        typer.echo(as_json({"out": str(options.out), **facts}))
+        return
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
-    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)):
+    for note in notes:
         typer.echo(f"note: {note}")
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from functools import partial
 from statistics import fmean
 
 import attrs
@@ -48,6 +49,7 @@ class Control:
     written: str = ""  # how the help writes its keys, "" for their names
     # available only while a text panel lies over the picture: other pictures must stay free of text
     needs_text_panel: bool = False
+    needs: str = ""  # what the run must have (`run.host.has`) for it to be offered, "" for nothing
 
 
 CONTROLS: tuple[Control, ...] = (
@@ -55,13 +57,13 @@ CONTROLS: tuple[Control, ...] = (
     Control("warp", "T", "next warp", "choice"),
     Control("fill", "F", "next fill", "choice"),
     Control("guard", "G", "guard band, 0.25 more or less", "number", span=(1.0, 3.0)),
-    Control("scene", "N", "next scene", "choice"),
+    Control("scene", "N", "next scene", "choice", needs="scenes"),
     Control("effects", "C", "compensate effects: auto or none", "choice"),
-    Control("lens", "O", "lens on or off", "switch"),
+    Control("lens", "O", "lens on or off", "switch", needs="lens"),
     Control("view", "V", "both eyes or one flat view", "switch"),
-    Control("push", "Z", "push what is ahead, in a scene that reacts", "action", mouse="left", buttons=("select",)),
-    Control("switch", "L", "switch a lamp on or off", "action", mouse="middle"),
-    Control("grab", "B", "grab and move what is ahead, or let go", "hold", mouse="right", buttons=("squeeze",)),
+    Control("push", "Z", "push what is ahead", "action", mouse="left", buttons=("select",), needs="push"),
+    Control("switch", "L", "switch a lamp on or off", "action", mouse="middle", needs="switch"),
+    Control("grab", "B", "grab what is ahead, or let go", "hold", mouse="right", buttons=("squeeze",), needs="grab"),
     Control("recentre", "R", "head back to where it began", "action", of_display=True),
     Control("full_screen", "F11", "full screen", "switch", of_display=True),
     Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),
@@ -93,10 +95,7 @@ def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
 
 
 KEPT = 240  # refreshes in the plots
-
-
-def _plot() -> deque[float]:
-    return deque(maxlen=KEPT)
+_plot = partial(deque[float], maxlen=KEPT)
 
 
 @attrs.define(eq=False)
@@ -110,6 +109,7 @@ class Status:
     values: dict[str, object] = attrs.field(factory=dict)
     # values of controls of kind "choice", including the current one
     choices: Mapping[str, tuple[object, ...]] = attrs.field(factory=dict)
+    has: frozenset[str] | None = None  # what controls may need; None before a run has begun
     budget_ms: float = 0.0  # a refresh of the display
     stage_ms: dict[str, float] = attrs.field(factory=dict)  # of the last refresh, both eyes
     total_ms: deque[float] = attrs.field(factory=_plot)  # all passes of both eyes
@@ -124,6 +124,10 @@ class Status:
     recording: bool = False
     # title instead of settings and numbers, which would reveal the condition; "" for those
     heading: str = ""
+
+    def offers(self, control: Control) -> bool:
+        """Return whether the run can follow a control."""
+        return not control.needs or self.has is None or control.needs in self.has
 
     @property
     def rate_hz(self) -> float:

@@ -26,8 +26,7 @@ def inverse_depth_from_metres(depth_m: ArrayLike) -> NDArray[np.float64]:
     depth = np.asarray(depth_m, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         inverse = 1.0 / depth
-    # A depth below 1/float32 max would become an infinite inverse depth on the GPU: it counts as no
-    # depth.
+    # A depth below 1/float32 max would be an infinite inverse depth on the GPU: it counts as none.
     return np.where((depth > 0) & (inverse <= np.finfo(np.float32).max), inverse, np.nan)
 
 

@@ -162,8 +162,8 @@ class Fov:
         found = np.asarray(matrix, np.float64)
         found = found.reshape(4, 4) if found.size == 16 else np.zeros((4, 4))
         whole = [one for one in (found, found.T) if np.allclose(np.abs(one[3]), (0, 0, 1, 0)) and not one[2, :2].any()]
-        skews = bool(found[0, 1] or found[1, 0])
-        if not whole or skews or not np.isfinite(found).all() or not whole[0][0, 0] * whole[0][1, 1]:
+        scaled = whole and np.isfinite(found).all() and whole[0][[0, 1], [0, 1]].all()
+        if not scaled or found[0, 1] or found[1, 0]:
             raise InputError(f"projection is {in_brief(matrix)}: expected a perspective along z, (4, 4) or 16 numbers")
         scales = ((whole[0][k, k], whole[0][k, 2] / whole[0][3, 2]) for k in (0, 1))
         (left, right), (down, up) = (sorted(((-1 - off) / scale, (1 - off) / scale)) for scale, off in scales)
@@ -295,8 +295,6 @@ class Hidden:
         """Return (w, 2), read-only: each column's first seen row, and the one after its last."""
         if (known := self._known.get((fov, size))) is not None:
             return known
-        from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
         seen = self._inside(fov, size)
         any_seen = seen.any(axis=0)
         first = np.where(any_seen, seen.argmax(axis=0), size[1])
@@ -305,18 +303,18 @@ class Hidden:
         per = size[0] / (right - left), size[1] / (up - down)
         # 1e-9: margins of whole pixels must not gain one by rounding.
         pads = [math.ceil(margin * per[side // 2] - 1e-9) for side, margin in enumerate(self.margins)]
-        reach = pads[0] + pads[1] + 1  # columns that are needed if one of these is seen
-        origin = pads[1] - reach // 2
-        first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
-        last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
+        if (reach := pads[0] + pads[1] + 1) > 1:  # columns that are needed if one of these is seen
+            from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+            origin = pads[1] - reach // 2
+            first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
+            last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
         found = np.stack([np.maximum(first - pads[2], 0), np.minimum(last + pads[3], size[1])], axis=1)
         made = self._known[fov, size] = np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
         made.flags.writeable = False
         return made
 
     def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
-        from scipy.ndimage import binary_opening
-
         to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
         columns, rows = (np.arange(count) + 0.5 for count in size)
         for points in self.polygons:
@@ -328,6 +326,8 @@ class Hidden:
                 inside[crossed] ^= columns < at[:, None]
             seen &= ~inside
         if any(len(points) == 3 for points in self.polygons):
+            from scipy.ndimage import binary_opening
+
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
         ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])
@@ -492,8 +492,7 @@ class WarpMap:
         """
         (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
         off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
-        # 1e-9 px in the widest picture: what rounding leaves of equal poses, below any real motion.
-        return bool(max(map(abs, off)) <= 1e-9)
+        return bool(max(map(abs, off)) <= 1e-9)  # px: what rounding leaves of equal poses, below any real motion
 
 
 _MAPS: dict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = {}
@@ -507,8 +506,10 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     position_m, turn = relative(frm.pose, to.pose)
     k_to = (to.fov.cameras.get(to_size) or _camera(to.fov, to_size))[0]
     k_frm_inverse = (frm.fov.cameras.get(frm_size) or _camera(frm.fov, frm_size))[1]
-    made = WarpMap(k_to @ matrix_of(turn) @ k_frm_inverse, k_to @ position_m)
-    made.H.flags.writeable = made.e.flags.writeable = False
+    made = WarpMap.__new__(WarpMap)
+    for name, values in (("H", k_to @ matrix_of(turn) @ k_frm_inverse), ("e", k_to @ position_m)):
+        values.flags.writeable = False
+        _set(made, name, values)
     if len(_MAPS) >= 64:
         _MAPS.clear()  # at once, as threads share it
     _MAPS[key] = frm, to, made

@@ -33,6 +33,7 @@ from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, uploa
 from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
+from ..pipeline.proxy_options import DEFAULT_WARP, SINGLE_FILL
 from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
@@ -221,7 +222,7 @@ class Warper:
     Warper of its context.
 
     size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
-    effects, repair: as warp_image takes them; a fill that remembers learns from each picture.
+    effects, repair: as warp_image. Fill "memory+pyramid", that of runs, learns from each picture.
     warp "auto" keeps warp and fill within budget_ms a picture: `plan` is that of the last one.
     depth: whether results have the depth of what is shown. gpu: a context made in the calling
     thread, which then makes all calls; by default one is shared with all threads, one at a time.
@@ -236,8 +237,8 @@ class Warper:
         size: tuple[int, int],
         *,
         rendered_size: tuple[int, int] | None = None,
-        warp: str = "iterative",
-        fill: str = "pyramid",
+        warp: str = DEFAULT_WARP,
+        fill: str = SINGLE_FILL,
         effects: str = "none",
         repair: str = "none",
         depth: bool = False,
@@ -740,8 +741,8 @@ def warp_image(
     depth_m: ArrayLike,
     rendered: View,
     shown: View,
-    warp: str = "iterative",
-    fill: str = "pyramid",
+    warp: str = DEFAULT_WARP,
+    fill: str = SINGLE_FILL,
     size: tuple[int, int] | None = None,
     gpu: Gpu | None = None,
     *,

@@ -80,7 +80,11 @@ class Changes:
         for (eye, nearest), view in zip(self._sent.eyes, views, strict=True):
             places = (eye.view.pose.position_m, view.pose.position_m)
             angles = (mover.moved_rad(places, then_ns, now_ns) for mover in self._movers)
-            by_movers = max(angles, default=0.0) * _pixels_per_rad(eye)
+            left, right, down, up = eye.view.fov.tangents
+            per_tangent = max(eye.size[0] / (right - left), eye.size[1] / (up - down))
+            # An angle covers most pixels in a corner of the picture, towards its middle.
+            per_rad = float(per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up)))
+            by_movers = max(angles, default=0.0) * per_rad
             moved = max(moved, _by_head(eye, view, nearest) + by_movers)
         return moved
 
@@ -138,13 +142,6 @@ class _DeformedMesh(_Mover):
 
     def points(self, time_ns: int) -> Points:
         return np.asarray(self._deformation.positions(time_ns), np.float64) + self._origin_m
-
-
-def _pixels_per_rad(eye: EyeImage) -> float:
-    """Return the most pixels that an angle covers: in a corner of the picture, to its middle."""
-    left, right, down, up = eye.view.fov.tangents
-    per_tangent = max(eye.size[0] / (right - left), eye.size[1] / (up - down))
-    return float(per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up)))
 
 
 def _by_head(eye: EyeImage, view: View, nearest: float) -> float:

@@ -109,6 +109,8 @@ def refuse_with_frames(found: Mapping[str, tuple[str, bool]]) -> None:
 
 # Of what colour and depth allow, the most accurate in docs/results.md for its time.
 DEFAULT_WARP, DEFAULT_FILL = "iterative", "memory+pyramid"
+# Of frames of a caller, which need not follow each other: memory would show one in another's holes.
+SINGLE_FILL = "pyramid"
 _DEPTH = "rendered.inverse_depth"
 
 

@@ -248,17 +248,7 @@ def _draw(axes: Axes, number: int, series: Series, points: bool) -> bool:
     return True
 
 
-MARKER_PT = 6.5
 _NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
-
-
-def plain_log_ticks(axis: Any, subs: Sequence[float]) -> None:
-    """Put plain numbers at these multiples of powers of ten."""
-    from matplotlib.ticker import LogLocator, NullLocator
-
-    axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_minor_locator(NullLocator())
-    axis.set_major_formatter(lambda value, _: f"{value:g}")
 
 
 def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarray:
@@ -267,7 +257,7 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
     Returns where the values are drawn. A logarithmic axis has no zero: what is below _NOTHING is
     drawn a step before the least of the others, at a tick that says 0.
     """
-    from matplotlib.ticker import FixedLocator, MaxNLocator
+    from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator, NullLocator
 
     limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
     if not logarithmic:
@@ -286,7 +276,8 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
     scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
     scale("log")
     limits(10 ** (low - margin), 10 ** (high + margin))
-    plain_log_ticks(axis, (1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7))
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7)))
+    axis.set_minor_locator(NullLocator())
     has_zero = len(some) < len(values)
     if has_zero:
         axis.set_major_locator(FixedLocator([zero, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))
@@ -322,19 +313,53 @@ def draw_numbers(axes: Axes, numbers: Mapping[int, int], points: np.ndarray, is_
         )  # fmt: skip
 
 
-def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, *, higher: bool) -> None:
-    """Draw the staircase that bounds these points, if there are any.
+@attrs.frozen
+class Spot:
+    """A method in a chart of error against cost."""
 
-    higher: whether a higher error measure is better.
+    cost: float
+    # The mean, and the ends of its interval.
+    error: Sequence[float]
+    look: Look
+    # On the front: no other beats it in both.
+    is_best: bool
+    # Its place in the legend, None for those that the legend leaves out.
+    number: int | None
+
+    def mark(self, name: str) -> Any:
+        """Return its line of a legend."""
+        return mark(f"{self.number} {name}", **attrs.asdict(self.look), linestyle="none", markersize=5)
+
+
+def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
+    """Draw methods with their intervals, those of a look joined, the front filled, on a staircase.
+
+    higher: whether a higher error measure is better. A chart of nothing says so.
     """
-    if not len(cost):
+    if not spots:
+        axes.set_xticks([])
+        axes.set_yticks([])
+        not_measured(axes)
         return
-    order = np.argsort(cost, kind="stable")
-    cost, error = cost[order], error[order]
-    worst = axes.get_ylim()[0 if higher else 1]
-    x = np.concatenate([[cost[0]], cost, [axes.get_xlim()[1]]])
-    y = np.concatenate([[worst], error, error[-1:]])
-    axes.plot(x, y, drawstyle="steps-post", color=INK, linewidth=1.1, alpha=0.55, zorder=2)
+    cost = scale_axis(axes.xaxis, np.array([spot.cost for spot in spots]), logarithmic=True)
+    errors = np.array([spot.error for spot in spots], np.float64).ravel()
+    error, low, high = scale_axis(axes.yaxis, errors, logarithmic=not higher).reshape(-1, 3).T
+    is_best = np.array([spot.is_best for spot in spots])
+    front = np.flatnonzero(is_best)[np.argsort(cost[is_best], kind="stable")]
+    if len(front):
+        x = [cost[front[0]], *cost[front], axes.get_xlim()[1]]
+        y = [axes.get_ylim()[0 if higher else 1], *error[front], error[front[-1]]]
+        axes.plot(x, y, drawstyle="steps-post", color=INK, linewidth=1.1, alpha=0.55, zorder=2)
+    axes.vlines(cost, low, high, colors=[spot.look.color for spot in spots], linewidth=1, alpha=0.45, zorder=2)
+    style: Style = {"markersize": 6.5, "markeredgewidth": 1.5, "linestyle": "none", "clip_on": False}
+    for spot, x, y in zip(spots, cost, error, strict=True):
+        face = spot.look.color if spot.is_best else "none"
+        axes.plot(x, y, **style, **attrs.asdict(spot.look), markerfacecolor=face, zorder=3 + spot.is_best)
+    for look in dict.fromkeys(spot.look for spot in spots):
+        own = sorted((x, y) for spot, x, y in zip(spots, cost, error, strict=True) if spot.look == look)
+        axes.plot(*zip(*own, strict=True), color=look.color, linewidth=0.7, alpha=0.6, zorder=1)
+    numbers = {index: spot.number for index, spot in enumerate(spots) if spot.number is not None}
+    draw_numbers(axes, numbers, np.stack([cost, error], axis=1), is_best)
 
 
 # (label, colour, opacity, hatch): the server's work, the network and the client's have a colour

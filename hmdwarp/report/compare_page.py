@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,16 +13,12 @@ from ..scenes.options import KNOWS
 from .bench.page import suite_section
 from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
 from .charts import (
-    MARKER_PT,
     Drawn,
+    Spot,
     again,
     canvas,
-    draw_front,
-    draw_numbers,
+    draw_spots,
     legend,
-    mark,
-    not_measured,
-    scale_axis,
     svg_text,
 )
 from .page import (
@@ -150,6 +145,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
             f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
             "are dashes, and no mean has them."
         )
+    note = Text(texts("compare")["notes"]["assigned"])
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
@@ -159,13 +155,10 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         sections=(
             suite_section(suite),
             notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
-            Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
-            Section("By class of client", clients, id="clients", link="By class of client"),
-            Section(
-                "Who can run what", [Text(texts("compare")["notes"]["assigned"]), assigned_table(data)], id="assigned",
-                link="Who can run what",
-            ),
-            Section("The strategies", [Terms(strategies)], id="strategies", link="The strategies", style="reading"),
+            Section("Tables and pictures", folds, id="table"),
+            Section("By class of client", clients, id="clients"),
+            Section("Who can run what", [note, assigned_table(data)], id="assigned"),
+            Section("The strategies", [Terms(strategies)], id="strategies", style="reading"),
             reading_section("compare"),
         ),
         made_with=[
@@ -281,35 +274,18 @@ def _front(
     foot = 0.17 * -(-len(rows) // ncols)
     size, box = (_WIDTH_IN, _HEIGHT_IN + foot), (0.62, foot + 0.5, _WIDTH_IN - 0.1, foot + _HEIGHT_IN - 0.15)
     with canvas((label, client, content), size, x=across, y="FLIP, lower is better", box=box) as axes:
-        if rows:
-            _draw(axes, rows, best, cost, numbers, ncols)
-        else:
-            not_measured(axes)
+        spots, handles = [], []
+        for row in sorted(rows, key=lambda row: numbers[row["strategy"]]):
+            number, error = numbers[row["strategy"]], row["quality"][PRIMARY]["mean"]
+            spots.append(Spot(row[cost], [error] * 3, Look.of(number - 1), any(row is one for one in best), number))
+            handles.append(spots[-1].mark(row["strategy"]))
+        draw_spots(axes, spots)
+        legend(  # names of the numbers, below the chart
+            axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
+            borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
+        )  # fmt: skip
         drawn[content] = svg_text(axes.get_figure())
     return Chart.of(heading, drawn[content], words, "")
-
-
-def _draw(
-    axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str, numbers: Mapping[str, int], ncols: int
-) -> None:
-    is_best = np.array([any(row is best_row for best_row in best) for row in rows])
-    spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
-    error = scale_axis(axes.yaxis, np.array([row["quality"][PRIMARY]["mean"] for row in rows]), logarithmic=True)
-    draw_front(axes, spent[is_best], error[is_best], higher=False)
-    for x, y, row, filled in zip(spent, error, rows, is_best, strict=True):
-        look = Look.of(numbers[row["strategy"]] - 1)
-        face = look.color if filled else "none"
-        axes.plot(x, y, **attrs.asdict(look), markerfacecolor=face, markersize=MARKER_PT, clip_on=False, zorder=3)
-    beside = {index: numbers[row["strategy"]] for index, row in enumerate(rows)}
-    draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best)
-    handles = [
-        mark(f"{numbers[name]} {name}", **attrs.asdict(Look.of(numbers[name] - 1)), linestyle="none", markersize=5)
-        for name in sorted({row["strategy"] for row in rows}, key=numbers.__getitem__)
-    ]
-    legend(  # names of the numbers, below the chart
-        axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8,
-        borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
-    )  # fmt: skip
 
 
 def assigned_table(data: Mapping[str, Any]) -> Table:

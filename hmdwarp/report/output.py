@@ -44,14 +44,11 @@ class OutputFolder:
 
     Making one checks at once, before a long run, that the folder can be made and written. Files go
     to a hidden folder inside it and get their names when the block ends without an error; otherwise
-    they are deleted, and so is the folder if this made it. What a killed run left of that kind is
-    deleted first. `last` (summary.json) is removed first and put there last, so that where it is,
-    everything beside it is of one run. Files of an earlier run that match an `owned` pattern and
-    were not written again are removed; no other file is.
-
-    A `private` one and its files are for their owner only.
-
-    Files in the way are overwritten only next to a `last` that hmdwarp wrote, or by force.
+    they are deleted, and so is the folder if this made it. What a killed run left is deleted first.
+    `last` is removed first and put there last: where it is, everything beside it is of one run.
+    Files of an earlier run that match an `owned` pattern are removed; no other file is. Files in
+    the way are overwritten only next to a `last` that hmdwarp wrote, or by force. A `private` one
+    and its files are for their owner only.
 
     Errors: InputError if the folder cannot be written or holds such files of others, MachineError
     if the disk is full.

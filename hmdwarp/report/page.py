@@ -147,13 +147,12 @@ class Article:
 
 @attrs.frozen
 class Section:
-    """A part of the page; those with a link stand in the list under the title."""
+    """A part of the page; those with an id stand in the list under the title."""
 
     heading: str
     # Those that are None or empty are left out.
     blocks: Sequence[Any]
     id: str = ""
-    link: str = ""
     style: str = ""
     # For readers who cannot see it, where there is no heading.
     label: str = ""
@@ -228,4 +227,4 @@ def data_uri(picture: Any, kind: str = "jpeg") -> str:
 def reading_section(page: str, *more: tuple[str, str], **values: str) -> Section:
     """Return the section that explains a page: its texts, with values in their places, and more."""
     pairs = [(term, text.format(**values)) for term, text in texts(page)["to_read"].items()]
-    return Section("How to read this", [Terms([*pairs, *more])], id="reading", link="How to read this", style="reading")
+    return Section("How to read this", [Terms([*pairs, *more])], id="reading", style="reading")

@@ -314,6 +314,7 @@ Column = Callable[[str], NDArray[np.float64]]
 
 _MS = Figure("", "", "ms", 1)
 _SHORT_MS = Figure("", "", "ms", 2)
+_ABOUT = {"trace_axes": "axes of the trace"}
 
 
 def render_live_report(summary: Summary, column: Column, *, command: str) -> str:
@@ -328,6 +329,11 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     for change in live["changes"]:
         what = ", ".join(f"{name} {_value(old)} → {_value(new)}" for name, (old, new) in change["what"].items())
         changes.append((f"{change['time_s']:.2f} s", f"{what} ({change['reason']})"))
+    recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
+    pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
+    about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
+    pairs = [("source", live["source"]), *about, *source_facts(summary)]
+    pairs += [(name, summary[name]) for name in ("fill", "lens")]
     charts = [Group("charts", _live_charts(summary, column)), Text(texts("live")["notes"]["charts"])]
     collector = live["garbage_collector"]
     when = "between the pictures" if collector["between"] else "at any time"
@@ -337,7 +343,7 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         kind="live",
         title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
-        facts=_live_facts(summary),
+        facts=[*(fact(*pair) for pair in pairs), size_fact(summary), pictures],
         command=command,
         sections=(
             Section("", _live_tiles(summary), style="tiles", label="Main figures"),
@@ -357,19 +363,6 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
         ),
         made_with=made_with(summary),
     ).html()
-
-
-_ABOUT = {"trace_axes": "axes of the trace"}
-
-
-def _live_facts(summary: Summary) -> list[str]:
-    live = summary["live"]
-    recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
-    pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
-    about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
-    pairs = [("source", live["source"]), *about, *source_facts(summary)]
-    pairs += [(name, summary[name]) for name in ("fill", "lens")]
-    return [*(fact(*pair) for pair in pairs), size_fact(summary), pictures]
 
 
 def _live_tiles(summary: Summary) -> list[Tile]:

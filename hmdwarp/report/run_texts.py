@@ -414,16 +414,22 @@ def live_lines(summary: Summary, folder: Path | None) -> list[str]:
         return ["no picture was shown"]
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
     of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
-    judder = miss_texts(summary["miss"])[-1]
+    share, longest, judder = miss_texts(summary["miss"])
+    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
+    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
+    missed += f": {waits}" if (waits := waited_text(live)) else ""
     entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
     holes = "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"
+    times, clock = summary["time_ms"], "" if summary["clock"] == "gpu" else ", by the wall clock"
+    stages = [(figure.name, times[figure.name]["median"]) for figure in TIME_FIGURES[:-1]]
+    parts = [f"{name} {median:.2f}" for name, median in stages if median]
     figures = [
-        ("shown", _shown(summary)),
+        ("shown", f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"),
         ("judder", f"{judder} deg RMS" if live["missed"] else ""),
         ("frame age at display", _pair(live["age_ms"])),
         ("pose age at submission", _pair(live["pose_age_ms"])),
         ("frame interval", _pair(live["period_ms"])),
-        ("time per eye", _per_eye(summary)),
+        ("time per eye", _pair(times["total"], f": {', '.join(parts) or 'no pass ran'}{clock}")),
         (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
         ("holes before the fill", holes),
     ]
@@ -443,14 +449,6 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     return rows
 
 
-def _shown(summary: Summary) -> str:
-    live, (share, longest, _) = summary["live"], miss_texts(summary["miss"])
-    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
-    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
-    missed += f": {waits}" if (waits := waited_text(live)) else ""
-    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"
-
-
 _HARDLY = 0.05  # of the refreshes: so many may be late without one being missed, where pictures queue
 
 
@@ -467,16 +465,3 @@ def waited_text(live: Mapping[str, Any]) -> str:
 
 def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
     return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"
-
-
-def _per_eye(summary: Summary) -> str:
-    times = summary["time_ms"]
-    if times["total"]["median"] is None:
-        return ""
-    parts = [
-        f"{figure.name} {times[figure.name]['median']:.2f}"
-        for figure in TIME_FIGURES[:-1]
-        if times[figure.name]["median"]
-    ]
-    clock = "" if summary["clock"] == "gpu" else ", by the wall clock"
-    return f"{_pair(times['total'])}: {', '.join(parts) or 'no pass ran'}{clock}"

@@ -58,8 +58,8 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
                 style="tiles",
                 label="Verdicts",
             ),
-            Section("Verdicts", [_verdicts(experiments)], id="verdicts", link="Verdicts"),
-            Section("Experiments", articles, id="experiments", link="Experiments"),
+            Section("Verdicts", [_verdicts(experiments)], id="verdicts"),
+            Section("Experiments", articles, id="experiments"),
             reading_section("thesis"),
         ),
         made_with=machine_pairs(data["hmdwarp"], data["machine"], data["clock"]),
@@ -129,10 +129,3 @@ def cells_table(one: Mapping[str, Any]) -> Table:
     }
     lines = [[row, *(found.get((row, column), "") for column in columns)] for row in rows]
     return Table.of(one["measured"], [("setting", ""), *((column, one["unit"]) for column in columns)], lines)
-
-
-def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
-    value = cell["value"]
-    if value is None:
-        return "–"
-    return f"{plain(value * one['scale'], one['digits'])}{MARKS[cell['holds']]}"

@@ -1,9 +1,8 @@
 """H.264 video of a run, through PyAV.
 
-Which encoder is used depends on how PyAV was built. The order is libopenh264 (BSD licence), libx264
-(GPL-2.0-or-later: it is in PyAV's own wheels, hmdwarp neither contains nor links it), then the
-encoders of graphics cards. What a distribution of hmdwarp together with PyAV must observe follows
-from the one that PyAV brings.
+The encoder depends on PyAV's own build: libopenh264 (BSD licence), else libx264 (GPL-2.0-or-later:
+it is in PyAV's own wheels, hmdwarp neither contains nor links it), else a graphics card's. What a
+distribution of hmdwarp together with PyAV must observe follows from the one that PyAV brings.
 """
 
 from __future__ import annotations
@@ -55,12 +54,10 @@ class VideoWriter:
         with VideoWriter(path, (w, h), 90) as video:
             video.add(picture)
 
-    size: (w, h) of the pictures; odd sides are padded to even by repeating the last row or column,
-    for 4:2:0 has no odd ones.
-    rate: pictures per second. The file is BT.709, limited range, 4:2:0, and says so in its tags;
-    chroma has half the resolution, single-pixel colours blur. It is written under a temporary name
-    and renamed by close(); abort(), or an exception in the block, leaves nothing, nor does close()
-    before the first picture.
+    size: (w, h) of the pictures; odd sides are padded by repeating the last row or column. rate:
+    pictures per second. The file is BT.709, limited range, 4:2:0, and says so in its tags: colours
+    of single pixels blur. It gets its name by close(); abort(), an exception in the block, or
+    close() before the first picture leaves nothing.
 
     Errors: MachineError if PyAV has no H.264 encoder that opens, or the disk is full; InputError
     for a place that cannot be written, a size below 16 or a rate beyond 0..1000; HmdwarpError for a

@@ -60,19 +60,6 @@ def opencv_camera(view: View, size: tuple[int, int]) -> NDArray[np.float64]:
     return np.array([[x, 0, -left * x - 0.5], [0, y, up * y - 0.5], [0, 0, 1]])
 
 
-def opencv_motion(rendered: View, shown: View) -> NDArray[np.float64]:
-    """Return the 4x4 matrix that takes points from the rendered camera to the shown one."""
-    to_camera = np.diag([1.0, -1.0, -1.0, 1.0])
-    return to_camera @ rendered.pose.relative_to(shown.pose).matrix() @ to_camera
-
-
-def opencv_depth(inverse_depth: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Return depth in metres, and the mask of the pixels that have one."""
-    known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
-    depth = 1 / np.maximum(np.where(known, inverse_depth, 1), 1 / FAR_M)
-    return depth.astype(np.float32), np.where(known, 255, 0).astype(np.uint8)
-
-
 class OpenCvWarp(ArrayWarp):
     """cv2.warpFrame: the whole rendered picture with one camera, as the function demands.
 
@@ -88,12 +75,17 @@ class OpenCvWarp(ArrayWarp):
     def arrays(self, inputs: PassInputs) -> tuple[Any, ...]:
         """Return the arguments of cv2.warpFrame, and what of its picture is shown."""
         rendered, (wide, high) = inputs.rendered, self.shown_size
-        depth, mask = opencv_depth(download(rendered.inverse_depth))
+        inverse_depth = download(rendered.inverse_depth)
+        known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
+        depth = (1 / np.maximum(np.where(known, inverse_depth, 1), 1 / FAR_M)).astype(np.float32)
+        mask = np.where(known, 255, 0).astype(np.uint8)
         camera = opencv_camera(rendered.view, rendered.size)
         # Half a pixel to the right and down: warpFrame rounds places down to whole pixels.
         to_nearest = np.eye(4)
         to_nearest[0, 2], to_nearest[1, 2] = 0.5 / camera[0, 0], 0.5 / camera[1, 1]
-        motion = to_nearest @ opencv_motion(rendered.view, inputs.shown)
+        to_camera = np.diag([1.0, -1.0, -1.0, 1.0])
+        moved = rendered.view.pose.relative_to(inputs.shown.pose).matrix()  # points, to the shown eye
+        motion = to_nearest @ to_camera @ moved @ to_camera
         # The shown part: a guard band adds whole pixels.
         own = opencv_camera(inputs.shown, self.shown_size)
         x, y = (round(camera[k, 2] - own[k, 2]) for k in (0, 1))

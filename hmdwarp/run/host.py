@@ -20,6 +20,7 @@ from ..options import AUTO
 from ..pipeline.frame_coder import Reads
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy import check_names, source_of
+from ..pipeline.proxy_options import PROXY, SCENE
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns, plans_for
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, PoseSource, PoseTrack, gaze_of, jumps_between
@@ -293,6 +294,14 @@ _STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
     "lens": lambda o, _: "none" if o.lens != "none" else AUTO,
     "view": lambda o, _: FLAT if o.view == BOTH else BOTH,
 }
+
+
+def has(run: Run[LiveOptions]) -> frozenset[str]:
+    """Return what of the needs of controls the run has: see `display.controls.Control.needs`."""
+    inputs, headset = run.source.scene.inputs, run.target.lens_of
+    found = {action for thing in (inputs.things.values() if inputs is not None else ()) for action in thing.takes}
+    found |= {"lens"} if headset is not None and headset.lens is not None else set()
+    return frozenset(found | ({"scenes"} if run.options.source_kind in (SCENE, PROXY) else set()))
 
 
 @attrs.define(eq=False)

@@ -34,7 +34,7 @@ from ..poses.synth import RATE_HZ, synthesise
 from ..report import refuse_source
 from ..scenes import InputEvent, check_scene_name
 from .ending import Ending, GarbageControl, Watchdog, come_back
-from .host import CommandHandler, Hand, PipelineHost, checked_source, choices, values
+from .host import CommandHandler, Hand, PipelineHost, checked_source, choices, has, values
 from .live_log import LiveLog, LiveResult
 from .options import BOTH, DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
 from .recorder import LEAST, Recorder
@@ -231,15 +231,12 @@ def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bo
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
     """Return what the watchdog runs before it ends the program: the recording first."""
 
-    def save_recording() -> str:
-        return recorder.save() if recorder is not None else ""
-
     def save_log() -> str:
         log.finish()
         folder = log.result().folder
         return f"the log until then is in {folder}" if folder is not None else ""
 
-    return [save_recording, save_log]
+    return [lambda: recorder.save() if recorder is not None else "", save_log]
 
 
 JUDGED_NS = 1_000_000_000  # from the first picture: what a machine makes in a second, it makes in the next
@@ -279,7 +276,11 @@ class _UserRun(FrameHandler):
         self._commands = CommandHandler(host, pace.say, hand)
         self._began_ns, self._arrived_s = ending.now_ns(), time.monotonic()
         log.status.choices = choices()
-        log.status.values = values(host.options, host.run.sizes.shown)
+        self._show_values()
+
+    def _show_values(self) -> None:
+        self._log.status.values = values(self._host.options, self._host.run.sizes.shown)
+        self._log.status.has = has(self._host.run)
 
     def over(self) -> bool:
         options = self._host.options
@@ -306,7 +307,7 @@ class _UserRun(FrameHandler):
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)
         if changed:
-            self._log.status.values = values(self._host.options, self._host.run.sizes.shown)
+            self._show_values()
         return changed
 
     def arrived(self, refresh: Refresh) -> None:

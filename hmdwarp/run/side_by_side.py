@@ -165,7 +165,10 @@ class SideBySide:
         self._setup, self._combinations = setup, combinations
         self._needs = needs_of(combination.plan for combination in combinations)
         # In the order of the combinations.
-        self.compensators = [self._compensator_of(combination) for combination in combinations]
+        self.compensators: list[Compensator | Oracle] = [
+            Oracle(setup.server, one.plan, setup.sizes.shown) if one.warp == ORACLE else setup.compensator(one.plan)
+            for one in combinations
+        ]
         self._whole = WholePictures(setup.server)
 
     def __enter__(self) -> SideBySide:
@@ -176,11 +179,6 @@ class SideBySide:
         for compensator in self.compensators:
             if not isinstance(compensator, Compensator):
                 compensator.close()
-
-    def _compensator_of(self, combination: Combination) -> Compensator | Oracle:
-        if combination.warp == ORACLE:
-            return Oracle(self._setup.server, combination.plan, self._setup.sizes.shown)
-        return self._setup.compensator(combination.plan)
 
     def refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
         """Iterate over the chosen refreshes; every frame is drawn where one of them needs that."""

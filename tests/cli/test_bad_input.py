@@ -1,21 +1,25 @@
-"""What wrong input gets.
-
-One line that names it, the right exit status, and earlier results as they were.
-"""
+"""What wrong input gets: one line that names it, an exit status, earlier results as they were."""
 
 from __future__ import annotations
 
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import needs
 import pytest
+from commands import hmdwarp
 
-from hmdwarp.cli._app import options_of_commands
+from hmdwarp.cli._app import entries, options_of_commands
+from hmdwarp.errors import InputError
+from hmdwarp.gpu import context
+from hmdwarp.scenes import Scene, SceneSource, scenes
 
 # --- files that cannot be used
 
@@ -212,3 +216,98 @@ def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monk
         scene.write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": name, "byteLength": 36}]}))
         command("plan", "--scene", scene).refused(name, says)
     command("plan", "--scene", scene, "--allow-outside").refused("no triangles")  # it is read
+
+
+TABLE = tomllib.loads(Path(__file__).with_name("refused.toml").read_text(encoding="utf-8"))
+BENCH = "--scene planes --headset rift-dk1 --size 48x40 --seconds 0.3 --instants 1 --rounds 1 --workers 0 --guard 1.1"
+CASES = [(begin, typed) for begin, lines in TABLE.items() for typed in lines]
+
+
+@pytest.mark.parametrize(("begin", "typed"), CASES, ids=lambda text: text or "hmdwarp")
+def test_a_command_line_is_refused_in_one_line(begin, typed, command, quick, tmp_path, monkeypatch, request):
+    own = {"OUT": [str(tmp_path / "out")], "OUT.png": [str(tmp_path / "out.png")], "QUICK": quick}
+    own["QUICK_BENCH"] = [*shlex.split(BENCH), "--out", str(tmp_path / "out")]
+    text = f"{begin} {typed}".replace("LONG", "x" * 300).replace("FOLDER", str(tmp_path / "folder"))
+    words = [part for word in shlex.split(text) for part in own.get(word, [word])]
+    folders = [Path(word) for word in words if word.startswith(str(tmp_path / "folder"))]
+    for folder in folders:
+        folder.mkdir()
+    if begin == "replay still QUICK":
+        request.getfixturevalue("kept")
+    if words[0] in ("bench", "plan"):
+        monkeypatch.setattr(context, "create_context", lambda: pytest.fail("the GPU was started"))
+    done = command(*words)
+    done.refused()
+    for told in TABLE[begin][typed]:
+        assert told in done.err or re.search(told, done.err), done
+    assert begin == "replay still QUICK" or list(tmp_path.iterdir()) == folders
+
+
+TRACE = {"replay", "live", "bench", "compare", "plan"}
+
+
+@pytest.mark.parametrize("key", entries())
+def test_a_removed_name_ends_with_status_2_and_what_to_use_instead(key):
+    words = ["replay" if word == "*" else word.replace("*", "x") for word in key.split()]
+    done = hmdwarp(*([*words[:1], "walk", *words[1:]] if words[0] in TRACE - {"live", "plan"} else words))
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert f"was removed: {entries()[key]}" in done.stderr
+    assert done.stdout == ""
+
+
+def test_an_unknown_name_is_no_removed_one():
+    done = hmdwarp("replay", "walk", "--no-such-option")
+    assert done.returncode == 2
+    assert "was removed" not in done.stderr
+
+
+# Each of these takes a third of a second to load, or more.
+HEAVY = ("scipy", "matplotlib", "skimage", "trimesh", "statsmodels", "pingouin")
+AFTER = f"""
+import sys
+from hmdwarp.cli import main
+try:
+    main()
+except SystemExit as left:
+    print("status", left.code)
+from hmdwarp.scenes import load_scene
+print("loaded", [name for name in {HEAVY} if name in sys.modules])
+print("painted", [texture.name for texture in load_scene("room").textures if "image" in vars(texture)])
+"""
+
+
+@pytest.mark.parametrize("arguments", [["plan"], ["study", "plan", "quick"], ["doctor"]], ids=" ".join)
+def test_a_command_that_draws_nothing_loads_no_heavy_library_and_paints_no_texture(arguments):
+    done = subprocess.run(
+        [sys.executable, "-c", AFTER, *arguments], check=False, capture_output=True, text=True, encoding="utf-8"
+    )
+    assert done.stdout.splitlines()[-3:] == ["status 0", "loaded []", "painted []"], done.stderr
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ["replay", "walk", "--warp", "bogus"],
+        ["replay", "walk", "--against", "bogus"],
+        ["replay", "walk", "--predict", "bogus"],
+        ["bench", "walk", "--warp", "bogus"],
+        ["bench", "walk", "--fill", "bogus"],
+    ],
+    ids=" ".join,
+)
+def test_names_are_checked_before_a_scene_is_built(wrong, command, unbuildable, tmp_path):
+    command(*wrong, "--scene", unbuildable, "--out", tmp_path / "out").refused("'bogus': known are")
+
+
+@pytest.fixture
+def unbuildable(monkeypatch):
+    """The name of a scene that fails when it is built."""
+
+    def build() -> Scene:
+        raise InputError("the scene was built")
+
+    source, found = SceneSource("unbuildable", "", build), scenes.get
+    monkeypatch.setattr(scenes, "get", lambda name: source if name == source.name else found(name))
+    monkeypatch.setattr(scenes, "names", lambda: [source.name])
+    return source.name

@@ -16,7 +16,8 @@ from hmdwarp.report import StoredRun
 def stored(tmp_path_factory):
     """Options of a tiny replay, and its folder, recorded as a baseline."""
     folder = tmp_path_factory.mktemp("stored")
-    options = ["--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--against", "none"]
+    options = ["--scene", "planes", "--headset", "rift-dk1", "--size", "48x40", "--seconds", "0.1", "--workers", "0"]
+    options += ["--against", "none"]
     options += ["--metrics-every", "2", "--images", "2", "--quiet"]
     store = ["--out", folder / "first", "--baseline", folder / "run", "--update-baseline"]
     assert not hmdwarp("replay", "look-around", *options, *store).returncode
@@ -116,12 +117,8 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
     assert picture["name"] in page and "absolute difference, x16" in page and 'value="blink"' in page
     assert page.count("data:image/png") == 4  # stored, now, stored again over it, difference
     two = 2 / (48 * 40)  # pixels of a panel
-    for allowed, equal in (
-        ("pixel=3", True),
-        ("pixel=2", False),
-        (f"pixels={100 * two}%", True),
-        ("pixels=0.001", False),
-    ):
+    cases = {"pixel=3": True, "pixel=2": False, f"pixels={100 * two}%": True, "pixels=0.001": False}
+    for allowed, equal in cases.items():
         done = command("diff", out, tmp_path / "other", "--tolerance", f"psnr_db=0.1%, {allowed}")
         assert done.status == (0 if equal else 4), done
     assert command("diff", out, tmp_path / "other", "--tolerance", "figures=1%, pixel=3").out == (
@@ -132,11 +129,12 @@ def test_a_changed_picture_is_found_and_shown_and_a_tolerance_allows_it(command,
 def test_a_summary_alone_is_called_by_its_name(command, stored, tmp_path, monkeypatch):
     _, out = stored
     summary, _ = copied(out, tmp_path / "other", truth=(9, 1))
-    summary["digests"]["frames.csv"] = "0" * 64
+    summary["digests"]["frames.csv"], summary["against"] = "0" * 64, []
     monkeypatch.chdir(tmp_path)
     (tmp_path / "old.json").write_text(json.dumps(summary))
     done = command("diff", "old.json", out)
     assert "differs, and is not kept in old.json" in done.err and "frames.csv differs; old.json has none" in done.out
+    assert "against.0.warp: – -> none" in done.err and "against.0.quality.flip.mean" in done.err
 
 
 def test_what_is_no_replay_is_refused(command, stored, tmp_path):

@@ -61,25 +61,23 @@ def told(found: Finding):
 # --- asking -------------------------------------------------------------------------------------
 
 
-def test_last_whole_line_counts(probe):
-    probe(
-        """echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b", "x": 1}'; printf '{"stage": "c", '"""
-    )
-    assert doctor.run_probe("gl") == {"stage": "b", "x": 1}
-
-
-def test_crash_keeps_what_was_known_and_the_last_words(probe):
-    probe("""echo '{"stage": "instance"}'; echo 'assertion failed' >&2; kill -SEGV $$""")
-    known = doctor.run_probe("openxr")
-    assert (known["stage"], known["error"]) == ("instance", "died")
-    assert "status -11" in known["message"] and "assertion failed" in known["message"]
-
-
-def test_hang_is_ended_and_keeps_what_was_known(probe):
-    probe("""echo '{"stage": "headset", "runtime": "R"}'; exec sleep 600""")
-    known = doctor.run_probe("openxr", seconds=1.0)
-    assert (known["stage"], known["runtime"], known["error"]) == ("headset", "R", "died")
-    assert "no answer within 1 s" in known["message"]
+@pytest.mark.parametrize(
+    ("script", "stage", "error", "words"),
+    [
+        ("""echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b"}'; printf '{"sta'""", "b", None, ()),
+        (
+            """echo '{"stage": "instance"}'; echo 'assertion failed' >&2; kill -SEGV $$""",
+            *("instance", "died", ("status -11", "assertion failed")),
+        ),
+        ("""echo '{"stage": "headset"}'; exec sleep 600""", "headset", "died", ("no answer within 1 s",)),
+    ],
+    ids=["last whole line", "crash", "hang"],
+)
+def test_what_was_known_is_kept_with_the_last_words(probe, script, stage, error, words):
+    probe(script)
+    known = doctor.run_probe("openxr", seconds=1.0 if "sleep" in script else 60.0)
+    assert (known["stage"], known.get("error")) == (stage, error)
+    assert all(word in known["message"] for word in words)
 
 
 # --- OpenXR -------------------------------------------------------------------------------------

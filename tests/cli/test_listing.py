@@ -103,7 +103,7 @@ def test_warps_hold_what_other_systems_do(command):
 def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(command):
     rows = {row["name"]: row for row in json.loads(command("list", "layers", "--json").out)}
     assert list(rows) == layers.names()
-    cube = ["rgba16f", "its own", "17.5 MB for each eye of rift-dk1", "cube", "video"]
+    cube = ["rgba16f", "its own", "168.6 MB for each eye of quest-3", "cube", "video"]
     assert [rows["cube"][key] for key in ("format", "size", "bytes", "drawn_by", "coded_as")] == cube
     assert rows["colour"]["carried"] == "once for each eye, always"
     assert rows["overlay"]["size"] == "of the shown picture"
@@ -205,7 +205,10 @@ def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(c
     assert "the runtime's own eyes, size and rate" in told
     desktop = command("plan", "--scene", "planes", "--fill", "none", "--source", "desktop").done().out
     assert desktop == command("plan", "--scene", "planes", "--fill", "none").done().out
-    assert "lens radial" in desktop
+    assert "Eyes of quest-3" in desktop and "lens radial" not in desktop
+    dk1 = ("plan", "--scene", "planes", "--fill", "none", "--headset", "rift-dk1")
+    assert "lens radial" in (told := command(*dk1, "--source", "desktop").done().out)
+    assert told == command(*dk1).done().out
 
 
 def test_plan_tells_what_is_slow_in_a_scene_and_what_to_do(command, tmp_path):
@@ -220,7 +223,9 @@ def test_plan_tells_what_is_slow_in_a_scene_and_what_to_do(command, tmp_path):
 
 def test_plan_refuses_what_live_refuses(command):
     plan = ("plan", "--scene", "planes", "--source")
-    command(*plan, "openxr", "--lens", "radial").refused("the OpenXR runtime corrects the lens by itself")
+    command(*plan, "openxr", "--headset", "rift-dk1", "--lens", "radial").refused(
+        "the OpenXR runtime corrects the lens by itself"
+    )
     command(*plan, "desktop", "--warp", "auto", "--budget", "5").refused("needs a benchmark")
     command(*plan, "headset").refused("source 'headset'", "openxr")
 

@@ -68,14 +68,24 @@ def test_shader_equals_the_float64_twin_with_an_uneven_guard_band(gpu, name):
 WITHOUT_TWIN = [name for name in [*CHOICES, *SETTINGS] if not has_twin(name)]
 
 
+def steep_world(gpu) -> World:
+    """Floors to the horizon again and again, in each column curved more than in the last."""
+    world = World(gpu, 4, (45, 37))
+    y, x = np.mgrid[:37, :45]
+    steeper = 1.1 + 0.5 * x / 45
+    depth = 1e-4 + 0.05 * (steeper ** (y % 9) - 1) / (steeper - 1)
+    world.inverse_depth = np.where(world.inverse_depth < 0, -1, depth).astype(np.float32).astype(np.float64)
+    world.upload(gpu)
+    return world
+
+
 @pytest.mark.parametrize("name", WITHOUT_TWIN)
 def test_random_worlds_are_warped_as_before(gpu, tmp_path, name):
-    """The last with an uneven guard band. A GPU snaps corners to 1/256 of a pixel: beside edges, a
-    twentieth of noise, it may show another surface."""
-    worlds = [World(gpu, seed, size, shown) for seed, size, shown in ((0, (45, 37), (51, 32)), (3, (31, 17), None))]
-    worlds.append(World(gpu, 6, (30, 24)))
+    """Larger, smaller, with an uneven guard band, and steep. A GPU snaps corners to 1/256 of a
+    pixel: beside edges, a twentieth of noise, it may show another surface."""
+    worlds = [World(gpu, 0, (45, 37), (51, 32)), World(gpu, 3, (64, 48), (29, 23)), World(gpu, 6, (30, 24))]
     worlds[-1].render_wider(gpu, (1.5, 1.1))
-    found = sheet(*((world.warp(gpu, name), None) for world in worlds))
+    found = sheet(*((world.warp(gpu, name), None) for world in (*worlds, steep_world(gpu))))
     assert_golden(f"warps/{name_of(name)}", found, tmp_path, share=1 / 1000 if gpu.is_software else 1 / 20)
 
 

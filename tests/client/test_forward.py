@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from worlds import World
 
 from hmdwarp.client import parse_warp
+from hmdwarp.client.warps import warps
 from hmdwarp.client.warps.forward import ATOMIC64
-from hmdwarp.errors import MachineError
+from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import flatten
 
@@ -105,6 +106,14 @@ def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
     wanted = np.arange(64).reshape(8, 8)
     wanted[:, 7] = -1
     assert np.array_equal(got, wanted)
+
+
+def test_a_shown_picture_beyond_the_room_for_keys_is_refused(gpu):
+    side = gpu.max_texture_size
+    if side * side <= gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // 4:
+        pytest.skip(f"this GPU has room for the keys of its largest picture, {side}x{side}")
+    with pytest.raises(InputError, match="[48] bytes a pixel"):
+        warps.get("forward")(gpu, (16, 16), (side, side))
 
 
 # --- one pass with a 64-bit key -----------------------------------------------------------------

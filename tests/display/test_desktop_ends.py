@@ -139,7 +139,7 @@ def test_minimised_it_waits_and_comes_back(screen, tmp_path):
 
 
 @needs.programs("xrandr")
-def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path):
+def test_full_screen_and_back_to_the_same_place_also_where_it_is_unplugged(screen, tmp_path):
     def plugged(option: str) -> None:
         # Xvfb takes its output off, and then refuses to shrink to nothing, which xrandr asks for
         # besides.
@@ -147,7 +147,8 @@ def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path
         subprocess.run(command, check=False, env=screen.environment, timeout=PATIENCE_S)
 
     with Live(screen, tmp_path, *SMALL) as live:
-        before = live.geometry
+        screen.do("windowmove", live.window, 60, 40)
+        before = until(lambda: live.geometry if live.geometry[:2] == (60, 40) else None, "the window moved")
         live.press("F11")
         until(lambda: live.geometry == (0, 0, *SIZE), "full screen")
         plugged("--off")
@@ -159,6 +160,8 @@ def test_a_full_screen_that_is_unplugged_becomes_a_window_again(screen, tmp_path
             plugged("--auto")
         live.press("F11")
         until(lambda: live.geometry == (0, 0, *SIZE), "full screen again")
+        live.press("F11")
+        until(lambda: live.geometry == before, "the old place again")
         live.press("Escape")
         status, told = live.ended()
     assert status == 0 and "Traceback" not in told

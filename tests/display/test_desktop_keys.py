@@ -6,7 +6,7 @@ import pytest
 
 glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
-from hmdwarp.display import CONTROLS, MOVING, Command, control  # noqa: E402
+from hmdwarp.display import CONTROLS, MOVING, Command, Status, control  # noqa: E402
 from hmdwarp.display.desktop import window_input  # noqa: E402
 from hmdwarp.display.desktop.window_input import BUTTONS, FASTER, MOVES, Keys, direction, token  # noqa: E402
 from hmdwarp.study.dialogs.dialog_panels import CONTROLS as OF_STUDY  # noqa: E402
@@ -65,6 +65,23 @@ def test_the_help_names_everything_and_the_first_picture_how_to_look(monkeypatch
     for listed in CONTROLS:
         assert any(listed.what in line and listed.key.upper() in line.upper() for line in lines), listed
     assert [line.partition("\t")[0] for line in lines[: len(MOVING)]] == ["mouse", "W A S D", "Q E", "shift"]  # first
-    assert KEYS.first_words(looks=True) == ["click to look, H for help"]
-    assert KEYS.first_words(looks=False) == ["H for help"]
+
+
+def test_only_what_the_run_has_is_offered(monkeypatch):
+    monkeypatch.setattr(window_input, "label", str.upper)
+    keys = Keys(CONTROLS)
+    keys.status = Status(has=frozenset({"push"}))
+    needing = {one.name for one in CONTROLS if one.needs}
+    assert needing == {"scene", "lens", "push", "switch", "grab"}
+    pressed = {one.name for one in CONTROLS if keys.command_of(token(one.key), glfw.PRESS, 0) is not None}
+    assert pressed == {one.name for one in CONTROLS} - (needing - {"push"})
+    assert keys.command_of_button(BUTTONS["left"], glfw.PRESS) == Command("push")
+    assert keys.command_of_button(BUTTONS["right"], glfw.PRESS) is None
+    assert len(keys.help_text().splitlines()) == len(CONTROLS) + len(MOVING) - 4
+
+
+def test_the_first_picture_says_how_to_look_and_a_study_s_says_nothing(monkeypatch):
+    monkeypatch.setattr(window_input, "label", str.upper)
+    assert Keys(CONTROLS).first_words(looks=True) == ["click to look, H for help"]
+    assert Keys(CONTROLS).first_words(looks=False) == ["H for help"]
     assert Keys(OF_STUDY).first_words(looks=True) == []

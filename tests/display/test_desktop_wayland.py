@@ -19,33 +19,6 @@ pytestmark = [needs.programs("Xvfb", "xdotool", "weston"), pytest.mark.slow]  # 
 NAME = "hmdwarp-test"
 
 
-class Weston:
-    """A compositor with one window to a screen (its kiosk shell).
-
-    environment: for programs that are to be shown by it.
-    """
-
-    def __init__(self, screen: VirtualScreen, folder) -> None:
-        runtime = folder / "runtime"
-        runtime.mkdir(mode=0o700)
-        here = {**screen.environment, "XDG_RUNTIME_DIR": str(runtime)}
-        command = ["weston", "--backend=x11-backend.so", "--use-pixman", "--shell=kiosk-shell.so", f"--socket={NAME}"]
-        self._process = subprocess.Popen(
-            [*command, "--width=1100", "--height=700", "--idle-time=0"],
-            env=here,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        until(lambda: (runtime / NAME).exists() or self._process.poll() is not None, "Weston's socket")
-        assert self._process.poll() is None, "Weston did not start"
-        here.pop("DISPLAY")
-        self.environment = {**here, "WAYLAND_DISPLAY": NAME, "PYTHONPATH": str(ROOT)}
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait(PATIENCE_S)
-
-
 @pytest.fixture
 def screen(tmp_path):
     folder = tmp_path / "screen"
@@ -56,14 +29,28 @@ def screen(tmp_path):
 
 @pytest.fixture
 def weston(screen, tmp_path):
-    made = Weston(screen, tmp_path)
-    yield made
-    made.kill()
+    """A compositor with one window to a screen (its kiosk shell)."""
+    runtime = tmp_path / "runtime"
+    runtime.mkdir(mode=0o700)
+    command = ["weston", "--backend=x11-backend.so", "--use-pixman", "--shell=kiosk-shell.so", f"--socket={NAME}"]
+    environment, silent = {**screen.environment, "XDG_RUNTIME_DIR": str(runtime)}, subprocess.DEVNULL
+    process = subprocess.Popen(
+        [*command, "--width=1100", "--height=700", "--idle-time=0"], env=environment, stdout=silent, stderr=silent
+    )
+    until(lambda: (runtime / NAME).exists() or process.poll() is not None, "Weston's socket")
+    assert process.poll() is None, "Weston did not start"
+    yield process
+    process.kill()
+    process.wait(PATIENCE_S)
 
 
-def started(weston: Weston, folder, *options: str) -> Program:
-    environment = {**weston.environment, "PYTHONWARNINGS": "error"}
-    return Program(folder, "--source", "desktop", *SMALL, *options, environment=environment)
+@pytest.fixture
+def started(screen, weston, tmp_path):
+    """started(options...) -> a program that Weston shows."""
+    known = {name: value for name, value in screen.environment.items() if name != "DISPLAY"}
+    known |= {"XDG_RUNTIME_DIR": str(tmp_path / "runtime"), "WAYLAND_DISPLAY": NAME, "PYTHONPATH": str(ROOT)}
+    known["PYTHONWARNINGS"] = "error"
+    return lambda *options: Program(tmp_path, "--source", "desktop", *SMALL, *options, environment=known)
 
 
 def shows(screen: VirtualScreen, program: Program, holds, what: str) -> np.ndarray:
@@ -75,11 +62,11 @@ def middle(picture: np.ndarray) -> np.ndarray:
     return picture[100:600, 400:700].astype(int)
 
 
-def test_keys_and_mouse_reach_it_and_escape_ends_it(screen, weston, tmp_path):
+def test_keys_and_mouse_reach_it_and_escape_ends_it(screen, started):
     def apart(picture: np.ndarray) -> float:
         return np.abs(middle(picture) - first).mean()
 
-    with started(weston, tmp_path, "--view", "flat") as program:
+    with started("--view", "flat") as program:
         screen.do("sleep", 5)  # until the first words are gone
         first = middle(shows(screen, program, lambda p: middle(p).min(axis=-1).mean() > 60, "a flat view"))
         screen.do("mousemove", 500, 300, "click", 1, "sleep", 0.5)
@@ -95,8 +82,8 @@ def test_keys_and_mouse_reach_it_and_escape_ends_it(screen, weston, tmp_path):
     assert status == 0 and "the window was closed" in told and "Traceback" not in told
 
 
-def test_a_compositor_that_goes_away_ends_it(screen, weston, tmp_path):
-    with started(weston, tmp_path, "--out", "out") as program:
+def test_a_compositor_that_goes_away_ends_it(screen, weston, started, tmp_path):
+    with started("--out", "out") as program:
         shows(screen, program, lambda p: p[100:600].max(axis=-1).mean() > 40, "pictures")
         weston.kill()
         status, told = program.ended()

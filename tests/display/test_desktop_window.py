@@ -130,18 +130,6 @@ def test_flat_view_and_resizing_keep_the_shape_in_black(live):
     live.shows(lambda p: p.shape[:2] == (480, 768) and min(map(lit, halves(p))) > 0.4, "both eyes again")
 
 
-def test_full_screen_and_back_to_the_same_place(live):
-    live.screen.do("windowmove", live.window, 120, 60)
-    before = until(lambda: live.geometry if live.geometry[:2] == (120, 60) else None, "the window moved")
-    live.screen.do("mousemove", 300, 200)
-    live.press("F11")
-    until(lambda: live.geometry == (0, 0, 1280, 800), "full screen")
-    live.shows(lambda p: lit(p) > 0.4, "pictures over the whole screen")
-    live.press("F11")
-    until(lambda: live.geometry == before, "the old place")
-    live.screen.do("windowmove", live.window, 0, 0)
-
-
 def test_mouse_turns_once_caught_and_escape_lets_it_go(live):
     live.press("v")
     live.shows(flat_view, "one flat view")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
 import os
 import subprocess
@@ -10,7 +9,6 @@ import sys
 
 import pytest
 
-from hmdwarp.cli import _checks as doctor
 from hmdwarp.display import CONTROLS, Status
 from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed
 
@@ -35,13 +33,6 @@ def test_every_number_has_its_step():
     assert STEP.keys() == FORMAT.keys() == {listed.name for listed in CONTROLS if listed.kind == "number"}
 
 
-def test_without_the_package_there_is_no_panel(monkeypatch):
-    for name in [name for name in sys.modules if name.startswith("imgui_bundle")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "imgui_bundle", None)
-    assert not installed()
-
-
 def test_its_packages_leave_the_environment_alone():
     """They would have every program started from here take other libraries."""
     code = (
@@ -52,21 +43,3 @@ def test_its_packages_leave_the_environment_alone():
     for session in ("x11", "wayland"):
         kept = {name: value for name, value in os.environ.items() if not name.startswith("PY") or name == "PYTHONPATH"}
         subprocess.run([sys.executable, "-c", code], check=True, env={**kept, "XDG_SESSION_TYPE": session})
-
-
-def test_the_doctor_tells_of_it(monkeypatch):
-    (check,) = (check for check in doctor.CHECKS if check.name == "extra panel")
-    monkeypatch.setattr(doctor, "CHECKS", [check])
-    monkeypatch.setattr(doctor, "run_probe", lambda question: {})
-
-    def found():
-        (finding,) = doctor.examine()
-        return finding
-
-    assert found().state == doctor.OK and "imgui-bundle" in found().detail
-
-    def absent(name):
-        raise importlib.metadata.PackageNotFoundError(name)
-
-    monkeypatch.setattr(importlib.metadata, "version", absent)
-    assert found().state == doctor.OPTIONAL and found().remedy == PANEL_REMEDY

@@ -102,6 +102,9 @@ def test_what_is_no_pose_is_refused():
     for value in ((1, 2), [[1, 2, 3]], 3.0, "abc", ("1", "x", "2"), (1, (2, 3), 4), None, ()):
         with pytest.raises(InputError, match="3 finite numbers"):
             Pose(value)
+    far = Pose((1.7e308, 0, 0))
+    with pytest.raises(InputError, match="3 finite numbers"), np.errstate(over="ignore"):
+        far @ far
 
 
 def test_a_pose_cannot_be_changed_and_does_not_follow_what_it_was_made_of():

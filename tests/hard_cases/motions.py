@@ -288,6 +288,17 @@ def q_and_minus_q(gpu, name):
     Wants: the same picture bit for bit
     """
     q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
+    pictures = [Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), sign * q)).warp(gpu, name) for sign in (1, -1)]
+    assert np.array_equal(*pictures)
+
+
+@hard_case()
+def unnormalised_quaternion(gpu, name):
+    """What: an orientation of length 1e-3 and of length 1e3
+    Why: trackers and files deliver them; as a matrix they scale the picture
+    Wants: the picture of the unit quaternion, to the last bits of the map
+    """
+    q = np.array(turned((0.3, 1, 0.1), 6).orientation_xyzw)
     unit, *scaled = (
         list(Setting(gpu, SLANTED, Pose((0.02, 0, 0.01), scale * q)).pictures(name)) for scale in (1, 1e-3, 1e3)
     )

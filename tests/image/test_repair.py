@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
-from hmdwarp.errors import UnknownNameError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate
 from hmdwarp.image import usable_warps
 from hmdwarp.sources.repairs import parse_repairs
@@ -106,11 +105,3 @@ def test_textures_are_not_repaired():
         colour, depth = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
         with pytest.raises(InputError, match="repair 'complete' runs on arrays"):
             warper.warp_textures(colour, depth, VIEW, BESIDE)
-
-
-def test_names_and_settings_are_checked():
-    colour, depth = camera_picture()
-    with pytest.raises(UnknownNameError, match="unknown repair 'edge': did you mean 'edges'"):
-        warp_image(colour, depth, VIEW, VIEW, repair="edge")
-    with pytest.raises(InputError, match="least is 2"):
-        warp_image(colour, depth, VIEW, VIEW, repair="complete:least=2")

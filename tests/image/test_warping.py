@@ -300,6 +300,11 @@ def test_depth_that_is_hardly_in_metres_is_said(unit, name):
         UserWarning, match=f"{2 * unit} m away.*0.08 m.*depth_scale={1 / unit:g} takes it as {name}: 2 m"
     ):
         warp_image(colour, metres * unit, view(), near)
+    drawn = np.dstack([colour, np.ones((12, 16))])
+    drawn[5, 6, 3], nearest = 0, metres * unit
+    nearest[5, 6] = 0.5
+    with pytest.warns(UserWarning, match="depth_scale="):
+        warp_image(drawn, nearest, view(), near)  # what is nearer was not drawn
     warp_image(colour, metres, view(), near)
     warp_image(colour, metres * unit, view(), near, depth_scale=1 / unit)
     warp_image(colour, metres * unit, view(), view())
@@ -404,17 +409,6 @@ def test_names_are_checked():
 
 
 # --- several contexts and threads ---------------------------------------------------------------
-
-
-def test_a_replay_before_and_after_changes_nothing(tmp_path):
-    """Each has a context of its own; GL calls that went to the other's gave black pictures."""
-    from replays import run
-
-    colour = halves(np.random.default_rng(16), (9, 7))
-    before = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
-    run(tmp_path, seconds=0.05)
-    after = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
-    assert np.array_equal(before.colour, colour) and np.array_equal(after.colour, colour)
 
 
 def test_threads_take_turns():

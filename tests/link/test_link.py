@@ -1,7 +1,5 @@
-"""The link against what it promises, whatever the network does.
-
-A model that remembers everything recomputes what should have come.
-"""
+"""The link against what it promises, whatever the network does. A model that remembers everything
+recomputes what should have come."""
 
 from __future__ import annotations
 
@@ -29,10 +27,8 @@ def constant(latency_ns: int, *callbacks) -> Link:
 
 @attrs.define
 class Sent:
-    """What the test knows of a frame.
-
-    When it arrives (None: never), and whether anything it builds on is missing.
-    """
+    """What the test knows of a frame. When it arrives (None: never), and whether anything it builds
+    on is missing."""
 
     ready_ns: int | None
     usable: bool
@@ -44,10 +40,8 @@ class Sent:
 
 
 class AgainstAModel(RuleBasedStateMachine):
-    """Frames are numbers in the order they were sent.
-
-    Nothing of the link's own book-keeping is read to judge it.
-    """
+    """Frames are numbers in the order they were sent. Nothing of the link's own book-keeping is
+    read to judge it."""
 
     @initialize(bandwidth=BANDWIDTHS, decodes=st.booleans(), stages=st.booleans())
     def start(self, bandwidth, decodes, stages):
@@ -234,10 +228,8 @@ JITTERS = st.one_of(
     st.booleans(),
 )
 def test_it_holds_what_can_be_under_way_and_no_more_however_long(options, latency_ns, rate_hz, start_ns, size, decodes):
-    """One frame and one question a refresh, 600 of them.
-
-    The bound is of the number alone, frames may be of any size.
-    """
+    """One frame and one question a refresh, 600 of them. The bound is of the number alone, frames
+    may be of any size."""
     link = options.link(latency_ns, receive=(lambda frame: True) if decodes else None)
     most, bound = 0, options.most_under_way(latency_ns, rate_hz)
     for number in range(600):
@@ -277,10 +269,8 @@ def test_faults_of_the_caller():
     st.integers(0, 200), st.integers(0, 200), st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(0, 30)
 )
 def test_a_change_of_delay_is_for_what_is_sent_from_then_on(first, second, steps, at):
-    """A window's slider, or a controller's.
-
-    Frames under way arrive as they would have, and what is shown never goes back.
-    """
+    """A window's slider, or a controller's. Frames under way arrive as they would have, and what is
+    shown never goes back."""
     link, now, due = constant(first), 0, []
     for number, step in enumerate(steps):
         if number == at:

@@ -5,7 +5,6 @@ As a program of its own, as users start it, or in this process, with every refre
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +12,6 @@ import display.programs
 
 import hmdwarp.run.live_run as driver
 from hmdwarp.pipeline import Refresh
-from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, LiveResult
 
 SMALL = (96, 120)
@@ -90,20 +88,3 @@ class Program(display.programs.Program):
     def __init__(self, folder: Path, *options: str) -> None:
         usual = ("--source", "openxr", "--scene", "planes", "--size", "x".join(map(str, SMALL)), "--latency", "60")
         super().__init__(folder, *usual, "--fill", "none", "--samples", "1", "--record", "head.csv", *options)
-
-
-def many_frames(here: Here, out: Path, count: int, graphics: str) -> None:
-    """Run so many, and check what came of them. graphics: how they are to be drawn."""
-    ages, heads = [], []
-
-    def after(_: int) -> None:
-        refresh = here.watched.shown.pop()
-        ages.append(refresh.age_ns)
-        heads.append(refresh.head.time_ns)
-
-    summary = here.run(quick(pictures=count, latency_ms=175.0, out=out), after).summary
-    validate_summary(json.loads((out / "summary.json").read_text(encoding="utf-8")))
-    assert here.watched.about["graphics"] == graphics
-    assert summary["frames"] == len(ages) == count
-    assert min(ages) >= 175e6
-    assert len(set(heads)) == count and heads == sorted(heads)

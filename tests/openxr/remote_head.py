@@ -16,12 +16,12 @@ from hmdwarp.geometry import Fov, Pose
 PORT = 4242
 
 
-class _Quaternion(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_float) for name in ("x", "y", "z", "w")]
+def _floats(*names: str) -> type[ctypes.Structure]:
+    return type("Floats", (ctypes.Structure,), {"_fields_": [(name, ctypes.c_float) for name in names]})
 
 
-class _Vector(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_float) for name in ("x", "y", "z")]
+_Vector, _Quaternion = _floats("x", "y", "z"), _floats("x", "y", "z", "w")
+_Fov = _floats("left", "right", "up", "down")
 
 
 class _Pose(ctypes.Structure):
@@ -30,10 +30,6 @@ class _Pose(ctypes.Structure):
     def put(self, pose: Pose) -> None:
         self.orientation = _Quaternion(*pose.orientation_xyzw)
         self.position = _Vector(*pose.position_m)
-
-
-class _Fov(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_float) for name in ("left", "right", "up", "down")]
 
 
 class _View(ctypes.Structure):

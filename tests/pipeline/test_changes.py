@@ -42,9 +42,8 @@ def turned(position, rotvec) -> Pose:
 
 def bounds(gpu, scene, view: View, *later: tuple[View, int], known=None, drawn=None):
     """What has changed since a frame of a view, in pixels, by a later view and instant of each.
-
-    known: the scene as the sender has it. drawn: another to draw. With the frame's eye and depth.
-    """
+    known: the scene as the sender has it. drawn: another to draw. With the frame's eye and
+    depth."""
     with closing(Server(gpu, drawn or scene)) as server:
         changes = Changes(known or scene)
         eye = server.draw(view, SIZE, time_ns=0)

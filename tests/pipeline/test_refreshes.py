@@ -1,7 +1,4 @@
-"""Which refreshes a run has.
-
-Counted right at both ends, no frame early, none lost, none older than it must be.
-"""
+"""Which refreshes a run has, also beside a server at a rate of its own, and how old frames are."""
 
 from __future__ import annotations
 
@@ -11,12 +8,14 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from replays import run, small
+from replays import rows_of, run, small
 
 from hmdwarp.errors import InputError
+from hmdwarp.frames import Needs
 from hmdwarp.link import Link, LinkOptions
-from hmdwarp.pipeline.sizes import refreshes_of
+from hmdwarp.pipeline.sizes import frames_held, refreshes_of
 from hmdwarp.poses import PoseTrack
+from hmdwarp.run import set_up_replay
 from hmdwarp.run.replay_setup import schedule_of
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
@@ -28,10 +27,8 @@ def track(seconds: float) -> PoseTrack:
 
 
 def shown_ages(times, latency_ms: float) -> list[int | None]:
-    """What the loop would show.
-
-    The age of the newest frame at every shown refresh, in ns, None where none has arrived.
-    """
+    """What the loop would show. The age of the newest frame at every shown refresh, in ns, None
+    where none has arrived."""
     link: Link[int] = LinkOptions().link(times.link_latency_ns(small(latency_ms=latency_ms)))
     ages = []
     for number, now_ns in times.numbered():
@@ -94,10 +91,8 @@ def test_ages_people_would_expect(latency_ms, rate_hz, age):
 
 @pytest.mark.parametrize(("seconds", "count"), [(1.0, 60), (0.5, 30), (100.0, 108), (None, 108), (0.0001, 1)])
 def test_counts_at_the_end_of_the_trace(seconds, count):
-    """2 s of trace less 200 ms until the first frame arrives.
-
-    1.8 s, 108 refreshes of 60 Hz, the last one period before the end.
-    """
+    """2 s of trace less 200 ms until the first frame arrives. 1.8 s, 108 refreshes of 60 Hz, the
+    last one period before the end."""
     times = schedule_of(track(2.0), small(seconds=seconds), 60.0)
     shown = [at for number, at in times.numbered() if number >= 0]
     assert len(shown) == count
@@ -137,3 +132,48 @@ def test_rows_of_a_run_have_that_age_up_to_the_end_of_its_trace(latency_ms, age_
     # The instants are whole nanoseconds.
     assert all(row["age_ms"] == pytest.approx(age_ms, abs=2e-6) and row["drawn_ns"] >= 0 for row in rows)
     assert {row["pose_origin"] for row in rows} <= {"measured", "interpolated"}
+
+
+def at(rate_hz: float | None) -> LinkOptions:
+    return LinkOptions(server_rate_hz=rate_hz)
+
+
+@pytest.mark.parametrize(("rate_hz", "drawn", "step_ms"), [(30.0, 18, 1000 / 30), (25.0, 15, 40.0), (10.0, 6, 100.0)])
+def test_a_slow_server_leaves_each_frame_on_the_screen_for_longer(tmp_path, rate_hz, drawn, step_ms):
+    """0.5 s of refreshes, and 0.1 s before the first of them."""
+    frames = run(tmp_path, latency_ms=100.0, network=at(rate_hz)).summary["link"]["frames"]
+    assert (frames["drawn"], frames["never_shown"]) == (drawn, 0)
+    rows = [row for row in rows_of(tmp_path) if row["eye"] == "0"]
+    times = sorted({int(row["drawn_ns"]) for row in rows})
+    assert np.diff(times) * 1e-6 == pytest.approx([step_ms] * (len(times) - 1), abs=2e-6)
+    ages = [float(row["age_ms"]) for row in rows]
+    # A frame stays until the first refresh that has the next one.
+    assert min(ages) >= 100 - 1e-3 and max(ages) < 100 + step_ms + 1000 / 60
+
+
+def test_a_server_faster_than_the_display_draws_in_vain_and_shows_younger_frames(tmp_path):
+    found = {hz: run(tmp_path / f"{hz:g}", latency_ms=20.0, network=at(hz)).summary for hz in (60.0, 150.0)}
+    frames = found[150.0]["link"]["frames"]
+    assert found[60.0]["link"]["frames"]["never_shown"] == 0
+    assert frames["shown"] <= 31, "one for each refresh at most"
+    assert frames["never_shown"] == frames["superseded"] > 40
+    assert found[150.0]["link"]["mbit_s"] == pytest.approx(2.5 * found[60.0]["link"]["mbit_s"], rel=0.05)
+    ages = {hz: np.mean([float(row["age_ms"]) for row in rows_of(tmp_path / f"{hz:g}")]) for hz in found}
+    assert ages[150.0] < ages[60.0] - 5, "20 ms are two refreshes of 60 Hz, and four periods of 150 Hz"
+    assert found[150.0]["server_rate_hz"] == 150.0
+
+
+@pytest.mark.parametrize("rate_hz", [None, 10.0, 25.0, 30.0, 60.0, 150.0])
+@pytest.mark.parametrize("latency_ms", [0.0, 20.0, 100.0])
+def test_no_more_frames_are_held_than_there_is_room_for(rate_hz, latency_ms):
+
+    options = small(latency_ms=latency_ms, network=at(rate_hz))
+    most = 0
+    with set_up_replay(options) as setup:
+        for number, now_ns in setup.schedule.numbered():
+            for instant_ns in setup.channel.due(now_ns):
+                setup.loop.draw_at(instant_ns)
+                most = max(most, len(setup.channel.link))
+            if number >= 0:
+                assert setup.loop.show(now_ns) is not None
+    assert most <= frames_held(options, 60.0, Needs())

@@ -59,10 +59,8 @@ def test_a_live_run_is_as_old(tmp_path):
     [*((f"{stage}=40", 3) for stage in ("render", "encode", "decode")), ("render=15,encode=15,decode=15", 1)],
 )
 def test_the_slowest_stage_sets_the_pace(tmp_path, stages, refreshes):
-    """40 ms of work: a frame at every third refresh of 60 Hz, whichever stage it is.
-
-    They work on different frames at once: with 15 ms each one comes at every refresh all the same.
-    """
+    """40 ms of work: a frame at every third refresh of 60 Hz, whichever stage it is. They work on
+    different frames at once: with 15 ms each one comes at every refresh all the same."""
     frames = run(tmp_path, latency_ms=20.0, network=network(f"sum:{stages}")).summary["link"]["frames"]
     drawn = np.diff(sorted({int(row["drawn_ns"]) for row in rows_of(tmp_path)})) * 1e-6
     assert drawn == pytest.approx([refreshes * PERIOD_MS] * len(drawn), abs=2e-6)

@@ -1,8 +1,6 @@
 """Every strategy in a room where all moves, turns or appears, over a link that loses and reorders.
-
 What crosses and when is compared with an account kept here; what is drawn, with a scene that stands
-still as it was at that instant, so that no clock of the renderer's is trusted.
-"""
+still as it was at that instant, so that no clock of the renderer's is trusted."""
 
 from __future__ import annotations
 

@@ -309,9 +309,6 @@ def test_options_that_cannot_be_are_refused(wrong):
 TABLE = rows(TRACK)
 
 
-# columns
-
-
 @pytest.mark.parametrize("text", ["t=1,p=2+3+4,q=5+6+7+8", "q=a4+a5+a6+a7,t=a0,p=a1+a2+a3", "p=2+a2+4,q=5+6+7+8,t=1"])
 def test_stated_columns_are_read_by_name_or_number(tmp_path, text):
     path = write(tmp_path / "c.csv", TABLE, ",".join(f"a{i}" for i in range(8)))
@@ -323,9 +320,6 @@ def test_stated_columns_follow_the_stated_order(tmp_path):
     path = write(tmp_path / "c.csv", rows(TRACK, "wxyz"), header="")
     options = TraceOptions(columns="t=1,p=2+3+4,q=5+6+7+8", quat_order="wxyz")
     assert same_motion(load_trace(path, options).track, TRACK)
-
-
-# devices
 
 
 def of_devices(*names: str, zero: str = "") -> list[list[str]]:
@@ -350,17 +344,11 @@ def test_the_stated_device_is_read(tmp_path):
     assert "leave --device out" in refusal(write(tmp_path / "n.csv", TABLE), device="head")
 
 
-# JSON
-
-
 @pytest.mark.parametrize("text", ["[1, 2, 3]", "{}", '{"poses": []}', "[{", '{"a": 1}'])
 def test_json_without_poses_is_refused(tmp_path, text):
     path = tmp_path / "poses.json"
     path.write_text(text)
     assert refusal(path)
-
-
-# clocks
 
 
 # angles and matrices

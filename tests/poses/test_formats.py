@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from published_folders import write_colmap
-from recorded_folders import taken
+from recorded_folders import taken, write_colmap
 from regenerate import assumed_list
 from ros_bags import HAS_ROSBAGS, write_ros1
 from scipy.spatial.transform import Rotation
@@ -226,7 +225,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
 
 
 for _name, _format in re.findall(r"^# (.+)\nformat: (.+)$", GOLDEN.read_text(encoding="utf-8"), re.M):
-    if _name not in STATED:
+    if not STATED.get(_name, {}).keys() - {"count", "late_ns", "lost"}:
         SAMPLES.setdefault(_format, lambda _, name=_name: FILES / name)
 
 

@@ -38,9 +38,6 @@ def angle(gaze) -> float:
     return math.degrees(math.atan2(-gaze[0], -gaze[2]))
 
 
-# --- between samples ----------------------------------------------------------------------------
-
-
 def test_a_slow_eye_is_interpolated_and_a_leap_is_not():
     looked = track([towards(0), towards(0.8), towards(9), towards(9.2)])  # 80 and 820 degrees a second
     assert angle(looked.at(5 * MS).gaze) == pytest.approx(0.4, abs=1e-4)  # a chord's middle is the arc's
@@ -69,9 +66,6 @@ def test_a_track_without_gaze_has_none_and_other_samples_lose_it():
 def test_what_is_no_direction_is_refused(wrong):
     with pytest.raises(TraceError, match="gaze"):
         PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1]], gaze=np.array(wrong, float))
-
-
-# --- prediction ---------------------------------------------------------------------------------
 
 
 def test_a_pursuit_goes_on_and_everything_else_is_held():
@@ -114,9 +108,6 @@ def test_a_predicted_head_looks_where_the_eyes_last_did(method, now):
         return
     known = seen.pose(last).rotation_matrix @ seen.gaze[last]
     assert predicted.pose.rotation_matrix @ predicted.gaze == pytest.approx(known, abs=1e-9)
-
-
-# --- files --------------------------------------------------------------------------------------
 
 
 def test_a_native_file_has_it_bit_for_bit_and_0_where_it_is_not_known(tmp_path):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from published_folders import write_colmap
-from recorded_folders import taken
+from recorded_folders import taken, write_colmap
 from ros_bags import BEGINS_NS, FIRST_TF, HAS_ROSBAGS, Messages, logged, write_bag
 
 from hmdwarp.errors import TraceError

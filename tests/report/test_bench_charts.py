@@ -108,12 +108,6 @@ def test_each_point_stands_on_the_interval_of_its_mean(measure):
     assert drawn == sorted(tuple(row["quality"][measure]["interval"]) for row in case.rows)
 
 
-def test_the_same_data_give_the_same_chart():
-    case = one_case(warps=("none", "forward", "backward"))
-    for make in (lambda: pareto_chart(case), lambda: regions_chart(case), lambda: [*all_charts()][-1]):
-        assert make() == make()
-
-
 @pytest.mark.parametrize("measure", ["flip", "psnr_db"])
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_few_points_or_none(count, measure):

@@ -39,9 +39,8 @@ def test_rows_without_a_value_are_left_out():
     assert series.time_s.tolist() == [0, 2] and series.value.tolist() == [25, 50]
 
 
-def svg(rows=None, *labels):
-    rows = some_rows() if rows is None else rows
-    return time_series([Series.of(label, rows, "flip") for label in labels or ("forward",)], "unit")
+def svg(rows):
+    return time_series([Series.of("forward", rows, "flip")], "unit")
 
 
 def test_a_long_run_makes_no_larger_page():

@@ -84,13 +84,6 @@ def test_places_that_cannot_be_written(write, tmp_path):
     assert everything_below(tmp_path) == {"file", "folder"}
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
-def test_a_full_disk_is_a_machine_error(tmp_path):
-    with pytest.raises(MachineError, match="make room"), atomic(tmp_path / "out"), Path("/dev/full").open("wb") as full:
-        full.write(bytes(10))
-    assert everything_below(tmp_path) == set()
-
-
 def interrupted(path: Path) -> None:
     with atomic(path) as temporary:
         temporary.write_bytes(b"half")

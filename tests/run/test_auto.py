@@ -225,7 +225,7 @@ def test_a_live_run_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, mon
     monkeypatch.setattr("hmdwarp.run.run.Compensator", Busy)
     rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
     options = {"warp": "auto", "budget_ms": 100.0, "bench": a_bench(tmp_path / "b.json", rows)}
-    live = LiveOptions(scene="planes", latency_ms=50.0, pictures=180, **options)
+    live = LiveOptions(scene="planes", headset="rift-dk1", latency_ms=50.0, pictures=180, **options)
     changes = run_on(monkeypatch, OffscreenDisplay(gpu=gpu), live).summary["live"]["changes"]
     assert [list(change["what"]) for change in changes] == [["warp", "fill"]] * 2
     assert "over the budget" in changes[0]["reason"] and "expected within 95%" in changes[1]["reason"]
@@ -238,7 +238,7 @@ def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
     rows = [a_row("none", "none", 1e-4, 0.3), a_row("forward", "interpolate", 2e-4, 0.1)]
     asked = {20: [Command("latency", 60.0)], 30: [Command("guard", 1.25)]}
     options = {"warp": "auto", "budget_ms": 1e-3, "bench": a_bench(tmp_path / "b.json", rows)}
-    live = LiveOptions(scene="planes", latency_ms=50.0, pictures=50, **options)
+    live = LiveOptions(scene="planes", headset="rift-dk1", latency_ms=50.0, pictures=50, **options)
     summary = run_on(monkeypatch, OffscreenDisplay(gpu=gpu, asked=asked), live).summary
     told = [(*change["what"], "over the budget" in change["reason"]) for change in summary["live"]["changes"]]
     down = ("warp", "fill", True)

@@ -282,7 +282,9 @@ def test_a_refusal_is_there_until_it_was_read(flat, monkeypatch):
 def test_in_a_run_the_refusal_stands_over_the_pictures_which_go_on(monkeypatch):
     asked = {3: [Command("warp", "multi")], 5: [Command("warp", "backward")]}
     display = OffscreenDisplay(view="flat", asked=asked, keeps=True)
-    options = LiveOptions(scene="planes", latency_ms=0, warp="forward", fill="none", view="flat", pictures=8)
+    options = LiveOptions(
+        scene="planes", headset="rift-dk1", latency_ms=0, warp="forward", fill="none", view="flat", pictures=8
+    )
     run_on(monkeypatch, display, options)
     assert [ONE_EYE in label for label in display.labels] == [False] * 4 + [True] * 4
     assert len(display.said) == 1

@@ -189,7 +189,9 @@ def test_what_a_controller_holds_follows_it_and_not_the_head(monkeypatch, tmp_pa
 
 def test_a_scene_that_does_not_react_says_so_and_a_run_without_inputs_writes_none(monkeypatch, tmp_path):
     display = OffscreenDisplay(asked={3: [Command("push")]}, events=closed_at(6))
-    options = LiveOptions(scene="planes", latency_ms=0, warp="none", fill="none", record=tmp_path / "head.csv")
+    options = LiveOptions(
+        scene="planes", headset="rift-dk1", latency_ms=0, warp="none", fill="none", record=tmp_path / "head.csv"
+    )
     result = run_on(monkeypatch, display, options)
     assert any("scene 'planes' does not react to what people do: expected playroom" in line for line in display.said)
     assert "input" not in result.summary and not (tmp_path / "head.input.csv").exists()

@@ -40,7 +40,9 @@ def test_a_refresh_makes_nothing_on_the_gpu(gpu, monkeypatch, chosen):
     display = OffscreenDisplay(gpu=gpu, size=(64, 80))
     seen: dict[int, tuple[Counter[str], int]] = {}
     with counting_made() as made:
-        options = LiveOptions(**{"samples": 1, **chosen}, latency_ms=100, pictures=WARM + THEN_ON_GPU)
+        options = LiveOptions(
+            **{"headset": "rift-dk1", "samples": 1, **chosen}, latency_ms=100, pictures=WARM + THEN_ON_GPU
+        )
         run_on(
             monkeypatch,
             display,
@@ -76,7 +78,7 @@ def test_a_refresh_leaves_no_objects_behind(gpu, monkeypatch, tmp_path, beside):
             gc.collect()
             blocks[number] = sys.getallocatedblocks()
 
-    options = LiveOptions(scene="planes", latency_ms=50, size=(16, 20), pictures=end, **written)
+    options = LiveOptions(scene="planes", headset="rift-dk1", latency_ms=50, size=(16, 20), pictures=end, **written)
     run_on(monkeypatch, OffscreenDisplay(gpu=gpu), options, after=after)
     # Numbers at one instant differ by what is just under way, a pose more or less; one object that
     # stays each time would be 2 * THEN.

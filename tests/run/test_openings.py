@@ -94,18 +94,13 @@ def test_a_display_is_told_what_it_must_know():
 
 
 def live(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
-    """hmdwarp live as a program, without any runtime."""
-    return python("-m", "hmdwarp", "live", *arguments, screen=screen, tmp_path=tmp_path)
-
-
-def python(*arguments: str, screen: bool, tmp_path: Path) -> subprocess.CompletedProcess[str]:
-    """Before a virtual screen or without any."""
+    """hmdwarp live as a program, without any runtime, before a virtual screen or without any."""
     kept = tmp_path / "screen"
     kept.mkdir()
     with VirtualScreen(kept) if screen else nullcontext() as shown:
         environment = shown.environment if shown is not None else os.environ
         environment = {**environment, "PYTHONPATH": str(ROOT), "XR_RUNTIME_JSON": str(tmp_path / "nowhere.json")}
-        command = [sys.executable, *arguments]
+        command = [sys.executable, "-m", "hmdwarp", "live", *arguments]
         return subprocess.run(
             command, check=False, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=PATIENCE_S
         )

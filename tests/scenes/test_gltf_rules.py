@@ -1,9 +1,11 @@
-"""A glTF file is drawn as its specification says: backs, emission, hidden nodes and pictures."""
+"""A glTF file is drawn as its specification says, and all of it arrives, or its loss is said."""
 
 from __future__ import annotations
 
 import io
 import json
+import sys
+from contextlib import nullcontext
 
 import attrs
 import numpy as np
@@ -11,13 +13,15 @@ import pytest
 from PIL import Image
 from worlds import read
 
+from hmdwarp.client.effects import effects
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import _gltf_nodes, load_scene, only_light, partial_scene, reduced, unlit
+from hmdwarp.scenes import _gltf_nodes, _gltf_scene, load_scene, only_light, partial_scene, reduced, unlit
 from hmdwarp.sources.server import Server
 
-from .glb import IN_PLACE, Glb
+from .glb import IN_PLACE, SQUARE, Glb
 
 BLACK, RED = {"baseColorFactor": [0, 0, 0, 1]}, {"baseColorFactor": [1, 0, 0, 1]}
 # Colours are half floats of at most 4; bytes of textures are exact to half of one in 255.
@@ -204,3 +208,232 @@ def test_keys_of_animations_and_places_of_chains_are_bounded(tmp_path, monkeypat
     walk["samplers"] = [{"input": glb.numbers(times), "output": glb.numbers(places)}]
     with pytest.raises(SceneError, match="more keys in all than the file has bytes"):
         glb.load(tmp_path)
+
+
+S = 1_000_000_000
+NOTHING = Needs()
+
+
+def glass_of(colour, transmission: float, metallicFactor: float = 0.0) -> dict:  # noqa: N803 (a name of glTF)
+    return {
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": transmission}},
+        "pbrMetallicRoughness": {"baseColorFactor": list(colour), "metallicFactor": metallicFactor},
+    }
+
+
+@pytest.mark.parametrize("picture", [None, (200, 120, 250, 128)])
+@pytest.mark.parametrize(
+    "glass",
+    [
+        ((0.0, 0.0, 0.0, 0.25), 0.9, 0.0, "BLEND"),  # nearly opaque black for long; at least 75 % pass
+        ((0.2, 0.9, 0.4, 0.25), 1.0, 0.0, "BLEND"),
+        ((0.2, 0.9, 0.4, 0.6), 0.3, 0.5, "BLEND"),
+        ((0.2, 0.9, 0.4, 0.6), 0.9, 1.0, "BLEND"),
+        ((0.0, 0.0, 0.0, 0.25), 1.0, 1.0, "BLEND"),  # a metal by glTF's default: 75 % pass
+        ((0.2, 0.9, 0.4, 0.6), 0.0, 0.0, "BLEND"),
+        ((0.2, 0.9, 0.4, 1.0), 0.7, 0.0, "OPAQUE"),
+    ],
+)
+def test_glass_lets_pass_what_gltf_says(tmp_path, gpu, glass, picture):
+    """A pane before a wall, against the same two things drawn alone.
+
+    By glTF alpha is coverage: what it leaves free passes. Of what it covers, the transmission
+    passes, coloured by base colour and texture, the rest is the surface's own; metal lets nothing.
+    Source: Khronos 2021, KHR_materials_transmission.
+    """
+    colour, transmission, metallic, mode = glass
+    wall = {"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.5, 0.3, 1], "metallicFactor": 0}}
+
+    def drawn(pane: dict | None, needs: Needs = NOTHING) -> dict[str, np.ndarray]:
+        glb = Glb()
+        glb.header["materials"] = [wall, pane or wall]
+        glb.primitive["material"] = 0
+        glb.header["meshes"].append({"primitives": [glb.primitive | {"material": 1}]})
+        glb.header["nodes"].append({"mesh": 1, "translation": [0, 1, -2.5]})
+        if pane is not None:
+            glb.header["scenes"][0]["nodes"].append(1)
+        if picture is not None and pane is not None:
+            pane["pbrMetallicRoughness"]["baseColorTexture"] = glb.texture(np.full((8, 8, 4), picture, np.uint8))
+        server = Server(gpu, glb.load(tmp_path))
+        eye = server.draw_frame([View(Pose((0, 1, 0)), Fov.symmetric(0.3, 0.3))], 0, (8, 8), needs=needs).eyes[0]
+        found = {"colour": read(eye.colour)[..., :3]}
+        if needs:
+            layer = eye["transparent"]
+            found |= {"veil": read(layer.veil.colour)[..., :3], "passing": read(layer.passing)[..., :3]}
+        server.close()
+        return found
+
+    texel, cover = np.ones(3), colour[3]
+    if picture is not None:
+        texel = linear_from_srgb(np.array(picture[:3]) / 255)
+        cover *= picture[3] / 255 if mode != "OPAQUE" else 1
+    through = transmission * (1 - metallic)
+    passing = 1 - cover + cover * through * np.array(colour[:3]) * texel
+    behind, solid = (drawn(pane)["colour"] for pane in (None, glass_of((*colour[:3], 1.0), 0.0)))
+    expected = passing * behind + cover * (1 - through) * solid
+    material = glass_of(colour, transmission, metallicFactor=metallic) | {"alphaMode": mode}
+    # Light is at most 1, bytes of textures are exact to half of one in 255; half floats to 2^-11.
+    assert np.abs(drawn(material)["colour"] - expected).max() < 2e-3
+    layers = drawn(material, Needs(transparent=True))
+    assert np.abs(layers["passing"] - passing).max() < 1e-3
+    assert np.abs(layers["passing"] * behind + layers["veil"] - expected).max() < 2e-3
+    assert passing.min() >= 1 - cover - 1e-9
+
+
+def test_an_obj_says_by_d_how_much_it_dissolves(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl glass\nKd 0.2 0.4 0.6\nd 0.3\n")
+    corners = "\n".join(f"v {x} {y} {z}" for x, y, z in SQUARE)
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}\nusemtl glass\nf 1 2 3\nf 1 3 4\n")
+    scene = load_scene(tmp_path / "a.obj")
+    assert effects.of(scene) == ("transparency",) and scene.meshes[0].material.opacity == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("kind", ["LINEAR", "CUBICSPLINE"])
+def test_velocities_are_those_of_the_poses(tmp_path, kind):
+    """Of a node below another that turns too: by differences of the poses a microsecond apart."""
+    rng = np.random.default_rng(4)
+    glb = Glb()
+    glb.header["nodes"].append({"name": "arm", "children": [0], "translation": [1, 0, 0], "scale": [2, 2, 2]})
+    glb.header["scenes"][0]["nodes"] = [1]
+    each = 3 if kind == "CUBICSPLINE" else 1
+    for node in (0, 1):
+        turns = rng.normal(size=(3 * each, 4))
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True) if each == 1 else 1
+        glb.animate("rotation", (0, 1, 3), turns, kind, node).animate(
+            "translation", (0, 2), rng.normal(size=(2 * each, 3)), kind, node
+        )
+    motion = glb.load(tmp_path).bodies[0].motion
+    for t in (0.3, 0.7, 1.4, 2.6):
+        before, at, after = (motion.state(round(t * S) + step) for step in (-1000, 0, 1000))
+        velocity = (after.pose.position_m - before.pose.position_m) / 2e-6
+        spin = (after.pose.rotation * before.pose.rotation.inv()).as_rotvec() / 2e-6
+        # Positions of some metres keep 1e-16 of that: 1e-9 m/s over 2 us. The error of a central
+        # difference is far smaller.
+        assert np.allclose(at.velocity_m_s, velocity, atol=1e-5)
+        assert np.allclose(at.angular_velocity_rad_s, spin, atol=1e-5)
+
+
+DRACO, INSTANCING = "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing"
+
+
+def world(scene) -> np.ndarray:
+    """(n, 3) all vertices in the world, in their order."""
+    return np.concatenate([mesh.positions for mesh in scene.meshes]) + scene.origin_m
+
+
+def needing(*names: str) -> Glb:
+    glb = Glb()
+    glb.header |= {"extensionsUsed": list(names), "extensionsRequired": list(names)}
+    return glb
+
+
+def packed(points: np.ndarray, faces: np.ndarray, bytes_of=None) -> Glb:
+    """The square's file with its numbers in Draco's packing alone."""
+    draco = pytest.importorskip("DracoPy", reason="the extra 'draco' is not installed")
+    data = draco.encode(points, faces.astype(np.uint32), quantization_bits=16) if bytes_of is None else bytes_of
+    glb = needing(DRACO)
+    for number in (glb.primitive["attributes"]["POSITION"], glb.primitive["indices"]):
+        del glb.header["accessors"][number]["bufferView"]
+    del glb.primitive["attributes"]["TEXCOORD_0"]
+    glb.primitive["extensions"] = {DRACO: {"bufferView": glb.view(data), "attributes": {"POSITION": 0}}}
+    return glb
+
+
+def test_draco_is_unpacked(tmp_path):
+    scene = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).load(tmp_path)
+    assert scene.triangle_count == 2
+    # The node stands at (0, 1, -3); 16 bits over 2 m are 31 micrometres.
+    found = {tuple(corner) for corner in (world(scene) - (0, 1, -3)).round(3) + 0.0}
+    assert found == {tuple(corner) for corner in SQUARE}
+
+
+def test_damaged_draco_data_are_refused(tmp_path):
+    with pytest.raises(SceneError, match="Draco data cannot be decoded"):
+        packed(SQUARE, np.array([(0, 1, 2)]), b"DRACO but not really").load(tmp_path)
+
+
+@pytest.mark.parametrize("level", [0, 1, 7])
+def test_draco_data_are_refused_by_what_they_say_that_they_unpack_to(tmp_path, level):
+    """Nothing of 4 points and 2 faces is unpacked once they say that they are 30 million."""
+    draco, count = pytest.importorskip("DracoPy", reason="the extra 'draco' is not installed"), b"\x80\x87\xa7\x0e"
+    faces = np.array([(0, 1, 2), (0, 2, 3)])
+    data = draco.encode(SQUARE, faces.astype(np.uint32), quantization_bits=16, compression_level=level)
+    for number, at in enumerate((11, 12) if level == 0 else (13, 12)):
+        assert data[at] == (2, 4)[number]
+        said = (12, 32)[number] * 30_000_000 + (4 * 32, 2 * 12)[number]
+        with pytest.raises(SceneError, match=f"{said} bytes, unpacked, of Draco; expected at most 134217728"):
+            packed(SQUARE, faces, data[:at] + count + data[at + 1 :]).load(tmp_path)
+
+
+def test_without_the_library_draco_is_refused_with_the_extra_to_install(tmp_path, monkeypatch):
+    """Its accessors have no numbers of their own, so all vertices would be zero."""
+    monkeypatch.setitem(sys.modules, "DracoPy", None)
+    with pytest.raises(SceneError, match=r"pip install '\.\[draco\]'.*'gltf-transform copy thing.glb thing-plain"):
+        needing(DRACO).load(tmp_path)
+
+
+def test_vertices_of_morph_targets_count_as_the_scene_s(tmp_path, monkeypatch):
+    """Many may share one list of numbers."""
+    glb, change = Glb(), {"POSITION": 0}
+    monkeypatch.setattr(_gltf_scene, "MOST_TRIANGLES", 20)
+    for count, refuses in ((20, False), (21, True)):
+        glb.primitive["targets"], glb.header["meshes"][0]["weights"] = [change] * count, [1.0] * count
+        with pytest.raises(SceneError, match="vertices of morph targets") if refuses else nullcontext():
+            glb.load(tmp_path)
+
+
+@pytest.mark.parametrize("inside", [True, False], ids=["data URIs", "files beside it"])
+def test_a_gltf_is_read_with_its_bytes_and_pictures(tmp_path, inside):
+    glb, picture = Glb(), np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
+    glb.material(pbrMetallicRoughness={"baseColorTexture": glb.texture(picture)})
+    glb.write_gltf(tmp_path / "thing.gltf", inside=inside)
+    scene = load_scene(tmp_path / "thing.gltf", IN_PLACE)
+    assert scene.notes == ()
+    assert np.allclose(world(scene), SQUARE + (0, 1, -3))
+    assert np.array_equal(scene.textures[0].image, picture)
+
+
+def test_a_gltf_without_its_files_says_which(tmp_path):
+    glb = Glb()
+    glb.material(pbrMetallicRoughness={"baseColorTexture": glb.texture(np.zeros((4, 4, 3), np.uint8))})
+    glb.write_gltf(tmp_path / "thing.gltf", inside=False)
+    (tmp_path / "picture 0.png").unlink()
+    (note,) = load_scene(tmp_path / "thing.gltf", IN_PLACE).notes
+    assert "images cannot be read, drawn plain: " in note and "picture%200.png" in note
+    (tmp_path / "all numbers.bin").unlink()
+    with pytest.raises(SceneError, match=r"buffer 0 lies in 'all%20numbers\.bin', which cannot be read: .* beside"):
+        load_scene(tmp_path / "thing.gltf")
+
+
+def test_a_note_comes_once_however_often_its_reason_does(tmp_path):
+    """195 lines of one kind were printed for one file."""
+    glb = Glb().animate("translation", (0, 1), np.zeros((2, 3)))
+    many = [{**glb.header["animations"][0], "name": f"dance {number}"} for number in range(200)]
+    glb.header["animations"] = many
+    (note,) = glb.load(tmp_path).notes
+    assert note.startswith("thing.glb: plays animation 'dance 0'; --animation plays another: 'dance 1', ")
+    assert note.endswith("'dance 8' and 191 more")
+
+
+def damaged() -> dict[str, tuple[bytes, str]]:
+    """Bytes of a GLB that is none, and what is said of them."""
+    data = Glb().data()
+    json_bytes = int.from_bytes(data[12:16], "little")
+    end = 20 + json_bytes
+    return {
+        "another format": (b"PK\x03\x04" + data[4:], r"begins with b'PK\\x03\\x04', expected b'glTF'"),
+        "cut in its header": (data[:15], "ends after 15 bytes, expected 20 of headers at least"),
+        "version 1": (data[:4] + b"\1" + data[5:], "version 1 at byte 4, expected 2"),
+        "no JSON first": (data[:16] + b"BIN\0" + data[20:], r"a chunk b'BIN\\x00' at byte 16, expected b'JSON'"),
+        "cut in its JSON": (data[:100], f"its JSON of {json_bytes} bytes ends at byte {end}, expected 100, the file's"),
+        "broken JSON": (data[:20] + b"{]" + data[22:], "its JSON cannot be read: Expecting property name.*column 2"),
+        "JSON that is no text": (data[:20] + b"\xff" + data[21:], "not UTF-8 text: byte 0 is 0xff"),
+    }
+
+
+@pytest.mark.parametrize("how", damaged())
+def test_a_damaged_glb_is_refused_with_place_and_content(tmp_path, how):
+    data, said = damaged()[how]
+    (tmp_path / "bad.glb").write_bytes(data)
+    with pytest.raises(SceneError, match=f"bad.glb: .*{said}.*; export it again"):
+        load_scene(tmp_path / "bad.glb")

@@ -55,9 +55,8 @@ class Life:
 
 
 class Cold:
-    """A program started as anybody starts it: 0.7 s of 1.3 go into imports.
-
-    told, said: pipes that it writes to.
+    """A program started as anybody starts it: 0.7 s of 1.3 go into imports. told, said: pipes that
+    it writes to.
     """
 
     def __init__(self, arguments: list[str], told: int, said: int) -> None:
@@ -72,9 +71,8 @@ class Cold:
 
 
 class Nursery:
-    """Programs forked from one that has everything imported.
-
-    A context manager; calling it starts one, one at a time.
+    """Programs forked from one that has everything imported. A context manager; calling it starts
+    one, one at a time.
     """
 
     def __enter__(self) -> Nursery:
@@ -108,9 +106,8 @@ class Nursery:
 def live(
     start: type[Cold] | Nursery, arguments: list[str], *, after_s: float | None = None, after_line: int | None = None
 ) -> Life:
-    """Run the program and kill it: after so long.
-
-    Or after so many lines of its witness, and `after_s` more. None for both lets it live.
+    """Run the program and kill it: after so long. Or after so many lines of its witness, and
+    `after_s` more. None for both lets it live.
     """
     (told, told_by), (said, said_by) = os.pipe(), os.pipe()
     lines: list[list] = []
@@ -194,9 +191,8 @@ class Killed:
         return {"after_line": chance.randint(1, len(usual.told)), "after_s": shortly_s}
 
     def status(self) -> str:
-        """Of the session, as somebody else who reads the store sees it.
-
-        "" where there is none to go on with.
+        """Of the session, as somebody else who reads the store sees it. "" where there is none to
+        go on with.
         """
         try:
             with Store(self.store) as store:
@@ -224,9 +220,8 @@ def faults(killed: Killed) -> list[str]:
 
 
 def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
-    """Everything that was confirmed is there as it was confirmed, once.
-
-    And what is there unconfirmed is at most the last of each kill.
+    """Everything that was confirmed is there as it was confirmed, once. And what is there
+    unconfirmed is at most the last of each kill.
     """
     code_of = {session.id: session.code for session in contents.sessions}
     told = {kind: Counter(tuple(line[1:]) for line in killed.told if line[0] == kind) for kind in PHASES}

@@ -109,7 +109,7 @@ def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_f
     late = next(showing for showing in store.contents().showings if showing.complete and showing.condition == "late")
     plain = RunOptions(
         trace=str(store.traces / late.trace), scene="planes", headset="rift-dk1", latency_ms=100, warp="none",
-        fill="none",         size=(96, 120), rate_hz=30, metrics_every=3, workers=0, images=0, out=tmp_path / "replay",
+        fill="none", size=(96, 120), rate_hz=30, metrics_every=3, workers=0, images=0, out=tmp_path / "replay",
     )  # fmt: skip
     quality = replay(plain).summary["quality"]
     assert {name: of["late"][name] for name in QUALITY} == {name: quality[name]["mean"] for name in QUALITY}

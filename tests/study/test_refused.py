@@ -1,4 +1,5 @@
-"""Files that are wrong in one place: each is refused in one line, with the line of the fault.
+"""Files that are wrong in one place: each is refused in one line, with the line of the fault; and
+those that are right, of which something is to be thought (plans/whole.hints).
 
 refused/NAME.txt is of plans/NAME.toml, or of the scale of that name. Its first line says what reads
 it, each other one what is put in place of what, and what is said of it:
@@ -13,17 +14,18 @@ in it.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import design_from_text
+from hmdwarp.study.design import design_from_text, notes
 from hmdwarp.study.respondents import model_from_text
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
 
-from .plans import PLANS
+from .plans import PLANS, text_of
 
 
 def scale_from_text(text: str, path: str) -> object:
@@ -39,6 +41,14 @@ READERS = {
 }
 
 
+def entries_of(text: str) -> Iterator[tuple[str, str, str, str]]:
+    """(entry, what is found, what is put there, what is said of it)."""
+    for entry in re.sub(r"\n +=>", " =>", text.strip("\n")).splitlines():
+        change, _, said = entry.partition(" => ")
+        found, put = (side.replace("⏎", "\n") for side in re.split(" -> ?", change))
+        yield entry, found, put, said.replace("⏎", "\n")
+
+
 @pytest.mark.parametrize("file", sorted(Path(__file__).with_name("refused").iterdir()), ids=lambda file: file.stem)
 def test_wrong_input_is_refused_with_its_line(file, tmp_path):
     reader, _, entries = file.read_text(encoding="utf-8").partition("\n\n")
@@ -46,10 +56,8 @@ def test_wrong_input_is_refused_with_its_line(file, tmp_path):
     right = next(folder / name for folder in (PLANS, SCALES) if (folder / name).exists()).read_text(encoding="utf-8")
     READERS[reader](right, path)
     (tmp_path / "small.png").write_text("no picture at all", encoding="utf-8")
-    for entry in re.sub(r"\n +=>", " =>", entries.strip("\n")).splitlines():
-        change, _, said = entry.partition(" => ")
-        found, put = (side.replace("⏎", "\n") for side in re.split(" -> ?", change))
-        says, _, where = (side.replace("⏎", "\n") for side in said.partition(" @ "))
+    for entry, found, put, said in entries_of(entries):
+        says, _, where = said.partition(" @ ")
         assert found in right and says, entry
         wrong = right.replace(found, put.replace("»", ""), 1)
         at = wrong.index(where) if where else right.index(found) + max(put.find("»"), 0)
@@ -58,3 +66,9 @@ def test_wrong_input_is_refused_with_its_line(file, tmp_path):
         told = str(caught.value)
         assert says in told and "\n" not in told, (entry, told)
         assert told.startswith(f"{path}:{wrong[:at].count(chr(10)) + 1}: "), (entry, told)
+
+
+def test_hints_before_a_study():
+    for entry, found, put, says in entries_of((PLANS / "whole.hints").read_text(encoding="utf-8")):
+        told = notes(design_from_text(text_of("whole", (found, put)), "whole.toml"))
+        assert any(says in note for note in told), (entry, told)

@@ -4,6 +4,7 @@ command that runs it.
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -18,42 +19,15 @@ PATIENCE_S = 600  # against hanging; nothing here takes a tenth of it on an idle
 
 STUDY = text_of("tiny")
 
-MODEL = """schema = 1
-title = "test people"
-[rating.grade]
-people_sd = 0.5
-condition_sd = 0.2
-noise_sd = 0.3
-drift = 0.02
-carry_over = -0.05
-missing = {missing}
-[rating.grade.means]
-late = 4.5
-turned = 3.6
-warped = 2.8
-reference = 1.8
-[sickness]
-start = 0.02
-per_trial = {sickening}
-people_sd = {easily_sick}
-noise_sd = 0.03
-[sessions]
-dropout = {dropout}
-pause = {pause}
-again = {again}
-[answers]
-median_s = 0.1
-"""
-
-# Nobody leaves.
-USUAL = {"missing": 0.05, "dropout": 0.0, "pause": 0.1, "again": 0.1, "sickening": 0.02, "easily_sick": 0.5}
-
 
 def write(folder: Path, **people: float) -> tuple[Path, Path]:
-    """The study's file and the model's. people: other values of USUAL."""
+    """The study's file and the model's. people: other values than those of the model."""
     study, model = folder / "tiny.toml", folder / "people.toml"
     study.write_text(STUDY)
-    model.write_text(MODEL.format(**{**USUAL, **people}))
+    text = text_of("tiny-people")
+    for name, value in people.items():
+        text = re.sub(rf"^{name} = .*", f"{name} = {value}", text, flags=re.MULTILINE)
+    model.write_text(text)
     return study, model
 
 

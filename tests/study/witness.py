@@ -1,13 +1,8 @@
-"""The real command line, with a witness.
-
-What the store has taken is told to a pipe before anything else happens.
+"""The real command line, with a witness: what the store has taken is told to a pipe, in one write,
+before anything else happens. What was told stays there whatever becomes of this process.
 
     python -m tests.study.witness FD study run ...      the program as it is
     python -m tests.study.witness SOCKET                 a nursery: forks with all imports done
-
-A line is written when the store's call has returned, in one write, which a pipe takes whole or not
-at all; what was told stays in the pipe whatever becomes of this process. So what the witness has
-told is what somebody may rely on.
 """
 
 from __future__ import annotations

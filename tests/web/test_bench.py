@@ -29,17 +29,22 @@ async (levels, budget, times) => {
 
 
 def test_the_page_governs_as_a_live_run(browser):
-    """The same moves at the same refreshes: calm, a slow spell, noise about the budget, calm."""
-    rng, levels = np.random.default_rng(4), {"cheap": 1.0, "middle": 2.5, "best": 4.0}
-    slow = np.concatenate([np.ones(100), np.full(60, 2.6), 1 + 0.6 * rng.random(300), np.full(700, 0.9)])
-    own = Governor(tuple(QualityLevel(name, "none", ms, 1 / ms) for name, ms in levels.items()), 4.5)
-    times, expected = [], []
-    for factor in slow:
-        times.append(float(factor * levels[own.level.warp]))
-        expected.append([own.measured(times[-1]) is not None, own.level.warp])
+    """The same moves at the same refreshes: calm, slow spells, noise about the budget, calm."""
+    rng, levels = np.random.default_rng(4), {"cheap": 1.0, "middle": 2.5, "good": 3.0, "best": 4.0}
     known = json.dumps([{"name": name, "ms": ms} for name, ms in levels.items()])
-    assert browser.does(f"({GOVERNED})({known}, 4.5, {json.dumps(times)})") == expected
-    assert sum(changed for changed, _ in expected) > 2 and {name for _, name in expected} == {*levels}
+    seen, changes = set(), 0
+    for _ in range(8):
+        # The dearer a level, the longer it may be slow: what is tried again fails again.
+        spells = [np.full(rng.integers(40, 500), factor) for factor in rng.uniform(0.7, 2.6, 12)]
+        slow = np.concatenate([np.ones(100), *spells, 1 + 0.6 * rng.random(300), np.full(700, 0.9)])
+        own = Governor(tuple(QualityLevel(name, "none", ms, 1 / ms) for name, ms in levels.items()), 4.5)
+        times, expected = [], []
+        for factor in slow:
+            times.append(float(factor * levels[own.level.warp]))
+            expected.append([own.measured(times[-1]) is not None, own.level.warp])
+        assert browser.does(f"({GOVERNED})({known}, 4.5, {json.dumps(times)})") == expected
+        seen, changes = seen | {name for _, name in expected}, changes + sum(changed for changed, _ in expected)
+    assert changes > 20 and seen == {*levels}
 
 
 def test_a_bench_times_every_chain_and_the_server_keeps_a_line(tmp_path):

@@ -152,12 +152,9 @@ class Iterative(GatherWarp):
         which = image is inputs.rendered and seen == now  # strips are those of its view
         image.inverse_depth.bind_to_image(1, read=True, write=False)
         texture.bind_to_image(2, read=False, write=True)
-        surface = {
-            "rendered_inverse_depth": 1,
-            "rendered_size": self.rendered_size,
-            **depth_limits(self.settings, image),
-        }
-        self._fringes[which].uniforms.set(fringed_inverse_depth=2, **surface)
+        of_it = depth_limits(self.settings, image)
+        surface = {"rendered_inverse_depth": 1, "fringed_inverse_depth": 2, "rendered_size": self.rendered_size}
+        self._fringes[which].uniforms.set(**surface, **of_it)
         self._run_fringe[which]()
         self.gpu.barrier()
         return texture

@@ -47,9 +47,7 @@ class DesktopDisplay(SwitchableView):
         from .window_commands import NO_PANEL, WindowCommands
         from .window_input import Keys, WalkerSource
 
-        has_panel = options.control_panel and any(
-            control.name == "panel" and control.of_display for control in options.controls
-        )
+        has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
         self._window = Window(
             glfw,
             TITLE,
@@ -63,7 +61,7 @@ class DesktopDisplay(SwitchableView):
         closers.callback(self.gpu.close)
         presenter = Presenter(self.gpu)
         closers.callback(presenter.close)
-        keys = Keys(options.controls)
+        self._keys = keys = Keys(options.controls)
         self._painter = Painter(self.gpu, presenter, self.now_ns, keys.controls, keys.help_text)
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
         self._status, self._titled_ns = Status(), 0
@@ -145,7 +143,7 @@ class DesktopDisplay(SwitchableView):
 
     def show_status(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
-        self._status, panel = status, self._commands.panel
+        self._status, self._keys.status, panel = status, status, self._commands.panel
         status.values.update(
             full_screen=self._window.fills_screen,
             vsync=self._window.vsync,

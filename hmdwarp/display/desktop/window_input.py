@@ -11,7 +11,7 @@ import glfw
 from ...poses import PoseSample
 from ...poses.synth import Walker
 from .. import Command
-from ..controls import MOVING, Control, and_mouse
+from ..controls import MOVING, Control, Status, and_mouse
 from .window_system import WindowHandle
 
 if TYPE_CHECKING:
@@ -42,10 +42,10 @@ def token(name: str) -> int:
 
 
 class Keys:
-    """The keys of some controls."""
+    """The keys of some controls: of those that are offered at the moment."""
 
     def __init__(self, controls: tuple[Control, ...]) -> None:
-        self.controls = controls
+        self.controls, self.status = controls, Status()
         self._of_key: dict[int, tuple[Control, bool]] = {}
         for control in controls:
             self._of_key.update((token(key), (control, False)) for key in (control.key, *control.also))
@@ -62,14 +62,14 @@ class Keys:
         if key not in self._of_key or mods & _OTHERS or action == glfw.RELEASE:
             return None
         control, back = self._of_key[key]
-        if action == glfw.REPEAT and control.kind not in HELD:
+        if not self.status.offers(control) or (action == glfw.REPEAT and control.kind not in HELD):
             return None
         shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
         return Command(control.name, control.value, back=back or shifted)
 
     def command_of_button(self, button: int, action: int) -> Command | None:
         """Return the command of a captured mouse, None for none. Arguments: as in glfw."""
-        for control in self.controls:
+        for control in filter(self.status.offers, self.controls):
             if control.mouse and BUTTONS[control.mouse] == button:
                 if control.kind == "hold":
                     return Command(control.name, action == glfw.PRESS)
@@ -89,7 +89,7 @@ class Keys:
         rows = [
             (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
         ]
-        for control in self.controls:
+        for control in filter(self.status.offers, self.controls):
             steps = not control.written and not control.back and control.kind in STEPS_BACK
             mouse = "" if control.written or control.back else and_mouse(control)
             rows += [(keys_of(control) + (" (shift: back)" if steps else mouse), control.what)] if control.what else []

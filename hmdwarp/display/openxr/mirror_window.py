@@ -69,7 +69,7 @@ class Mirror:
 
     def show_status(self, status: Status) -> None:
         """Show the status in the window's title, four times a second."""
-        now_ns = time.monotonic_ns()
+        self._keys.status, now_ns = status, time.monotonic_ns()
         if now_ns - self._titled_ns >= TITLE_NS:
             self._titled_ns = now_ns
             self._window.title(status.title())
@@ -88,7 +88,9 @@ class Mirror:
         self._screen.use()
         self._screen.clear()
         self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
-        text = presenter.notice(help_text(self._keys.controls) if self._help else label)
+        text = presenter.notice(
+            help_text(tuple(filter(self._keys.status.offers, self._keys.controls))) if self._help else label
+        )
         presenter.show(
             panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
         )

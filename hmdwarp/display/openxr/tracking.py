@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Sequence
+from operator import attrgetter
 
 import xr
 
@@ -59,7 +60,7 @@ class RuntimeEyes:
 
     def _update(self, raw: bytes) -> None:
         try:
-            found = [(pose_of(view.pose), _fov_of(view.fov)) for view in self._views]
+            found = [(pose_of(view.pose), Fov(*_ENDS(view.fov))) for view in self._views]
             self._known = tuple(
                 (pose, fov, Hidden(hidden, fov) if hidden else None)
                 for (pose, fov), hidden in zip(found, self._hidden, strict=True)
@@ -82,10 +83,7 @@ def pose_of(pose: xr.Posef) -> Pose:
     return Pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
 
 
-def _fov_of(fov: xr.Fovf) -> Fov:
-    return Fov(left=fov.angle_left, right=fov.angle_right, down=fov.angle_down, up=fov.angle_up)
-
-
+_ENDS = attrgetter("angle_left", "angle_right", "angle_down", "angle_up")
 _Flags = xr.SpaceLocationFlags
 _TURN_VALID, _TURN_TRACKED = _Flags.ORIENTATION_VALID_BIT.value, _Flags.ORIENTATION_TRACKED_BIT.value
 _PLACE_VALID = _Flags.POSITION_VALID_BIT.value

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 
-from ...metrics import PRIMARY, REGIONS, Figure, error_and_time, metrics, metrics_in_order
+from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
 from ..charts import (
-    MARKER_PT,
     Drawn,
+    Spot,
     Style,
     canvas,
-    draw_front,
-    draw_numbers,
+    draw_spots,
     drawing,
     dress,
     empty_figure,
@@ -24,7 +23,6 @@ from ..charts import (
     mark,
     name_rows,
     not_measured,
-    scale_axis,
     svg_text,
 )
 from ..page import (
@@ -65,9 +63,6 @@ from .rows import (
     verdict_text,
 )
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
 _REGION_MARKERS = ("s", "D", "^", "o")
@@ -89,21 +84,21 @@ def pareto_chart(
 ) -> Drawn:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Time is logarithmic. Colour and shape of a point say which warp it is, a thin line joins its
-    fills, and an upright one is the interval of the mean. The best of each warp and the front have
-    a number, which the legend explains. Points of the front are filled, their numbers bold, and a
-    line joins them: nothing lies below and left of it (above, for PSNR).
-    Rows without a measurement are left out; a chart of nothing says so. looks: of the warps, where
-    several charts are to share them. width_in: of a column of a paper, None for a page.
+    Colour and shape of a point say which warp it is. The best of each warp and the front have a
+    number, which the legend explains. Rows without a measurement are left out. looks: of the warps,
+    where several charts share them. width_in: of a column of a paper, None for a page.
     """
     looks, front = looks or looks_of(case.ordered(measure)), set(map(id, case.front(measure)))
     rows = [row for row in case.ordered(measure) if None not in error_and_time(row, measure)]
     firsts = {row["warp"]: id(row) for row in reversed(rows)}
-    named = [row for row in rows if id(row) in front or firsts[row["warp"]] == id(row)]
-    names = [
-        mark(f"{number} {_legend_name(row)}", **attrs.asdict(looks[row["warp"]]), linestyle="none", markersize=5)
-        for number, row in enumerate(named, 1)
-    ]
+    spots: list[Spot] = []
+    names: list[Any] = []
+    for row in rows:
+        entry, is_named = row["quality"][measure], id(row) in front or firsts[row["warp"]] == id(row)
+        error = (entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2))
+        number = len(names) + 1 if is_named else None
+        spots.append(Spot(_total_ms(row), error, looks[row["warp"]], id(row) in front, number))
+        names += [spots[-1].mark(_legend_name(row))] * is_named
     longest = max((len(name.get_label()) for name in names), default=0)
     place: Style = {"loc": "upper left", "ncols": 1}
     if width_in is None:
@@ -118,7 +113,11 @@ def pareto_chart(
         (case.label, measure, width_in, [(_legend_name(row), *error_and_time(row, measure)) for row in case.rows]),
         size, box=box, font_size=9 if width_in is None else 7,
     ) as axes:  # fmt: skip
-        _draw_case(axes, rows, measure, looks, {id(row): number for number, row in enumerate(named, 1)}, front)
+        axes.set(xlabel="time per eye, all stages, in ms", ylabel=measure_label(measure))
+        higher = metrics.get(measure).higher_is_better
+        draw_spots(axes, spots, higher=higher)
+        if spots:
+            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
         key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
         legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
         legend(axes.figure, names, **place, **_KEY)
@@ -141,44 +140,6 @@ def pareto_text(case: Case, measure: str = PRIMARY) -> str:
 
 def _total_ms(row: Row) -> float:
     return float(row["time_ms"]["total"]["median"])
-
-
-def _draw_case(
-    axes: Axes,
-    rows: Sequence[Row],
-    measure: str,
-    looks: Mapping[str, Look],
-    numbers: Mapping[int, int],
-    front: Collection[int],
-) -> None:
-    higher = metrics.get(measure).higher_is_better
-    axes.set_xlabel("time per eye, all stages, in ms")
-    axes.set_ylabel(measure_label(measure))
-    if not rows:
-        axes.set_xticks([])
-        axes.set_yticks([])
-        not_measured(axes)
-        return
-    time = scale_axis(axes.xaxis, np.array([_total_ms(row) for row in rows]), logarithmic=True)
-    entries = [row["quality"][measure] for row in rows]
-    spans = np.array([(entry["mean"], *(entry.get("interval") or [entry["mean"]] * 2)) for entry in entries])
-    error, low, high = scale_axis(axes.yaxis, spans.ravel(), logarithmic=not higher).reshape(-1, 3).T
-    is_best = np.array([id(row) in front for row in rows])
-    draw_front(axes, time[is_best], error[is_best], higher=higher)
-    colours = [looks[row["warp"]].color for row in rows]
-    axes.vlines(time, low, high, colors=colours, linewidth=1, alpha=0.45, zorder=2)
-    style: Style = {"markersize": MARKER_PT, "markeredgewidth": 1.5, "linestyle": "none", "clip_on": False}
-    for row, x, y, filled in zip(rows, time, error, is_best, strict=True):
-        look = looks[row["warp"]]
-        axes.plot(
-            x, y, **style, **attrs.asdict(look), markerfacecolor=look.color if filled else "none", zorder=3 + filled
-        )
-    for name in dict.fromkeys(row["warp"] for row in rows):
-        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
-        axes.plot(*zip(*own, strict=True), color=looks[name].color, linewidth=0.7, alpha=0.6, zorder=1)
-    numbered = {index: numbers[id(row)] for index, row in enumerate(rows) if id(row) in numbers}
-    draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best)
-    axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
 
 
 def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
@@ -220,7 +181,11 @@ def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
                 range(len(values)), values[:, number], left=starts[:, number], height=0.66,
                 color=REGION_COLOURS[number], hatch=HATCHES[number], edgecolor=INK, linewidth=0.5,
             )  # fmt: skip
-        _dots(right, [[flip for _, flip in parts] for _, parts in measured])
+        flips = np.array([[flip for _, flip in parts] for _, parts in measured], np.float64)  # NaN where there is none
+        ends = np.fmin.reduce(flips, axis=1), np.fmax.reduce(flips, axis=1)
+        right.hlines(range(len(flips)), *ends, color=GRID, linewidth=2, zorder=1)
+        for number, marker in enumerate(_REGION_MARKERS):
+            right.plot(flips[:, number], range(len(flips)), marker=marker, markersize=6, **_dot(REGION_COLOURS[number]))
         name_rows(left, names)
         for axes in (left, right):
             axes.set_xlim(left=0)
@@ -239,18 +204,6 @@ def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
         drawn = svg_text(figure)
     drawn.at_width = lambda wide: regions_chart(case, wide)
     return drawn
-
-
-def _dots(axes: Axes, flips: Sequence[Sequence[float | None]]) -> None:
-    for y, values in enumerate(flips):
-        there = [value for value in values if value is not None]
-        if there:
-            axes.plot([min(there), max(there)], [y, y], color=GRID, linewidth=2, zorder=1)
-    for number, marker in enumerate(_REGION_MARKERS):
-        points = [(value, y) for y, values in enumerate(flips) if (value := values[number]) is not None]
-        axes.plot(
-            [x for x, _ in points], [y for _, y in points], marker=marker, markersize=6, **_dot(REGION_COLOURS[number])
-        )
 
 
 def _dot(colour: str) -> Style:
@@ -311,15 +264,16 @@ def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
     behind = attrs.evolve(flip, name="behind", label="FLIP behind the best")
     seen = attrs.evolve(psnr, name="where_seen_db", label="PSNR where seen")
     columns = [(flip, "mean"), (flip, "p95"), (behind, "mean"), (psnr, "mean"), (psnr, "p95"), (seen, "mean")]
-    lines = [
-        (
-            f"{row['latency_ms']:g} ms",
-            row_name(row),
-            *_rank(row["rank"]),
-            *(text for figure, which in columns for text in _with_interval(figure, row[figure.name], which)),
-        )
-        for row in entry["over_all"]
-    ]
+    lines = []
+    for row in entry["over_all"]:
+        line, rank = [f"{row['latency_ms']:g} ms", row_name(row), "–", "–"], row["rank"]
+        if rank is not None:
+            line[2:] = " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
+        for figure, which in columns:
+            found = row[figure.name] or {}
+            ends = found.get("interval" if which == "mean" else f"{which}_interval")
+            line += [figure.text(found.get(which)), " to ".join(map(figure.text, ends)) if ends else "–"]
+        lines.append(line)
     heads = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")]
     for figure, which in columns:
         label = figure.label if which == "mean" else f"{figure.label} {which}"
@@ -344,19 +298,6 @@ def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
     counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
     label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
     return [Text(f"{label}."), table_of("", columns, rows, label=label)] if any(counts) else []
-
-
-def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:
-    if rank is None:
-        return "–", "–"
-    return " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
-
-
-def _with_interval(figure: Figure, entry: Mapping[str, Any] | None, which: str) -> tuple[str, str]:
-    if entry is None:
-        return "–", "–"
-    interval = entry["interval" if which == "mean" else f"{which}_interval"]
-    return figure.text(entry[which]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
@@ -404,18 +345,18 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
         folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
-    heading = "Summary: best method per case"
-    return Section(heading, [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds], id="table", link=heading)
+    blocks = [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds]
+    return Section("Summary: best method per case", blocks, id="table")
 
 
 def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> Section:
-    told, heading = texts("bench")["notes"]["crops"], "Crops and error maps"
+    told = texts("bench")["notes"]["crops"]
     charts = [
         Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
         for group, both in zip(groups, crops, strict=False)
         if both
     ]
-    return Section(heading, [Text(told), *charts] if charts else [], id="crops", link=heading)
+    return Section("Crops and error maps", [Text(told), *charts] if charts else [], id="crops")
 
 
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
@@ -430,7 +371,7 @@ def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
     ]
     measures = [(name, measure_label(name).partition(",")[0]) for name in known]
     choice = [Choice("measure-time", measures)] if len(known) > 1 else []
-    return Section("Error against time", [*choice, *charts], id="time", link="Error against time")
+    return Section("Error against time", [*choice, *charts], id="time")
 
 
 def _regions(groups: Sequence[Case]) -> Section:
@@ -444,5 +385,5 @@ def _regions(groups: Sequence[Case]) -> Section:
             blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [table])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
     notes = texts("bench")["notes"]
-    heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
-    return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
+    note = Text(f"{notes['regions']} {notes['regions_chart']}")
+    return Section("Where the error lies", [note, *folds] if folds else [], id="regions")

@@ -29,7 +29,7 @@ from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plai
 from ..style import INK, SERIES
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    pass
 
 Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
@@ -128,10 +128,20 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     with canvas((part["part"], measure["name"], names), (_WIDTH_IN, 3.6), y=label, grid="y") as axes:
         figure: Any = axes.get_figure()
         shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
-        for x, row in pairs:
-            _join(axes, x, row, by_name, shifts)
-        for x, name in enumerate(names):
-            _points(axes, x, by_name[name], shifts[name])
+        for at, row in pairs:
+            ends = row["baseline"], row["condition"]
+            for who, difference in row["differences"].items():
+                x = [at + place + shifts[name][who] for place, name in enumerate(ends)]
+                y = [by_name[name]["ratings"][who] for name in ends]
+                colour, dash = _LINES[(difference > 0) - (difference < 0)]
+                axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
+        for at, (name, row) in enumerate((name, by_name[name]) for name in names):
+            x, y = [at + shifts[name][who] for who in row["ratings"]], [*row["ratings"].values()]
+            axes.plot(x, y, "o", markersize=5, color=INK, markerfacecolor="none", zorder=3)
+            if row["median"] is not None:
+                across: Style = {"linewidth": 2.2, "zorder": 2, "solid_capstyle": "butt"}
+                axes.plot([at - 0.3, at + 0.3], [row["median"]] * 2, color=INK, **across)
+                axes.plot(at - 0.36, row["mean"], ">", markersize=6, color=INK, zorder=4)
         labels = [f"{_wrapped(condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
@@ -241,25 +251,6 @@ def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
     return {who: step * (k - (len(people) - 1) / 2) for people in groups.values() for k, who in enumerate(people)}
 
 
-def _join(axes: Axes, at: int, row: Row, by_name: Mapping[str, Row], shifts: Mapping[str, Mapping[str, float]]) -> None:
-    a, b = row["baseline"], row["condition"]
-    for who, difference in row["differences"].items():
-        x = [at + shifts[a][who], at + 1 + shifts[b][who]]
-        y = [by_name[a]["ratings"][who], by_name[b]["ratings"][who]]
-        colour, dash = _LINES[(difference > 0) - (difference < 0)]
-        axes.plot(x, y, color=colour, linestyle=dash, linewidth=0.9, alpha=0.6, zorder=1)
-
-
-def _points(axes: Axes, x: int, row: Row, shifts: Mapping[str, float]) -> None:
-    who, ink = list(row["ratings"]), INK
-    at = [x + shifts[name] for name in who]
-    values = [row["ratings"][name] for name in who]
-    axes.plot(at, values, "o", markersize=5, color=ink, markerfacecolor="none", zorder=3)
-    if row["median"] is not None:
-        axes.plot([x - 0.3, x + 0.3], [row["median"]] * 2, color=ink, linewidth=2.2, zorder=2, solid_capstyle="butt")
-        axes.plot(x - 0.36, row["mean"], ">", markersize=6, color=ink, zorder=4)
-
-
 def _wrapped(name: str) -> str:
     # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
     # space, or after the plus of a chain of fills.
@@ -308,7 +299,7 @@ def study_page(data: Row, command: str) -> Page:
             blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
         if part["threshold"]:
             blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
+    note = Text(texts("study")["notes"]["pairs"])
     return Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
@@ -318,10 +309,10 @@ def study_page(data: Row, command: str) -> Page:
         sections=(
             Section("", _tiles(data), style="tiles", label="Main figures"),
             notes_section(data["notes"]),
-            Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading),
+            Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
             _shown(data),
-            Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
-            Section("Did the order matter?", _order(scales), id="order", link="Order"),
+            Section("Every rating", _every_rating(scales), id="conditions"),
+            Section("Did the order matter?", _order(scales), id="order"),
             _checked(scales),
             _correlations(scales),
             _people(data),
@@ -350,20 +341,19 @@ def _tiles(data: Row) -> list[Tile]:
     parts = len(data["scales"][0]["parts"]) if data["scales"] else len(data["preferences"])
     people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
     missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"
+    answers = Tile("Ratings", "", str(data["ratings"]), missing)
+    if data["preferences"]:
+        lacking, ties, count = (
+            sum(part[key] for part in data["preferences"]) for key in ("missing", "ties", "answers")
+        )
+        more = f"{ties} without a difference, {lacking or 'none'} missing"
+        answers = Tile("Pairs compared", "", str(count), more)
     difference = "comparisons with p ≤ .05 after Holm in their family"
     return [
         Tile("Participants", "", str(data["participants"]), people),
-        _answers(data["preferences"]) if data["preferences"] else Tile("Ratings", "", str(data["ratings"]), missing),
+        answers,
         Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
     ]
-
-
-def _answers(parts: Sequence[Row]) -> Tile:
-    missing, ties = (sum(part[key] for part in parts) for key in ("missing", "ties"))
-    more = f"{missing} missing" if missing else "none missing"
-    return Tile(
-        "Pairs compared", "", str(sum(part["answers"] for part in parts)), f"{ties} without a difference, {more}"
-    )
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:
@@ -380,22 +370,18 @@ def _shown(data: Row) -> Section:
             _said([row["sentence"] for row in rows] or ["Nothing was compared."]),
         ]
         if rows:
-            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), _in_words(rows)))
+            words = "; ".join(
+                f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
+                f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
+                for row in rows
+                if row["n"]
+            )
+            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
             blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
     )
-    heading = "What the ratings show"
-    return Section(heading, [*blocks, Text(note)] if blocks else [], id="shown", link=heading)
-
-
-def _in_words(rows: Sequence[Row]) -> str:
-    return "; ".join(
-        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
-        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
-        for row in rows
-        if row["n"]
-    )
+    return Section("What the ratings show", [*blocks, Text(note)] if blocks else [], id="shown")
 
 
 def _every_rating(scales: Sequence[Row]) -> list[Any]:
@@ -447,7 +433,7 @@ def _checked(scales: Sequence[Row]) -> Section:
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
             blocks += [Heading("Published figures"), Sentences([row["sentence"] for row in claims], marks, "said")]
             blocks.append(Text(note))
-    return Section("Checked against the data", blocks, id="held", link="Checked against the data")
+    return Section("Checked against the data", blocks, id="held")
 
 
 def _correlations(scales: Sequence[Row]) -> Section:
@@ -459,8 +445,8 @@ def _correlations(scales: Sequence[Row]) -> Section:
                 blocks.append(
                     Table.of("What was measured against the ratings", *study_lines("correlations", data["measures"]))
                 )
-    heading, note = "What goes with the ratings", Text(texts("study")["notes"]["correlation"])
-    return Section(heading, [*blocks, note] if blocks else [], id="correlation", link=heading)
+    note = Text(texts("study")["notes"]["correlation"])
+    return Section("What goes with the ratings", [*blocks, note] if blocks else [], id="correlation")
 
 
 def _people(data: Row) -> Section:
@@ -485,8 +471,7 @@ def _people(data: Row) -> Section:
     if data["asked_once"]:
         blocks.append(Table.of("Questionnaires, answered once", *study_lines("asked once", data["asked_once"])))
         blocks.append(Text(notes["once"]))
-    heading = "Missing and unfinished"
-    return Section(heading, blocks, id="people", link=heading)
+    return Section("Missing and unfinished", blocks, id="people")
 
 
 def _cut(one: Row) -> str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 from collections import Counter
 
 import attrs
@@ -86,20 +85,6 @@ def test_rows_are_summaries_and_more_and_the_table_says_the_same(full):
         for stage in STAGES:
             assert float(written[f"{stage}_ms"]) == row["time_ms"][stage]["median"]
         assert float(written["silhouettes_flip"]) == row["regions"]["silhouettes"]["flip"]
-
-
-@pytest.mark.parametrize(("warp", "fill"), [("forward", "interpolate"), ("backward", "none")])
-def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
-    """The same refreshes and eyes of an ordinary replay, every one of which drew and showed all its
-    frames.
-    """
-    same = {name: getattr(SMALL, name) for name in ("predict", "headset", "guard", "samples")}
-    more = {"latency_ms": 200.0, "seconds": 0.5, "metrics_every": 1, "workers": 0}
-    replayed = run(tmp_path, warp=warp, fill=fill, **same, **more)
-    wanted = [row for row in replayed.rows if (row["frame"], row["eye"]) in ((7, 0), (22, 1))]
-    row = next(r for r in full[1].data["rows"] if (r["latency_ms"], r["warp"], r["fill"]) == (200.0, warp, fill))
-    for name in QUALITY:
-        assert row["quality"][name]["mean"] == math.fsum(picture[name] for picture in wanted) / 2, name
 
 
 def test_only_times_change(full, tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
-"""Frames through real codecs.
-
-What comes back, what a lost one costs, and what is said where a codec is missing.
-"""
+"""Frames through real codecs. What comes back, what a lost one costs, and what is said where a
+codec is missing."""
 
 from __future__ import annotations
 
@@ -66,13 +64,11 @@ def opaque(colour: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("crf", "bound", "lean"), [(1, 3.2, 0.75), (None, 5.2, 1.6)])
 def test_flat_colours_come_back(codec, crf, bound, lean):
-    """The bound is that of limited range and of the codec.
-
-    219 steps of luma and 224 of chroma: half a step of luma is 0.58 levels, of chroma at most 1.06
-    (blue), and rounding back to bytes 0.5: 2.2 levels. The codec adds 1 at its best and 3 at its
-    ordinary setting, where the step of a flat block is 5 to 6 and less than half of it is lost. A
-    mistaken matrix (BT.601) or range is off by 16 and more.
-    """
+    """The bound is that of limited range and of the codec. 219 steps of luma and 224 of chroma:
+    half a step of luma is 0.58 levels, of chroma at most 1.06 (blue), and rounding back to bytes
+    0.5: 2.2 levels. The codec adds 1 at its best and 3 at its ordinary setting, where the step of a
+    flat block is 5 to 6 and less than half of it is lost. A mistaken matrix (BT.601) or range is
+    off by 16 and more."""
     picture, colours = patches()
     height, width = picture.shape[:2]
     packet = Encoder(codec, (width, height), 60, crf=crf).encode(opaque(picture))
@@ -98,8 +94,7 @@ def test_where_nothing_is_comes_back_exactly_whatever_stands_for_nothing(codec, 
 
 def test_partial_coverage_comes_back_within_half_a_step_and_light_without_any_is_kept(codec):
     """254 steps of coverage: half of one is 1/508, and half floats round to 2^-12 below 1. What is
-    premultiplied stays so: light is coded as it is.
-    """
+    premultiplied stays so: light is coded as it is."""
     picture = opaque(patches()[0])
     height, width = picture.shape[:2]
     share = np.linspace(0, 1, width, dtype=np.float32).astype(np.float16)
@@ -125,8 +120,7 @@ def as_shown(picture: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("most", [1.5, 4.0, 100.0, 65504.0])
 def test_light_beyond_1_is_kept_where_it_is_asked_for_and_clipped_elsewhere(codec, most):
     """Up to 1 the bytes have 191 steps of sRGB, beyond it 64 of equal ratios up to the next of 2,
-    4, 16, 256, 65536; the codec adds its 3.2 levels.
-    """
+    4, 16, 256, 65536; the codec adds its 3.2 levels."""
     levels = np.concatenate([np.linspace(0, 1, 24) ** 2.2, np.geomspace(1, most, 24)]).astype(np.float16)
     flat = levels.reshape(6, 8).repeat(32, 0).repeat(32, 1)
     picture = np.dstack([flat, flat, flat, np.ones_like(flat)])
@@ -148,9 +142,7 @@ def test_light_beyond_1_is_kept_where_it_is_asked_for_and_clipped_elsewhere(code
 
 def test_the_scale_of_bright_light_falls_with_a_key_frame_only(codec):
     """Another scale changes every block; without one, a frame like the last is next to nothing.
-
-    After the key frame the picture is as good as one that was never bright.
-    """
+    After the key frame the picture is as good as one that was never bright."""
     encoder, decoder = Encoder(codec, (160, 120), 60, keeps_beyond_1=True), Decoder(codec, (160, 120))
     bright = frames()[0].copy()
     bright[50:60, 50:60, :3] = 8

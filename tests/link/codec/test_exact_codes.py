@@ -1,7 +1,5 @@
 """Codes that bound the error of every value: depth, depth in coarser steps, vectors, packed layers.
-
-And depth as a video, which bounds most.
-"""
+And depth as a video, which bounds most."""
 
 from __future__ import annotations
 
@@ -35,7 +33,7 @@ SPECIAL = st.sampled_from([0.0, -1.0, STEP, STEP / 2, 64.0, 2.0**-149, 1.0, 20.0
 VALUES = st.one_of(SPECIAL, st.floats(0, 70, width=32), st.floats(0, 2.0**-8, width=32))
 ANYTHING = hnp.arrays(np.float32, SHAPES, elements=VALUES)
 NEAR = hnp.arrays(np.float32, SHAPES, elements=st.one_of(st.sampled_from([0.0, -1.0]), st.floats(0, 20, width=32)))
-HALVES = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0]), st.floats(-40, 40, width=16))
+HALVES = st.one_of(st.sampled_from([0.0, -0.0, 1.0, -1.0, 32.0]), st.floats(-40, 40, width=16))
 VECTORS = hnp.arrays(np.float16, (7, 5, 3), elements=HALVES)
 TYPES = (np.uint8, np.uint16, np.uint32, np.float16, np.float32)
 RNG = np.random.default_rng(1)
@@ -68,21 +66,6 @@ def test_each_pixel_by_itself(inverse):
 def test_every_pixel_within_half_a_step_that_is_asked_for(inverse, step):
     """Of the power of 2 at or below it: 20 per metre fit into 16 bits of each."""
     check(inverse, 2.0 ** np.floor(np.log2(step)), step)
-
-
-@settings(max_examples=60)
-@given(st.integers(0, 2**32 - 1), st.integers(1, 6), st.integers(2, 70), st.integers(2, 50))
-def test_edges_of_any_kind(seed, edges, width, height):
-    """Half-planes cut through slanted planes, sky and holes, at any angle."""
-    rng = np.random.default_rng(seed)
-    y, x = np.mgrid[:height, :width]
-    inverse = np.full((height, width), 0.05)
-    for _ in range(edges):
-        angle = rng.uniform(0, 2 * np.pi)
-        side = (x - rng.uniform(0, width)) * np.cos(angle) + (y - rng.uniform(0, height)) * np.sin(angle) > 0
-        plane = rng.uniform(0.1, 20) + rng.uniform(-1e-2, 1e-2) * x + rng.uniform(-1e-2, 1e-2) * y
-        inverse = np.where(side, rng.choice([0.0, -1.0]) if rng.random() < 0.3 else np.maximum(plane, 0), inverse)
-    check(inverse.astype(np.float32))
 
 
 @pytest.mark.parametrize(
@@ -200,10 +183,8 @@ def test_each_vector_by_itself(vectors):
     st.floats(20, 2000), st.floats(0.01, 2), st.floats(0, 2 * np.pi), st.floats(0, 4), st.floats(0, 1), st.floats(0, 1)
 )
 def test_half_a_step_moves_no_pixel_by_more_than_a_sixteenth(size, age_s, angle, inverse_depth, x, y):
-    """By the warp map, which is linear in inverse depth for a way across the line of sight.
-
-    Where the step is at its least, the bound is that of the least.
-    """
+    """By the warp map, which is linear in inverse depth for a way across the line of sight. Where
+    the step is at its least, the bound is that of the least."""
     step = depth_step(size / 2, age_s)
     way = np.array([np.cos(angle), np.sin(angle), 0]) * 1.0 * age_s  # a walking head
     fov, square = Fov.symmetric(np.pi / 2, np.pi / 2), (round(size), round(size))
@@ -260,11 +241,9 @@ def test_a_video_keeps_sky_and_holes_of_any_picture(inverse):
 
 @pytest.mark.parametrize("distance", [0.05, 0.3, 2.0, 50.0, 1e6])
 def test_a_flat_picture_comes_back_from_a_video(distance):
-    """The quantiser's step at qp 22, 7.9, is two codes of a flat block of 4x4.
-
-    Less than 5/8 of it is lost, and half a code by rounding: 1.75 codes. A code is half a step,
-    and for near things as much more as its bend says.
-    """
+    """The quantiser's step at qp 22, 7.9, is two codes of a flat block of 4x4. Less than 5/8 of it
+    is lost, and half a code by rounding: 1.75 codes. A code is half a step, and for near things as
+    much more as its bend says."""
     inverse = np.full((48, 64), 1 / distance, np.float32)
     inverse[:, 40:] = 0.3
     (got,) = shown(video_of([inverse]), (64, 48))

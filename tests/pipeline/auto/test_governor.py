@@ -1,7 +1,4 @@
-"""The governor by itself.
-
-A machine is a function from a level to the time it takes, and no clock runs.
-"""
+"""Which combination to take for a time, and the governor that changes it, without any clock."""
 
 from __future__ import annotations
 
@@ -15,7 +12,108 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor, choose, levels_from
+
+
+def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
+    """What the choice reads of a row of bench.json."""
+    figures = {
+        "psnr_db": {"mean": None if flip is None else 40 - 100 * flip, "p95": None},
+        "flip": {"mean": flip, "p95": flip},
+    }
+    return {
+        "warp": warp, "fill": fill, "trace": "walk", "scene": "room", "latency_ms": 200.0, "size": [640, 400],
+        "time_ms": {"total": {"median": total, "p95": total}}, "quality": figures, **case,
+    }  # fmt: skip
+
+
+ROWS = [
+    row("none", "none", 1.0, 0.3), row("rotation", "none", 2.0, 0.15), row("forward", "interpolate", 8.0, 0.05),
+    row("forward", "none", 7.0, 0.16), row("mesh:cut=slope", "interpolate", 40.0, 0.02),
+    row("mesh", "interpolate", 90.0, 0.021),
+]  # fmt: skip
+
+
+@given(st.lists(st.tuples(st.floats(0.01, 1e3), st.floats(0, 1)), min_size=1, max_size=40), st.randoms())
+def test_the_ladder_is_the_pareto_front(points, shuffler):
+    rows = [row(f"w{n}", "none", *point) for n, point in enumerate(points)]
+    front = levels_from(rows)
+    assert all(a.total_ms < b.total_ms and a.error > b.error for a, b in zip(front, front[1:], strict=False))
+    for time, error in points:  # nothing beats the front, and whatever is off it is beaten by it
+        assert any(level.total_ms <= time and level.error <= error for level in front)
+    assert {(level.total_ms, level.error) for level in front} <= set(points)
+    shuffler.shuffle(rows)
+    assert levels_from(rows) == front
+
+
+def test_figures_are_means_over_the_cases_all_have():
+    rows = [
+        *(
+            row("a", "none", time, flip, latency_ms=at)
+            for time, flip, at in ((4.0, 0.2, 200.0), (6.0, 0.4, 400.0), (500.0, 0.9, 800.0))
+        ),
+        *(row("b", "none", time, flip, latency_ms=at) for time, flip, at in ((8.0, 0.1, 200.0), (8.0, 0.2, 400.0))),
+    ]
+    first, second = levels_from(rows)
+    assert (first.warp, first.total_ms, first.error) == ("a", 5.0, pytest.approx(0.3))
+    assert (second.warp, second.total_ms, second.error) == ("b", 8.0, pytest.approx(0.15))
+
+
+def test_the_largest_of_several_sizes_counts():
+    rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
+    assert [level.total_ms for level in levels_from(rows)] == [20.0]
+    more = [
+        row("a", "none", 30.0, 0.2, size=[1280, 800], scene="planes"),
+        row("a", "none", 40.0, 0.2, size=[800, 1280]),
+    ]
+    chosen = choose([*rows, *more], 100.0)
+    assert (chosen["total_ms"], chosen["sizes"], chosen["cases"]) == (30.0, [(800, 1280), (1280, 800)], 3)
+
+
+def test_the_choice_and_the_next_step_up():
+    names = [str(level) for level in levels_from(ROWS)]
+    assert names == ["none", "rotation", "forward + interpolate", "mesh:cut=slope + interpolate"]
+    assert levels_from(ROWS)[2] == QualityLevel("forward", "interpolate", 8.0, 0.05, 35.0)
+    chosen = choose(ROWS, 10)
+    assert chosen == {
+        "budget_ms": 10.0, "warp": "forward", "fill": "interpolate", "settings": {}, "total_ms": 8.0, "flip": 0.05,
+        "psnr_db": 35.0, "sizes": [(640, 400)], "cases": 1,
+        "next": {"warp": "mesh:cut=slope", "fill": "interpolate", "total_ms": 40.0, "flip": 0.02, "psnr_db": 38.0},
+    }  # fmt: skip
+    best = choose(ROWS, 1e6)
+    assert best["next"] is None
+    assert best["settings"] == {"cut": "slope"}
+    assert choose(ROWS, 8.0)["warp"] == "forward"  # a budget is met by what takes exactly that long
+
+
+def test_times_of_two_machines_are_not_mixed():
+    """The machine with the most rows counts, however quick the other is."""
+    slow = [row("none", "none", 10.0, 0.3), row("rotation", "none", 20.0, 0.1)]
+    ours = [{**row, "latency_ms": latency, "machine": {"host": "ours"}} for row in slow for latency in (100.0, 200.0)]
+    theirs = [{**row("rotation", "none", 0.1, 0.1), "latency_ms": 300.0, "machine": {"host": "theirs"}}]
+    assert levels_from([*theirs, *ours]) == levels_from(ours)
+
+
+def test_rows_that_measured_nothing_are_left_out():
+    rows = [row("a", "none", None, 0.1), row("b", "none", 3.0, None), row("c", "none", 3.0, 0.2)]
+    assert [found.warp for found in levels_from(rows)] == ["c"]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: levels_from([row("a", "none", None, 0.1)]), "with a time and a FLIP"),
+        (
+            lambda: levels_from([row("a", "none", 1.0, 0.1), row("b", "none", 1.0, 0.1, scene="planes")]),
+            "no common case",
+        ),
+        *((lambda bad=bad: choose(ROWS, bad), "expected a time above 0 ms") for bad in (0.0, -1.0, math.nan, math.inf)),
+    ],
+)
+def test_rows_and_budgets_that_say_nothing_are_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
 
 BUDGET = 10.0
 LADDER = tuple(
@@ -51,10 +149,8 @@ BUDGETS = st.floats(1.0, 40.0)  # times the cheapest level
 
 @given(ladders(), BUDGETS, DRIFTS)
 def test_it_settles_under_any_steady_load(levels, budget, drift):
-    """One change is enough where all levels drift alike.
-
-    Down to what fits, or up to what has room; then none.
-    """
+    """One change is enough where all levels drift alike. Down to what fits, or up to what has room;
+    then none."""
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, steady(drift), 400)
     assert len(changes) <= 1
@@ -83,11 +179,8 @@ def test_more_budget_never_gives_a_worse_rung(levels, budget, drift, more):
 
 @given(st.integers(5, 40), st.floats(1.0, 1000.0), st.floats(0.5, 0.9))
 def test_spikes_alone_change_nothing(apart, height, share):
-    """Alone.
-
-    With 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence against
-    0.25 of a spike.
-    """
+    """Alone. With 4 refreshes between them at 90 % of the budget, which take back 0.4 of evidence
+    against 0.25 of a spike."""
     machine = lambda _, k: share * BUDGET * (height if k % apart == apart - 1 else 1)  # noqa: E731
     governor = Governor((LADDER[0], QualityLevel("top", "none", share * BUDGET, 0.1)), BUDGET)
     assert run(governor, machine, 1000) == []
@@ -101,10 +194,8 @@ def test_one_spike_changes_nothing_even_at_the_edge_of_the_budget(height):
 
 @given(ladders(), BUDGETS, DRIFTS, st.integers(0, 2**32))
 def test_noise_of_ten_percent_makes_nothing_flap(levels, budget, drift, seed):
-    """Wherever the level is, no level is entered twice.
-
-    Noise may lead down once at the very edge, and never up and down again.
-    """
+    """Wherever the level is, no level is entered twice. Noise may lead down once at the very edge,
+    and never up and down again."""
     noise = random.Random(seed)
     governor = Governor(levels, budget * levels[0].total_ms)
     changes = run(governor, lambda level, _: level.total_ms * drift * noise.uniform(0.9, 1.1), 3000)
@@ -178,10 +269,8 @@ def test_where_a_level_disappoints_dearer_ones_wait_as_long():
 
 
 def test_pulses_of_load_are_not_followed_for_long():
-    """Load for 20 refreshes in every 200.
-
-    The level that suffers is left alone for longer and longer, and regained when they end.
-    """
+    """Load for 20 refreshes in every 200. The level that suffers is left alone for longer and
+    longer, and regained when they end."""
     governor = Governor(LADDER, BUDGET)
     pulsing = lambda level, k: level.total_ms * (2.0 if k % 200 < 20 else 1.0)  # noqa: E731
     first, later = run(governor, pulsing, 2000), run(governor, pulsing, 2000, start=2000)
@@ -191,10 +280,8 @@ def test_pulses_of_load_are_not_followed_for_long():
 
 
 def test_a_ladder_the_benchmark_got_wrong_does_not_keep_the_run_down():
-    """6 ms cost 9 here, 9 ms cost 9.2.
-
-    By the benchmark's ratio the dearer one would take 13.5, but this run has seen both.
-    """
+    """6 ms cost 9 here, 9 ms cost 9.2. By the benchmark's ratio the dearer one would take 13.5, but
+    this run has seen both."""
     governor = Governor(LADDER, BUDGET)
     real = {1.0: 1.0, 3.0: 3.0, 6.0: 9.0, 9.0: 9.2, 20.0: 20.0}
     run(governor, lambda level, _: real[level.total_ms] * 1.12, 200)

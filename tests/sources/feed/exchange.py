@@ -58,12 +58,10 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
 
 @contextmanager
 def feeder(layers_of=lambda ask: (), views_of=lambda views: views, as_sent=lambda frame: frame):
-    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest.
-
-    A red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
+    """Like cameras of a robot: it answers for two eyes with what it has, and refuses the rest. A
+    red stripe, a fifth as wide as the picture and 2 m away, stands on grey. layers_of(ask): what
     comes beside it. views_of(views): those that are drawn where these are asked for.
-    as_sent(frame): what goes out in place of it.
-    """
+    as_sent(frame): what goes out in place of it."""
     listener, done = Listener("127.0.0.1:*"), threading.Event()
 
     def work() -> None:

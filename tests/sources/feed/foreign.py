@@ -1,7 +1,5 @@
-"""Messages of the feed as a program of somebody else writes them: from docs/feed.md alone.
-
-Nothing of hmdwarp is imported, so that what both ends of it have wrong shows.
-"""
+"""Messages of the feed as a program of somebody else writes them: from docs/feed.md alone. Nothing
+of hmdwarp is imported, so that what both ends of it have wrong shows."""
 
 from __future__ import annotations
 

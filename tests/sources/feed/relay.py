@@ -14,10 +14,8 @@ RESET = struct.pack("ii", 1, 0)  # of SO_LINGER: what closes drops all that is n
 
 
 class Relay:
-    """Pass bytes on to a port, both ways, as its attributes say at the moment.
-
-    What TCP makes of loss and reordering is a delay or, in the end, a cut: both are here.
-    """
+    """Pass bytes on to a port, both ways, as its attributes say at the moment. What TCP makes of
+    loss and reordering is a delay or, in the end, a cut: both are here."""
 
     def __init__(self, port: int, seed: int = 1) -> None:
         self.delay_s = self.jitter_s = 0.0

@@ -1,4 +1,4 @@
-"""Further layers of the feed: each comes back as it was drawn, and what is none is refused."""
+"""Further layers of the feed: each comes back as it was drawn, motion vectors as velocities."""
 
 import math
 import random
@@ -15,14 +15,14 @@ from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Mirror, Pose, RigidState, View
 from hmdwarp.gpu import download, upload
 from hmdwarp.link.codec import Undecodable
-from hmdwarp.pipeline.feed_layers import made, misfit, needs_of_client, parts_of, unpacked, wanted_of
+from hmdwarp.pipeline.feed_layers import made, misfit, needs_of_client, parts_of, unpacked, velocity_of, wanted_of
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.message import FrameMessage, Malformed, decode, encode
 from hmdwarp.sources.feed.parts import Packed, Wanted, packed
 from hmdwarp.sources.server import Server
 
+from .exchange import vector_row
 from .messages import FRAME
-from .test_motion_vectors import told
 
 SIZE, SHOWN = (24, 20), (16, 12)
 DRAWN_NS = 70_000_000
@@ -186,3 +186,144 @@ def test_broken_frames_are_taken_or_refused():
             wrong = type(error).__name__
         counts[wrong.split(" of ")[0]] += 1
     assert min(counts[""], counts["Malformed"], counts["Undecodable"]) > 100 and len(counts) > 5
+
+
+WIDE, HIGH, SECONDS = 40, 30, 1 / 90
+NOW = View(Pose((0.3, 1.6, -2.0), (0.05, -0.1, 0.02, 0.99)), Fov(-0.7, 0.8, -0.75, 0.6))
+BEFORE = View(Pose((0.29, 1.61, -1.98), (0.04, -0.12, 0.03, 0.99)), Fov(-0.72, 0.78, -0.75, 0.62), Pose((0.03, 0, 0)))
+RANGES = [(0.1, 100.0), (100.0, 0.1), (0.1, np.inf), (np.inf, 0.1)]
+
+
+def clip_from_world(view: View, near: float, far: float) -> np.ndarray:
+    """Vulkan's: y down, z 0 at near and 1 at far."""
+    left, right, down, up = np.tan([view.fov.left, view.fov.right, view.fov.down, view.fov.up])
+    at, of = 1 / near, 1 / far
+    # z' / w with w = -z: (1 / w - at) / (of - at).
+    rows = [[2 / (right - left), 0, (right + left) / (right - left), 0]]
+    rows += [[0, -2 / (up - down), -(up + down) / (up - down), 0]]
+    rows += [[0, 0, at / (of - at), 1 / (of - at)], [0, 0, -1, 0]]
+    eye = np.eye(4)
+    eye[:3, :3], eye[:3, 3] = view.pose.rotation.as_matrix(), view.pose.position_m
+    return np.array(rows) @ np.linalg.inv(eye)
+
+
+def ndc(view: View, points: np.ndarray, near: float, far: float) -> np.ndarray:
+    clip = np.concatenate([points, np.ones((*points.shape[:2], 1))], axis=2) @ clip_from_world(view, near, far).T
+    return clip[..., :3] / clip[..., 3:]
+
+
+def scene(near: float, far: float, shape: tuple[int, int] = (HIGH, WIDE)):
+    """Inverse depth, velocity in the world (left half moves, top row is sky), and vectors."""
+    rng = np.random.default_rng(5)
+    depth = 1 / rng.uniform(1, 6, shape)
+    y, x = (2 * (np.arange(count) + 0.5) / count - 1 for count in shape)
+    middle = (1 / near + 1 / far) / 2  # any z does: the ray and the depth say where it is
+    inverse = np.linalg.inv(clip_from_world(NOW, near, far))
+    there = np.stack([*np.meshgrid(x, y), np.full(shape, (middle - 1 / near) / (1 / far - 1 / near))], axis=-1)
+    world = np.concatenate([there, np.ones((*shape, 1))], axis=2) @ inverse.T
+    along = world[..., :3] / world[..., 3:] - NOW.pose.position_m
+    ahead = NOW.pose.rotation.apply((0, 0, -1))
+    points = NOW.pose.position_m + along / (along @ ahead)[..., None] / depth[..., None]
+    velocity = rng.uniform(-1, 1, (*shape, 3))
+    velocity[:, shape[1] // 2 :] = 0
+    vectors = ndc(NOW, points, near, far) - ndc(BEFORE, points - SECONDS * velocity, near, far)
+    depth[0], velocity[0] = 0, 0
+    return depth, velocity, vectors
+
+
+def told(near: float, far: float, *coded, before: View = BEFORE) -> np.ndarray:
+    return vector_row(before, near, far, *coded, seconds=SECONDS)
+
+
+def in_eye(velocity: np.ndarray) -> np.ndarray:
+    return NOW.pose.rotation.inv().apply(velocity.reshape(-1, 3)).reshape(velocity.shape)
+
+
+def picture(vectors: np.ndarray, kind=np.float64) -> np.ndarray:
+    return np.concatenate([vectors, np.zeros((*vectors.shape[:2], 1))], axis=2).astype(kind)
+
+
+@pytest.mark.parametrize("coded", [((1, 1, 1), (0, 0, 0)), ((2, -1, 1), (0.5, 0, 0))], ids=["plain", "as of OpenGL"])
+@pytest.mark.parametrize(("near", "far"), RANGES)
+def test_exact_vectors_give_exact_velocities(near, far, coded):
+    depth, velocity, vectors = scene(near, far)
+    scale, offset = coded
+    found = velocity_of((picture((vectors - offset) / scale), told(near, far, *coded)), NOW, depth)
+    np.testing.assert_array_equal(found[..., 3], (velocity != 0).any(axis=2))
+    # Rounded to halves once: 2^-11 of at most 2 m/s.
+    np.testing.assert_allclose(found[..., :3], in_eye(velocity), atol=2 * 2.0**-11)
+
+
+@pytest.mark.parametrize(("near", "far"), RANGES)
+def test_halves_give_velocities_within_their_rounding_and_leave_still_what_stands(near, far):
+    depth, velocity, vectors = scene(near, far)
+    found = velocity_of((picture(vectors, np.float16), told(near, far)), NOW, depth)
+    still = (velocity == 0).all(axis=2)
+    assert (found[still] == 0).all() and (found[..., 3][~still] == 1).mean() > 0.99
+    # A vector's error is 2^-11 of it. Across, one unit of x or y is less than a metre per metre of
+    # distance; along, dw of inverse depth is d^2 dw metres, and brings the sides along.
+    error = np.abs(vectors) * 2.0**-11 + 2.0**-24
+    away = np.divide(1, depth, out=np.zeros_like(depth), where=depth > 0)
+    across, along = error[..., :2].sum(axis=2) * away, error[..., 2] * abs(1 / far - 1 / near) * away**2
+    bound = (across + 2 * along) * 1.1 / SECONDS + 2 * 2.0**-11
+    off = np.linalg.norm(found[..., :3].astype(float) - in_eye(velocity), axis=2)
+    moving = found[..., 3] == 1
+    assert (off[moving] <= bound[moving]).all()
+
+
+def test_vectors_of_two_numbers_keep_the_depth():
+    """What moves across alone comes back; what moves along is missed."""
+    depth, velocity, _ = scene(0.1, 100.0)
+    across = BEFORE.pose.rotation.apply(BEFORE.pose.rotation.inv().apply(velocity.reshape(-1, 3)) * (1, 1, 0)).reshape(
+        velocity.shape
+    )
+    left, right, down, up = NOW.fov.tangents
+    x, y = ((np.arange(n) + 0.5) / n for n in (WIDE, HIGH))
+    rays = np.stack([*np.meshgrid(left + (right - left) * x, up + (down - up) * y), np.full((HIGH, WIDE), -1.0)], -1)
+    away = np.divide(1, depth, out=np.ones_like(depth), where=depth > 0)
+    points = NOW.pose.position_m + NOW.pose.rotation.apply((rays * away[..., None]).reshape(-1, 3)).reshape(rays.shape)
+    vectors = (ndc(NOW, points, 0.1, 100) - ndc(BEFORE, points - SECONDS * across, 0.1, 100)) * (1, 1, 0)
+    found = velocity_of((picture(vectors), told(0, 0)), NOW, depth)
+    np.testing.assert_allclose(found[..., :3], in_eye(across), atol=2 * 2.0**-11)
+
+
+# In the middle, and all that the last row or column of vectors tells.
+@pytest.mark.parametrize(("top", "end", "left", "right"), [(11, 23, 9, 25), (HIGH - 1, HIGH, 9, 25), (11, 23, 39, 40)])
+def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of(top, end, left, right):
+    """A near square moves before a far wall: its edge stays where the picture's depth has it."""
+    depth, moves = np.full((HIGH, WIDE), 0.1), np.zeros((HIGH, WIDE), bool)
+    moves[top:end, left:right] = True
+    depth[moves] = 0.5
+    low = (HIGH // 2, WIDE // 2)
+    vectors = np.zeros((*low, 3))
+    # Of each low pixel the centre lies in the pixel right of and below its middle.
+    vectors[moves[1::2, 1::2]] = (0.01, 0, 0)
+    still = told(0.1, np.inf, before=attrs.evolve(NOW, head_from_eye=Pose()))
+    found = velocity_of((picture(vectors), still), NOW, depth)
+    np.testing.assert_array_equal(found[..., 3] == 1, moves)
+    # Across by 0.01 of half the field, at the depth of the surface, which its vector's pixel has.
+    field = np.tan(NOW.fov.right) - np.tan(NOW.fov.left)
+    expected = 0.01 * field / 2 / 0.5 / SECONDS
+    np.testing.assert_allclose(found[moves][:, 0], expected, rtol=2.0**-10)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (8, 0.0), (8, -1.0), (8, np.nan), (6, -0.1), (6, 0.0), (6, 100.0), (7, np.nan), (0, np.inf), (23, 3.0),
+        (12, np.nan),
+    ],
+)  # fmt: skip
+def test_numbers_that_are_none_are_refused(change):
+    depth, _, vectors = scene(0.1, 100.0)
+    numbers = told(0.1, 100.0)
+    numbers[0, change[0]] = change[1]
+    with pytest.raises(InputError):
+        velocity_of((picture(vectors), numbers), NOW, depth)
+    for parts in ((picture(vectors),), (picture(vectors)[..., 0], told(0.1, 1)), (picture(vectors), np.zeros((1, 4)))):
+        with pytest.raises(InputError):
+            velocity_of(parts, NOW, depth)
+    # But vectors may be anything.
+    wild, rng = picture(vectors), np.random.default_rng(1)
+    wild[rng.random(wild.shape) < 0.3] = rng.choice([np.nan, np.inf, -np.inf, 6e4, -6e4])
+    assert np.isfinite(velocity_of((wild, told(0.1, 100.0)), NOW, depth)).all()

@@ -88,9 +88,7 @@ def acting(gpu, tmp_path, where: str):
 
 def shown_until(setup, numbered, last_ms: float, since_ns: int = 0) -> dict[int, np.ndarray]:
     """Return what is shown until an instant of the scene is, by its instant: as here, bit for bit.
-
-    since_ns: when the oldest of these pictures was asked for.
-    """
+    since_ns: when the oldest of these pictures was asked for."""
     found: dict[int, np.ndarray] = {}
     while max(found, default=-1) < last_ms * 1_000_000:
         _, instant_ns = next(numbered)

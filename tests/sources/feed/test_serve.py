@@ -54,10 +54,8 @@ def small(out, **options):
 
 
 def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
-    """Run a replay; return age and both eyes' pictures, in linear light, by the instant shown.
-
-    A busy machine makes some frames late, and none is passed over.
-    """
+    """Run a replay; return age and both eyes' pictures, in linear light, by the instant shown. A
+    busy machine makes some frames late, and none is passed over."""
     found = {}
     add = ReplayLog.add
 

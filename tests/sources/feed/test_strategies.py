@@ -1,8 +1,6 @@
-"""Every strategy as two processes: `hmdwarp serve` draws, and a client here shows.
-
-Each is compared with a replay whose frames are as old: the same instants, and the delays that were
-measured. Without a codec the pictures are equal to the last bit, and so are the bytes by layer.
-"""
+"""Every strategy as two processes: `hmdwarp serve` draws, and a client here shows. Each is compared
+with a replay whose frames are as old: the same instants, and the delays that were measured. Without
+a codec the pictures are equal to the last bit, and so are the bytes by layer."""
 
 from __future__ import annotations
 
@@ -67,10 +65,8 @@ def ready(gpu, strategy: str, **more):
 
 
 def patient(remote: Remote, now_ns: int) -> None:
-    """Ask only when what was asked last is answered, so that a busy machine skips nothing.
-
-    Answers to what was asked before the session, while the latency was measured, are none.
-    """
+    """Ask only when what was asked last is answered, so that a busy machine skips nothing. Answers
+    to what was asked before the session, while the latency was measured, are none."""
     caller, newest, until_ns = remote._caller, max(remote._pending, default=0), time.monotonic_ns() + 60_000_000_000
     while newest and newest not in {*caller._unchanged, *(each.frame.number for each in list(caller._arrived))}:
         assert time.monotonic_ns() < until_ns, "no answer"
@@ -90,10 +86,8 @@ def flown(setup, instants) -> tuple[dict, dict]:
 
 
 def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None, equal=1.0, **more):
-    """Run a strategy over the feed, and again here at the same ages; return both summaries.
-
-    equal: the share of numbers, at least, that is the same to the last bit.
-    """
+    """Run a strategy over the feed, and again here at the same ages; return both summaries. equal:
+    the share of numbers, at least, that is the same to the last bit."""
     with monkeypatch.context() as patched:
         patched.setattr(Remote, "pace", patient)
         options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}}

@@ -28,9 +28,7 @@ def made(folder: Path, form: str, count: int = 2, **how: Any) -> Path:
 
 def edit(path: Path, change: Any) -> None:
     """Change a file: None removes it, text and bytes take its place, a dictionary is what it says.
-
-    A function changes what a JSON or .npz file says, the text of another, or a picture's array.
-    """
+    A function changes what a JSON or .npz file says, the text of another, or a picture's array."""
     if change is None:
         path.unlink()
     elif isinstance(change, bytes | str):

@@ -183,9 +183,7 @@ MATRIX_FORMS = {
 @pytest.mark.parametrize("form", MATRIX_FORMS)
 def test_the_zeros_say_how_poses_are_written(form, tmp_path):
     """The first frame is at the origin, where they say nothing: the second decides for both.
-
-    nerfstudio's applied_scale is taken out of positions, as its own depth is multiplied by it.
-    """
+    nerfstudio's applied_scale is taken out of positions, as its own depth is multiplied by it."""
 
     def change(data):
         origin = np.array(data["frames"][0]["transform_matrix"])[:3, 3].copy()

@@ -67,6 +67,13 @@ def bent(positions) -> Scene:
     return attrs.evolve(load_scene("planes"), meshes=[attrs.evolve(mesh, deformation=Bent(positions))])
 
 
+def test_a_deforming_mesh_without_triangles_draws_nothing(serve):
+    scene = bent(np.zeros((4, 3)))
+    bare = attrs.evolve(scene.meshes[0], triangles=np.empty((0, 3), np.uint32))
+    server = serve(attrs.evolve(scene, meshes=[bare]))
+    assert not any(server.draw(VIEWS[0], SIZE).inverse_depth.read())
+
+
 GIVES = "mesh 'soft': its deformation gives "
 NARROW = View(Pose(), Fov.symmetric(0.02, 0.02))
 REFUSED = {

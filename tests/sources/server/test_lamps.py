@@ -91,14 +91,6 @@ def test_every_pixel_has_the_light_of_its_place(serve, name, time_ns):
     assert lit.std() > 0.05, "it shows light and shadow"
 
 
-def test_a_dark_lamp_leaves_what_shines_by_itself(serve):
-    scene = load_scene("lantern")
-    dark = attrs.evolve(scene, lamps=[attrs.evolve(scene.lamps[0], colour=(0.0, 0.0, 0.0))])
-    server = serve(dark)
-    picture = read(server.draw(VIEW, SIZE).colour)[..., :3]
-    assert ((picture == 0) | (picture > 0.999)).all()
-
-
 def test_a_door_is_lit_and_casts_its_shadow_wherever_it_has_been(serve):
     """As where it stands still there. Places turned by a float32 matrix err by 1e-6 m: the light of
     a pixel by no more than a half float rounds, but at an edge of shadow, in few."""

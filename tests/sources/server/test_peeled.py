@@ -1,7 +1,4 @@
-"""The layers that the server peels.
-
-What rays meet second and third, and nothing where they meet no more.
-"""
+"""The cube and the layers behind the picture that the server draws."""
 
 from __future__ import annotations
 
@@ -11,10 +8,44 @@ from reference._rays import world_directions
 from worlds import pixels
 
 from hmdwarp.frames import Needs
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry import Fov, Pose, View, cube_size, face_views
+from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import Background, Mesh, Scene, load_scene
 
+VIEW = View(Pose((0.3, 1.5, -0.2), (0.1, 0.2, -0.05, 0.9)), Fov(-0.7, 0.8, -0.6, 0.75))
 SIZE = (61, 47)
+
+
+@pytest.fixture
+def server(serve):
+    made = serve("room")
+    yield made
+
+
+def test_each_face_is_the_picture_of_its_view(server):
+    frame = server.draw_frame([VIEW], 0, SIZE, needs=Needs(cube=True))
+    eye = frame.eyes[0]
+    assert eye["cube"].size == cube_size(VIEW.fov, SIZE)
+    side, cube = eye["cube"].size[0] // 3, pixels(eye["cube"])
+    assert (cube[..., 3] == 1).all()
+    for face, view in zip(FACES, face_views(VIEW, side), strict=True):
+        alone = server.draw(view, (side, side))
+        drawn = cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
+        # The same triangles in another place of the framebuffer: a rasteriser may round an edge
+        # otherwise, and mipmaps with it.
+        same = np.abs(drawn.astype(float) - pixels(alone.colour)).max(axis=-1) <= 2**-9
+        assert same.mean() > 0.99, face.name
+        server.pool((side, side)).release(alone.colour)
+
+
+def test_a_guard_band_does_not_change_the_cube(server):
+    """It is as dense with it as without, and all around anyway."""
+    sizes = {
+        server.draw_frame([VIEW], 0, SIZE, guard, Needs(cube=True)).eyes[0]["cube"].size for guard in (1.0, (1.3, 1.1))
+    }
+    assert len(sizes) == 1
+
+
 FOV = Fov(-0.6, 0.7, -0.5, 0.55)
 SKY = (0.25, 0.5, 1.0)
 AHEAD = View(Pose(), FOV)
@@ -22,8 +53,7 @@ AHEAD = View(Pose(), FOV)
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
     """Squares of half edge `half` times their distance, one behind the other before the origin,
-    number k of brightness k + 1.
-    """
+    number k of brightness k + 1."""
     meshes = []
     for k, depth in enumerate(depths_m):
         r = half * depth
@@ -73,10 +103,8 @@ def test_walls_one_behind_the_other_then_the_sky_then_nothing(serve):
 
 
 def test_the_sky_belongs_to_the_last_layer_that_holds_anything(serve):
-    """Beside the wall the sky is visible, so behind it is nothing.
-
-    Behind the wall it is the next layer.
-    """
+    """Beside the wall the sky is visible, so behind it is nothing. Behind the wall it is the next
+    layer."""
     (_, first), (colour, second), (_, third) = peeled(serve, walls(3), 2)
     assert (first[outside()] == 0).all()
     assert (second[outside()] == -1).all()

@@ -61,10 +61,8 @@ def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface
 
 
 def test_light_keeps_its_value_along_the_edges_inside_a_surface(serve):
-    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell.
-
-    The light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits.
-    """
+    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell. The
+    light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits."""
     floor = [(-9.0, -0.2, 0.5), (9.0, -0.2, 0.5), (9.0, -0.2, -30.0), (-9.0, -0.2, -30.0)]
     scene = Scene("floor", "", (sheet("floor", floor, np.ones(3)),), background=Background.uniform((1,) * 3))
     server = serve(scene, samples=4)

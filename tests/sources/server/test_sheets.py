@@ -1,7 +1,5 @@
-"""What one sees through and what is fixed to the head.
-
-The server against rays that add up light in float64, whole and in layers.
-"""
+"""What one sees through and what is fixed to the head. The server against rays that add up light in
+float64, whole and in layers."""
 
 from __future__ import annotations
 
@@ -38,10 +36,8 @@ def sheet(mesh: Mesh) -> Sheet:
 
 
 def random_panes(seed: int, count: int = 4) -> list[Mesh]:
-    """Tilted panes one behind the other, none through another.
-
-    25 cm apart, tilted by less than that over their size.
-    """
+    """Tilted panes one behind the other, none through another. 25 cm apart, tilted by less than
+    that over their size."""
     rng = np.random.default_rng(seed)
     made = []
     for k in rng.permutation(count):
@@ -95,11 +91,9 @@ def away_from_changes(value: np.ndarray) -> np.ndarray:
 
 
 def many_panes(rng: np.random.Generator, count: int, textures: int) -> tuple[list[Mesh], list[Sheet], list[Texture]]:
-    """Panes one behind the other, each on one of the textures, which are of one colour each.
-
-    Every third shows its back; every second of those is one-sided and not seen. 2 cm apart, and so
-    much in a row that the distance of a triangle's middle is off by less than that.
-    """
+    """Panes one behind the other, each on one of the textures, which are of one colour each. Every
+    third shows its back; every second of those is one-sided and not seen. 2 cm apart, and so much
+    in a row that the distance of a triangle's middle is off by less than that."""
     base = len(load_scene("planes").textures)
     colours = rng.integers(0, 256, (textures, 3), dtype=np.uint8)
     made, sheets = [], []

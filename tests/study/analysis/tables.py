@@ -1,15 +1,17 @@
-"""Ratings for tests: made by hand, or with known effects."""
+"""Ratings for tests: made by hand, of simulated people, or with known effects."""
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pandas as pd
 
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
-from hmdwarp.study.design import SHIPPED, Design, design_from_text
+from hmdwarp.study.design import SHIPPED, Comparison, Design, design_from_text
 from hmdwarp.study.design.orders import williams
-from hmdwarp.study.respondents import Model, Population, RatingModel
-from hmdwarp.study.scales import load_scale
+from hmdwarp.study.respondents import Cohort, Model, Population, RatingModel
+from hmdwarp.study.scales import Scale, load_scale
+from hmdwarp.study.store import SIMULATED
 
 from ..plans import text_of
 
@@ -36,28 +38,18 @@ def ratings_of(
 def in_order(
     effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
 ) -> pd.DataFrame:
-    """Ratings of four conditions in the orders of a Williams square.
-
-    Effect per trial, carry times what the condition before is worth.
+    """Ratings of four conditions in the orders of a Williams square. Effect per trial, carry times
+    what the condition before is worth.
     """
     random, rows = np.random.default_rng(seed), []
-    square = williams(4)
     for person in range(people):
-        level, before = random.normal(3, 0.5), None
-        for place, condition in enumerate(square[person % 4], 1):
-            value = (
-                level
-                + 0.5 * condition
-                + effect * place
-                + (carry * before if before is not None else 0)
-                + random.normal(0, noise)
-            )
-            name = "" if before is None else f"c{before}"
-            rows.append(
-                {"participant": f"p{person}", "condition": f"c{condition}", "scale": "grade", "value": float(value)}
-                | {"place": place, "previous": name}
-            )
-            before = condition
+        level, order = random.normal(3, 0.5), williams(4)[person % 4]
+        for place, condition in enumerate(order, 1):
+            before = order[place - 2] if place > 1 else 0
+            value = level + 0.5 * condition + effect * place + carry * before + random.normal(0, noise)
+            name = f"c{before}" if place > 1 else ""
+            about = {"participant": f"p{person}", "condition": f"c{condition}", "scale": "grade"}
+            rows.append({**about, "value": float(value), "place": place, "previous": name})
     return frame(rows)
 
 
@@ -87,3 +79,47 @@ def simulated(design: Design, model: Model, study: int, people: int = 14) -> Rat
         for (first, second), answer in zip(orders[k], cohort.answers[scale.name][k], strict=True)
     ]
     return Ratings(rows=(), scale_info={}, preferences=said, families=design.families)
+
+
+def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:
+    """n people in each part, who are all other people; study: another one of the same seed."""
+    rows: list[dict] = []
+    for part in design.parts:
+        cohort = Population(model, design, part.name).of(range(n), seed, study)
+        for person, order in enumerate(cohort.order):
+            shown = [part.conditions[number] for number in order]
+            for trial, condition in enumerate(shown):
+                about = {
+                    "participant": f"{part.name}-{person + 1}", "part": part.name, "condition": condition.name,
+                    "reference": condition.reference, "repeat": trial // len(part.conditions) + 1,
+                    "place": trial + 1, "previous": shown[trial - 1].name if trial else "",
+                }  # fmt: skip
+                for scale in design.scales:
+                    value = cohort.answers[scale.name][person, trial]
+                    rated = {"value": None, "why_missing": "x"} if np.isnan(value) else {"value": float(value)}
+                    rows.append({"scale": scale.name, "why_missing": "", **about, **rated})
+    measures = {scale.name: ScaleInfo.of(scale) for scale in design.scales}
+    return Ratings(rows=rows, scale_info=measures, families=design.families, origin=SIMULATED)
+
+
+def unlimited(design: Design) -> Design:
+    """The study on scales without ends or steps worth the name: people answer what they feel."""
+    scales = (attrs.evolve(scale, least=-1000.0, most=1000.0, step=1e-6) for scale in design.scales)
+    return attrs.evolve(design, scales=tuple(scales))
+
+
+def per_condition(cohort: Cohort, scale: str) -> np.ndarray:
+    """(n, conditions) means of each person's answers over the repeats."""
+    values = cohort.answers[scale]
+    found = [np.where(cohort.order == k, values, np.nan) for k in range(len(cohort.part.conditions))]
+    with np.errstate(invalid="ignore"):
+        sums, counts = np.nansum(found, axis=2), (~np.isnan(found)).sum(axis=2)
+        return np.where(counts, sums / counts, np.nan).T
+
+
+def differences(cohort: Cohort, scale: Scale, comparison: Comparison) -> np.ndarray:
+    """How much better `better` was rated than the baseline, by each who rated both."""
+    names = [condition.name for condition in cohort.part.conditions]
+    rated = per_condition(cohort, scale.name)
+    out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
+    return (out if scale.low_is_good else -out)[~np.isnan(out)]

@@ -1,23 +1,38 @@
-"""What is found in made-up ratings whose truth is known. What is said of them: tables/."""
+"""What is found in made-up ratings whose truth is known, and in tables of several sites.
+
+What is said of them, and of tables of others: tables/.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
+from pathlib import Path
 
 import attrs
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import stats
 from statsmodels.formula.api import ols
 from statsmodels.stats.anova import anova_lm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.findings import copied_rows, load_claims, order_effects
-from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
+from hmdwarp.study.analysis.findings import (
+    Resampling,
+    copied_rows,
+    families_for,
+    load_claims,
+    order_effects,
+    preference_results,
+)
+from hmdwarp.study.analysis.full_analysis import analyse, said_of_preferences
+from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, SourceOptions, from_csv, ratings_from_all
 from hmdwarp.study.design import Comparison, Family
+from hmdwarp.study.scales import NEITHER
 
-from .tables import GRADE, in_order, ratings_of
+from .tables import GRADE, PUBLISHED, in_order, judges, pairs_of, ratings_of, simulated
 
 ACR = ScaleInfo("acr", "Quality", low_is_good=False, least=1, most=5)
 PAIR = (Family("one", (Comparison("", "late", "warped"),)),)
@@ -104,3 +119,107 @@ def test_a_rating_of_minus_one_is_not_a_missing_one():
             for row in ratings_of({f"c{k}": [v] for k, v in enumerate(values)}, part).rows.to_dict("records")
         ]
         assert len(copied_rows(Ratings(rows, {"grade": GRADE}), "grade", 1)) == found
+
+
+def test_an_analysis_states_scores_and_votes():
+    design = pairs_of("preference_or_tie")
+    ratings = simulated(design, judges("preference_or_tie", noise=1.0, taste=0.2, threshold=0.6), 1, people=20)
+    (found,) = said_of_preferences(preference_results(ratings, design.families, Resampling()))
+    assert (found["people"], found["answers"], found["missing"]) == (20, 120, 0)
+    assert found["ties"] == (ratings.preferences["answer"] == NEITHER).sum() > 0
+    assert found["threshold"] > 0
+    reference = next(row for row in found["conditions"] if row["reference"])
+    assert (reference["jod"], reference["low"]) == (0, None)
+    row = found["comparisons"][0]
+    own = [pair for pair in ratings.preferences.itertuples() if {pair.first, pair.second} == {"late", "warped"}]
+    preferred = [{1: answer.first, 2: answer.second}.get(answer.answer, "") for answer in own]
+    assert (row["for"], row["against"], row["neither"]) == tuple(map(preferred.count, ("warped", "late", "")))
+    net = preferred.count("warped") + preferred.count("late")
+    # Each person saw the pair once: the exact test of their choices is that of signs.
+    assert row["p"] == pytest.approx(stats.binomtest(preferred.count("warped"), net).pvalue)
+    assert row["holm_of"] == 2
+    assert f"in {row['for']} of 20 answers" in row["sentence"]
+    assert "of choices would go to it" in row["sentence"]
+
+
+def test_few_people_and_no_answers():
+    design, model = pairs_of(), judges("preference", noise=1.0, taste=0.0, threshold=0.0)
+    for people in (5, 6):  # 126 and 462 resamples that differ; five who agree have p = 2 / 2^5
+        some = simulated(design, model, 1, people=people)
+        (found,) = said_of_preferences(preference_results(some, design.families, Resampling()))
+        row = found["comparisons"][0]
+        assert (row["low"] is None) == ("who give no interval. 5 people" in row["sentence"]) == (people == 5)
+    pair = {"participant": "a", "scale": "preference", "first": "x", "second": "y", "answer": None}
+    (found,) = analyse(Ratings(rows=(), scale_info={}, preferences=[pair]))["preferences"]
+    assert found["sentences"] == ["No pair was compared."]
+
+
+def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom: bool = False) -> Path:
+    """A long table."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, list(rows[0]), delimiter=delimiter, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    path.write_bytes((b"\xef\xbb\xbf" if bom else b"") + text.getvalue().encode())
+    return path
+
+
+@given(st.binary(max_size=300))
+def test_any_bytes_give_ratings_or_an_input_error(tmp_path_factory, data):
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    path.write_bytes(b"participant,condition,rating\n" + data)
+    try:
+        from_csv(path)
+    except InputError as error:
+        assert "\n" not in str(error)
+
+
+def test_conditions_of_settings_are_compared_at_each_latency_or_as_requested():
+    found = from_csv(PUBLISHED)
+    assert found.conditions("run 1")[0] == "none, 200 ms"
+    families, why = families_for(found)
+    assert [len(family.comparisons) for family in families] == [3, 3]
+    assert "at each latency" in why
+    families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
+    (only,) = families[0].comparisons
+    assert (only.part, only.baseline, only.better) == ("run 1", "none, 200 ms", "none, 800 ms")
+    each = "run 1/none, 200 ms:none, 400 ms", "run 1/none, 400 ms:none, 800 ms"
+    rows = [analyse(found, families=asked)["scales"][0]["comparisons"] for asked in (each, each[:1], each[1:])]
+    assert [(row["holm"], row["holm_of"]) for row in rows[0]] == [(row["p"], 1) for row in rows[1] + rows[2]]
+    with pytest.raises(InputError, match="expected pairs of conditions"):
+        families_for(found, ["a-b"])
+
+
+def exported(path, participant: str, **more: str):
+    """A table as a site exports it."""
+    row = {"participant": participant, "session": "1", "scale": "grade", "origin": "person", **more}
+    rated = [{"trial": "1", "condition": "late", "value": "4"}, {"trial": "2", "condition": "warped", "value": "2.5"}]
+    return str(written(path, [{**row, **one} for one in rated]))
+
+
+def test_tables_of_several_sites_are_one_study(tmp_path):
+    one, two = exported(tmp_path / "berlin.csv", "k3x"), exported(tmp_path / "paris.csv", "w9q")
+    options = SourceOptions()
+    both = ratings_from_all([one, two], None, options)
+    found = [*both.rows[["participant", "condition", "value"]].itertuples(index=False, name=None)]
+    assert found == [("k3x", "late", 4.0), ("k3x", "warped", 2.5), ("w9q", "late", 4.0), ("w9q", "warped", 2.5)]
+    assert both.source == "berlin.csv, paris.csv"
+    assert analyse(both)["participants"] == 2
+    second = exported(tmp_path / "again.csv", "k3x", session="2")
+    assert analyse(ratings_from_all([one, second], None, options))["participants"] == 1
+    assert ratings_from_all([one], None, options).rows.equals(from_csv(tmp_path / "berlin.csv").rows)
+
+
+def test_tables_that_do_not_go_together_are_refused(tmp_path):
+    one = exported(tmp_path / "berlin.csv", "k3x")
+    own = exported(tmp_path / "own.csv", "w9q", scale="stars", low_is_good="true")
+    turned = exported(tmp_path / "turned.csv", "k3x", scale="stars", low_is_good="false")
+    for first, second, says in (
+        (one, exported(tmp_path / "copy.csv", "k3x"), "has session 1 of participant 'k3x', as .*berlin.csv has"),
+        (one, exported(tmp_path / "made.csv", "w9q", origin="simulated"), "of origin 'simulated', and 'person' in"),
+        (one, str(tmp_path / "none.csv"), "expected a table of ratings that is there"),
+        (one, "quick", "export each study first"),
+        (own, turned, "scale 'stars' is another one"),
+    ):
+        with pytest.raises(InputError, match=says):
+            ratings_from_all([first, second], None, SourceOptions())

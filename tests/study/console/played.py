@@ -37,6 +37,12 @@ STATES = {
     "lost": attrs.evolve(SHOWING, notice="tracking lost", participant="P07 - PILOT"),
     "sick": attrs.evolve(SHOWING, phase="over", left_s=None, notice="stopped: sickness 15 of 20, the stop rule is 15"),
     "open": attrs.evolve(SHOWING, condition="late-200"),
+    "fms": attrs.evolve(ASKING, question=SICK),
+    "entered": attrs.evolve(ASKING, question=attrs.evolve(GRADE, entered=1.0)),
+    "later": attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9),
+    "until-done": attrs.evolve(SHOWING, seen_s=12.0, left_s=588.0),
+    "finished": attrs.evolve(SHOWING, step="session finished", phase="over"),
+    "nothing": ConsoleState(),
 }
 
 

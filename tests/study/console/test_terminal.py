@@ -21,9 +21,8 @@ PLAYED = [sys.executable, str(Path(__file__).with_name("played.py"))]
 
 
 class Terminal:
-    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte).
-
-    size: (columns, rows). more: of the environment.
+    """A pseudo-terminal with a program in it (pexpect), and what stands on it (pyte). size:
+    (columns, rows). more: of the environment.
     """
 
     def __init__(self, argv: list[str], size: tuple[int, int] = (80, 24), **more: str) -> None:
@@ -169,16 +168,6 @@ def test_the_terminal_is_given_back_after_an_error_and_taken_again_after_a_stop(
             terminal.take()
         terminal.keys("again\r")
         terminal.until("RuntimeError: a fault in the session", "status 1")
-        assert terminal.modes() == before
-
-
-def test_ctrl_c_ends_the_program_and_the_terminal_is_as_before(log):
-    with Terminal([*PLAYED, str(log), "showing"]) as terminal:
-        before = terminal.modes()
-        terminal.until("trial 3 of 12 | showing")
-        terminal.keys("half a line\x03")
-        assert terminal.ended() == 0
-        assert "the program has ended" in terminal.text()
         assert terminal.modes() == before
 
 

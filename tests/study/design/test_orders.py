@@ -1,10 +1,10 @@
-"""Orders are balanced, the same every time, and allotted so that none falls behind."""
+"""Orders are balanced, the same every time, and allotted so that none falls behind; pairs too."""
 
 from __future__ import annotations
 
 import random
 from collections import Counter
-from itertools import pairwise, product
+from itertools import combinations, pairwise, permutations, product
 
 import pytest
 from hypothesis import given
@@ -12,9 +12,27 @@ from hypothesis import strategies as st
 from together import together
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import Condition, Design, Part, allot, rows_for
+from hmdwarp.study.design import (
+    Ask,
+    Condition,
+    Design,
+    Part,
+    Show,
+    allot,
+    design_from_text,
+    notes,
+    pair_of,
+    rows_for,
+    steps_of,
+    tables_of,
+    trials_of,
+)
 from hmdwarp.study.design.definitions import FIXED, RANDOM, WILLIAMS
-from hmdwarp.study.design.orders import RANDOM_ROWS, williams
+from hmdwarp.study.design.orders import RANDOM_ROWS, every_pair, presented, williams
+from hmdwarp.study.design.plan_text import balance, session_phases
+from hmdwarp.study.scales import FIRST, NEITHER, SECOND
+
+from ..plans import text_of
 
 
 def design(count: int, *, order: str = WILLIAMS, repeats: int = 1, seed: int = 0, part: str = "p") -> Design:
@@ -53,28 +71,6 @@ def test_each_repeat_is_balanced_by_itself_and_seams_are_spread(n, repeats):
         counts = [seams[a, b] for a in names for b in names if a != b]
         assert max(counts) - min(counts) <= 1  # as even as (repeats - 1) seams of each order allow
         assert not any(seams[name, name] for name in names)
-
-
-@together("n", [4, 5, 6, 9])
-def test_seams_are_balanced_exactly_where_that_is_possible(n):
-    """A seam gives all pairs of one distance (or of two, n odd).
-
-    After as many as there are distances, each pair came equally often.
-    """
-    repeats = (n if n % 2 == 0 else (n + 1) // 2) + 0
-    rows = rows_for(design(n, repeats=repeats), "p")
-    seams = Counter((one[-1], other[0]) for order in rows for one, other in pairwise(order))
-    assert len(seams) == n * (n - 1) and len(set(seams.values())) == 1
-
-
-def test_a_row_repeats_only_after_all_others():
-    """Of n rows (or n of each half) each participant sees several.
-
-    Evenness of the seams comes first, and costs a few.
-    """
-    for n in range(3, 13):
-        shown = [len(set(order)) for order in rows_for(design(n, repeats=3), "p")]
-        assert min(shown) >= 2
 
 
 def test_the_seed_and_the_part_decide_and_nothing_else():
@@ -124,9 +120,8 @@ def test_one_of_the_least_filled_is_taken(filled, seed):
 
 @given(st.integers(1, 14), st.integers(0, 9), st.integers(0, 2**32), st.floats(0, 0.9))
 def test_rows_stay_level_after_dropouts(rows, seed, chance, dropping):
-    """Counts differ by more than one only where people dropped out of one row.
-
-    Those who come next fill just these gaps.
+    """Counts differ by more than one only where people dropped out of one row. Those who come next
+    fill just these gaps.
     """
     rng = random.Random(chance)
     filled = [0] * rows
@@ -143,21 +138,79 @@ def test_rows_stay_level_after_dropouts(rows, seed, chance, dropping):
     assert len(set(filled)) == 1
 
 
-def test_the_next_row_cannot_be_guessed_from_the_number():
-    """The first of a study gets any of the rows, as the seed decides.
-
-    Of 600 seeds each of 6 rows gets 100, give or take 4 sd (37).
-    """
-    first = Counter(allot([0] * 6, seed) for seed in range(600))
-    assert all(63 <= first[row] <= 137 for row in range(6))
-    taken = []
-    for _ in range(6):
-        taken.append(allot([taken.count(row) for row in range(6)], 3))
-    assert sorted(taken) == list(range(6)) and taken != sorted(taken)
-
-
 def test_nothing_to_order_is_refused():
     with pytest.raises(InputError, match="0 conditions: expected 1 or more"):
         williams(0)
     with pytest.raises(InputError, match="no order to allot"):
         allot([], 0)
+
+
+def study(conditions: int, repeats: int = 1):
+    latencies = [100 * (k + 1) for k in range(conditions)]
+    changes = ("[100, 200, 300]", str(latencies)), ("repeats = 1", f"repeats = {repeats}")
+    return design_from_text(text_of("pairs", *changes), "pairs.toml", checked=False)
+
+
+@together("conditions, repeats", product([2, 3, 4, 5], [1, 2]))
+def test_full_balance(conditions, repeats):
+    """Over all orders each pair stands in each place, and each way round, equally often."""
+    design = study(conditions, repeats)
+    rows = rows_for(design, "main")
+    names = [condition.name for condition in design.parts[0].conditions]
+    shown = Counter(name for order in rows for repeat in order for name in repeat)
+    assert {pair_of(name) for name in shown} == set(permutations(names, 2))
+    assert len(set(shown.values())) == 1
+    found = balance(rows, presented(design, "main"))
+    assert found.places[0] == found.places[1]
+    for order in rows:
+        for repeat in order:
+            assert {frozenset(pair_of(name)) for name in repeat} == set(map(frozenset, combinations(names, 2)))
+            assert len(repeat) == len(names) * (len(names) - 1) / 2
+    if repeats == 2:  # a person sees a pair both ways
+        assert all({pair_of(n) for n in first} == {pair_of(n)[::-1] for n in second} for first, second in rows)
+
+
+def test_each_condition_is_first_as_often():
+    """Within one repeat too: with an odd number exactly, else to one."""
+    for n in range(2, 9):
+        firsts = Counter(pair_of(name)[0] for name in every_pair([f"c{k}" for k in range(n)]))
+        counts = [firsts[f"c{k}"] for k in range(n)]
+        assert max(counts) - min(counts) <= (n % 2 == 0)
+
+
+def test_a_trial_shows_both_before_it_asks():
+    design = study(3)
+    order = rows_for(design, "main")[0]
+    steps = steps_of(design, order, "main")
+    assert trials_of(design, "main") == 3
+    first, second, question = steps[:3]
+    assert [type(step) for step in steps[:3]] == [Show, Show, Ask]
+    assert (first.condition.name, second.condition.name) == pair_of(order[0][0])
+    assert (first.turn, first.after, second.turn, second.after) == ("first", "", "second", first.key)
+    assert question.about == second.key
+    sick = [step for step in steps if isinstance(step, Ask) and step.scale.name == "fms"]
+    assert [(question.trial, question.about) for question in sick] == [(2, "trial/2/second")]
+    assert len({step.key for step in steps}) == len(steps)
+    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
+    assert trials.content.startswith("3 pairs")
+    assert trials.seconds == 3 * 2 * 2 + 4 * 6.0  # each shown for 2 s, and 4 answers
+    assert not any("odd number" in note for note in notes(design))
+
+
+def test_a_trial_shows_the_reference_and_then_the_condition():
+    design = design_from_text(text_of("impaired"), "impaired.toml", checked=False)
+    steps = steps_of(design, (("late", "reference", "warped"),), "main")
+    shows = [step for step in steps if isinstance(step, Show)]
+    assert [show.condition.name for show in shows] == ["reference", "late"] + ["reference"] * 3 + ["warped"]
+    assert [show.after for show in shows[1::2]] == [show.key for show in shows[::2]]
+    assert [ask.about for ask in steps if isinstance(ask, Ask)] == [show.key for show in shows[1::2]]
+    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
+    assert trials.content == "3 of the reference and a condition, each 2 s, each rated: dcr"
+    assert trials.seconds == 3 * (2 * 2 + 6)
+
+
+def test_answers_become_tables():
+    said = [(("a", "b"), FIRST), (("a", "b"), SECOND), (("c", "a"), SECOND), (("b", "c"), NEITHER)]
+    wins, ties = tables_of("abc", said, allows_ties=True)
+    assert wins.tolist() == [[0, 1, 1], [1, 0, 0], [0, 0, 0]]
+    assert ties.tolist() == [[0, 0, 0], [0, 0, 1], [0, 1, 0]]

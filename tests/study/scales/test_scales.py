@@ -131,17 +131,6 @@ def test_an_ipq_against_the_published_table(answers):
     assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
 
 
-def test_full_presence_gives_the_most_of_every_score():
-    """The end of each item that means presence, by its words."""
-    scale = load_scale("ipq")
-    lowest = {"pictures", "attention", "real"}
-    answers = {item.key: 0.0 if item.key in lowest else 6.0 for item in scale.items}
-    words = {item.key: scale.of(item).anchors[answers[item.key]] for item in scale.items}
-    assert words["real"] == "completely real" and words["not_present"] == "felt present"
-    assert words["aware"] == "not aware at all" and words["pictures"] == "fully disagree"
-    assert scored(scale, answers) == pytest.approx(dict.fromkeys(IPQ_NAMES.values(), 6))
-
-
 def test_items_with_words_of_their_own(tmp_path):
     scale = load_scale("ipq")
     assert scale.of(scale.items[0]).anchors == {0: "not at all", 6: "very much"}

@@ -23,23 +23,7 @@ from ..plans import text_of
 
 RED, BLUE = (220, 40, 40), (30, 60, 200)
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)
-TEXT = text_of("small")
-WHOLE = """
-blind = "{blind}"
-[consent]
-version = "1"
-text = "You will see pictures."
-[practice]
-seconds = 0.1
-[breaks]
-every = 1
-seconds = 0.2
-[sickness]
-scale = "fms"
-stop_at = 15
-[questionnaires]
-after = ["acr"]
-"""
+TEXT, MORE = text_of("small"), text_of("small-more")
 
 
 def study(folder: Path, more: str = "") -> Path:
@@ -49,9 +33,9 @@ def study(folder: Path, more: str = "") -> Path:
     return path
 
 
-def whole(folder: Path, blind: str = "both") -> Path:
+def whole(folder: Path) -> Path:
     """One with everything in it that may come between trials."""
-    return study(folder, WHOLE.format(blind=blind))
+    return study(folder, MORE)
 
 
 def press(panel: MessagePanel, name: str) -> Command:
@@ -68,15 +52,10 @@ Own = Callable[[Seen], Sequence[Command] | None]
 
 
 class Person:
-    """Reads the panels and goes through the session as it is asked to.
+    """Goes through the session as panels ask; own: what is done instead, None for nothing else."""
 
-    grade: answered to every question. own: what is done instead, asked first with each panel; None
-    from it for nothing of one's own.
-    """
-
-    def __init__(self, own: Own = lambda panel: None, grade: str = "2") -> None:
-        self._own, self._grade = own, grade
-        self._last: object = None
+    def __init__(self, own: Own = lambda panel: None) -> None:
+        self._own, self._last = own, None
 
     def looks(self, panel: Seen) -> Sequence[Command]:
         """What hands do at a panel. A panel is reacted to once, when it comes."""
@@ -88,7 +67,7 @@ class Person:
 
     def _usual(self, panel: Seen) -> Sequence[Command]:
         if isinstance(panel, QuestionPanel) and panel.value is None and not panel.skipping and not panel.typed:
-            return (*(Command("digit", digit) for digit in self._grade), Command("confirm"))
+            return (Command("digit", "2"), Command("confirm"))
         if isinstance(panel, MessagePanel) and panel.title == "Before we begin":
             return (press(panel, "agree"),)
         if isinstance(panel, MessagePanel) and panel.title == "Menu":
@@ -101,10 +80,9 @@ class Person:
 
 
 class SeatedDisplay(OffscreenDisplay):
-    """A display with somebody before it.
-
-    events: by the number of the wait, as OffscreenDisplay's; at: by the n-th picture shown (counted
-    from 1), what happens right before the next: an exception is raised, anything else called.
+    """A display with somebody before it. events: by the number of the wait, as OffscreenDisplay's;
+    at: by the n-th picture shown (counted from 1), what happens right before the next: an exception
+    is raised, anything else called.
     """
 
     def __init__(self, gpu, person: Person, at: dict[int, object] | None = None, **more) -> None:
@@ -184,14 +162,11 @@ def run(
     path: Path,
     person: Person | None = None,
     console: ScriptedConsole | None = None,
-    respondent=None,
     at=None,
     **options,
 ) -> Ran:
-    """One run of the program.
-
-    at: of SeatedDisplay. options: of SessionOptions, participant P1 and a desktop where nothing
-    else is said; back_after: of the display.
+    """One run of the program. at: of SeatedDisplay. options: of SessionOptions, participant P1 and
+    a desktop where nothing else is said; back_after: of the display.
     """
     back_after = options.pop("back_after", 0)
     ran = Ran(SeatedDisplay(gpu, person or Person(), at, back_after=back_after), console or ScriptedConsole(), [])
@@ -199,7 +174,7 @@ def run(
     options = {"participant": "P1", "source": "desktop", **options}
     try:
         ran.session = program.run_session(
-            SessionOptions(study=str(path), **options), ran.said.append, console=ran.console, respondent=respondent
+            SessionOptions(study=str(path), **options), ran.said.append, console=ran.console
         )
     except BaseException as error:
         ran.error = error
@@ -218,11 +193,6 @@ def contents(path: Path, pilot: bool = False) -> Contents:
 def closing() -> Closed:
     """Somebody closes the window."""
     return Closed("the window was closed")
-
-
-def losing() -> Lost:
-    """The headset goes."""
-    return Lost("the headset went away")
 
 
 def picture(path: Path, size: tuple[int, int] = (900, 600)) -> None:

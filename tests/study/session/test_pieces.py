@@ -1,23 +1,32 @@
-"""The pieces of a session that can be looked at alone."""
+"""The pieces of a session that can be looked at alone; the stop rule; pages and words."""
 
 from __future__ import annotations
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 from together import together
 
+from hmdwarp.display import Presenter
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
+from hmdwarp.study.design import Ask, Sickness
+from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
+from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
+from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
+from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
+from hmdwarp.study.session.runner import counting, why_sick
 from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.session.wording import HeadRange
+from hmdwarp.study.store import Answer
 
 from .conftest import SETTLED_S
-from .sessions import closing, run
+from .sessions import BLUE, RED, closing, picture, run
 
 
 def test_frames_are_under_way_for_longer_than_any_latency():
@@ -122,3 +131,85 @@ def test_a_head_that_hardly_moves_is_flagged(heads, turn_deg, shift_m, still):
         seen.add(one)
     assert list(seen.figures().values()) == [pytest.approx(turn_deg, abs=1e-5), pytest.approx(shift_m), still]
     assert list(seen.figures()) == ["head_turn_deg", "head_shift_m", "head_still"]
+
+
+FMS = load_scale("fms")
+WORSE_BELOW = attrs.evolve(FMS, low_is_good=False)  # the same with 0 as the worst
+
+
+def answers(*values: float | None) -> list[Answer]:
+    return [
+        Answer(trial, 1, f"trial/{trial}/fms/fms", 1, "trial", trial, "fms", "fms", value, 1.0, "participant", "")
+        for trial, value in enumerate(values, 1)
+    ]
+
+
+RULES = [  # scale, answers, stop_at, rise, whether the session ends
+    (FMS, (), 15, None, False),
+    (FMS, (14,), 15, None, False),
+    (FMS, (15,), 15, None, True),
+    (FMS, (15, 14), 15, None, False),  # one that was corrected at the next question
+    (FMS, (None,), 15, None, False),
+    (FMS, (15, None), 15, None, True),  # "cannot say" decides nothing
+    (FMS, (20,), None, None, False),
+    (FMS, (2, 7), None, 5, True),
+    (FMS, (2, 6), None, 5, False),
+    (FMS, (7, 2), None, 5, False),
+    (FMS, (None, 2, 7), None, 5, True),
+    (WORSE_BELOW, (5,), 5, 4, True),
+    (WORSE_BELOW, (6,), 5, 4, False),
+    (WORSE_BELOW, (18, 14), 5, 4, True),
+    (WORSE_BELOW, (14, 18), 5, 4, False),
+]
+
+
+@together("scale, values, stop_at, rise, is_sick", RULES)
+def test_the_rule_ends_a_session(scale, values, stop_at, rise, is_sick):
+    assert bool(why_sick(Sickness(scale, stop_at=stop_at, rise=rise), answers(*values))) is is_sick
+
+
+def test_answers_after_all_trials_and_other_scales_end_nothing():
+    afterwards = attrs.evolve(answers(18)[0], key="after/fms/fms", phase="after", trial=0)
+    assert not why_sick(Sickness(FMS, stop_at=15), [*answers(3), afterwards])
+    assert why_sick(Sickness(FMS, stop_at=15), [*answers(16), afterwards])
+    assert why_sick(None, answers(20)) == ""
+    assert why_sick(Sickness(FMS, stop_at=1), [attrs.evolve(answers(20)[0], scale="grade")]) == ""
+
+
+def test_the_newest_revision_counts_in_the_place_of_the_first():
+    first, second = answers(16, 3)
+    corrected = attrs.evolve(first, id=3, revision=2, value=1.0)
+    assert list(counting([first, second, corrected]).values()) == [corrected, second]
+    assert why_sick(Sickness(FMS, rise=2), [first, second, corrected])
+
+
+def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
+    picture(tmp_path / "p.png")
+    panel = PageDialog("Look", picture=str(tmp_path / "p.png")).panel()
+    ink = panel.ink()
+    assert ink.shape == (panel.height(), 680, 3)
+    with gpu.current():
+        presenter = Presenter(gpu)
+        texture = gpu.gl.texture((1000, 1000), 4)
+        framebuffer = gpu.gl.framebuffer([texture])
+        presenter.show(None, framebuffer, (0, 0, 1000, 1000), hardware_srgb=False, notice=presenter.notice(panel))
+        shown = np.frombuffer(framebuffer.read(components=3), np.uint8).reshape(1000, 1000, 3)
+        presenter.close()
+        for resource in (framebuffer, texture):
+            resource.release()
+    for across, wanted in ((0.3, RED), (0.7, BLUE)):
+        x, y = round(500 + (across - 0.5) * ink.shape[1]), 500
+        # The ground's own light adds 0.008 where a picture is dark: 6 steps at 40.
+        assert np.abs(shown[y, x].astype(int) - wanted).max() <= 8, (shown[y, x], wanted)
+
+
+def test_in_a_headset_the_words_are_said():
+    scale = load_scale("comments")
+    asked = TextDialog(Ask("after/comments/comments", scale, scale.items[0], "after"), CONTROLLERS)
+    assert not asked.panel().takes_text and "Say it aloud" in " ".join(asked.panel().lines)
+    question = asked.question()
+    assert question.in_words and checked_answer(" too dark ", question) == "too dark"
+    state = ConsoleState(phase="asking", question=question)
+    assert parse_line("answer 7 of them", state) == ("answer", "7 of them")
+    with pytest.raises(ValueError, match="in words"):
+        parse_line("answer", state)

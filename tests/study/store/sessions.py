@@ -48,11 +48,9 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
 def go_through(
     store: Store, session: Session, value=2.25, trace="", of: Design | None = None, until: int = 99, actual=None
 ) -> None:
-    """Every step of it that is not done, up to this trial.
-
-    value: of every answer, or a function of the step, whose last value counts if there are several.
-    trace: what is written as each head's recording, "" for none, or a function that writes it.
-    actual: a function of the step.
+    """Every step of it that is not done, up to this trial. value: of every answer, or a function of
+    the step, whose last value counts if there are several. trace: what is written as each head's
+    recording, "" for none, or a function that writes it. actual: a function of the step.
     """
     showing: Showing | None = None
     for step in steps(session, of):
@@ -107,7 +105,6 @@ def sql(file: Path, statement: str) -> None:
 
 def child(code: str, *words: object, before: tuple[str, ...] = (), **more) -> subprocess.Popen:
     """Another program that runs `code`, with the names of this module, in the project's folder.
-
     before: what it is started by.
     """
     head = "import sys, os, json\nfrom pathlib import Path\nfrom tests.study.store.sessions import *\n"

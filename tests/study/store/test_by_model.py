@@ -39,9 +39,8 @@ class Told:
 
 
 class StoreByModel(RuleBasedStateMachine):
-    """Sessions of six people and pilots.
-
-    The store is closed and opened, or its program dies, in between.
+    """Sessions of six people and pilots. The store is closed and opened, or its program dies, in
+    between.
     """
 
     running = Bundle("running")
@@ -160,9 +159,8 @@ class StoreByModel(RuleBasedStateMachine):
 
     @rule()
     def reopen(self):
-        """As a program that died: nothing was ended.
-
-        The next that writes finds what still runs interrupted.
+        """As a program that died: nothing was ended. The next that writes finds what still runs
+        interrupted.
         """
         self.store.close()
         self.store = Store(self.folder / "data", create=True)

@@ -5,7 +5,6 @@ For real, and nothing confirmed is lost.
 
 from __future__ import annotations
 
-import fcntl
 import functools
 import json
 import os
@@ -27,9 +26,8 @@ from .sessions import SetClock, answered, asks, begun, child, sql, whole
 
 @functools.cache
 def own_mounts() -> tuple[str, ...]:
-    """What a program with mounts of its own is started by.
-
-    Nothing of them is seen outside, and they go with it.
+    """What a program with mounts of its own is started by. Nothing of them is seen outside, and
+    they go with it.
     """
     way = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-rm")
     trial = [*way, "mount", "-t", "tmpfs", "none", "/mnt"]
@@ -39,9 +37,8 @@ def own_mounts() -> tuple[str, ...]:
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A disk of 600 kB, filled by somebody else's file in the middle of a session.
-
-    Then that one goes away again.
+    """A disk of 600 kB, filled by somebody else's file in the middle of a session. Then that one
+    goes away again.
     """
     code = """
 import subprocess, errno
@@ -127,9 +124,8 @@ def test_a_folder_that_may_only_be_read_is_read(tmp_path):
 
 
 def test_a_cut_off_session_on_a_read_only_disk_is_not_read_by_halves(tmp_path):
-    """What is in the log beside the file would be missed.
-
-    A copy is asked for, and the copy has it all.
+    """What is in the log beside the file would be missed. A copy is asked for, and the copy has it
+    all.
     """
     code = """
 with Store(Path(sys.argv[1]) / "data", create=True) as store:
@@ -199,26 +195,6 @@ sys.stdin.read()
     os.kill(helper, signal.SIGKILL)  # it lived on, and held nothing
 
 
-def test_a_lock_whose_words_are_missing_holds_all_the_same(tmp_path):
-    (tmp_path / "lock").touch()
-    with (tmp_path / "lock").open() as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        with Store(tmp_path, create=True) as store, pytest.raises(MachineError, match="running already: end it"):
-            begun(store)
-
-
-def test_a_file_system_without_locks(tmp_path, monkeypatch):
-    """None such can be mounted here: flock's own answer on one is put in its place."""
-
-    def refuse(*_):
-        raise OSError(38, "Function not implemented")
-
-    monkeypatch.setattr("hmdwarp.platforms.fcntl.flock", refuse)
-    told = "cannot lock files .*network drives"
-    with Store(tmp_path / "data", create=True) as store, pytest.raises(MachineError, match=told):
-        begun(store)
-
-
 def test_another_program_in_the_database_is_awaited_then_named(tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.05)
     with Store(tmp_path / "data", create=True) as store:
@@ -280,9 +256,8 @@ def test_what_passed_counts_by_the_steady_clock_within_a_run_and_never_backwards
 
 @needs.programs("strace")
 def test_an_answer_is_synced_before_the_call_returns(tmp_path):
-    """Seen by what the program asks the system for.
-
-    Between any two lines it prints there is a sync of the log.
+    """Seen by what the program asks the system for. Between any two lines it prints there is a sync
+    of the log.
     """
     trace = tmp_path / "calls"
     code = """

@@ -24,17 +24,15 @@ POSE = "0.7342918{}"
 
 
 def told_of(number: int) -> list[bytes]:
-    """What only participant P<number> left.
-
-    The remark (in the row, in the event and as JSON), the rating as SQLite has it, the pose.
+    """What only participant P<number> left. The remark (in the row, in the event and as JSON), the
+    rating as SQLite has it, the pose.
     """
     return [REMARK.format(number).encode(), struct.pack(">d", RATING + number), POSE.format(number).encode()]
 
 
 def filled(store: Store, numbers: range) -> list[str]:
-    """Whole sessions with all that; the subs.
-
-    A question is asked again, a session is interrupted and gone on with.
+    """Whole sessions with all that; the subs. A question is asked again, a session is interrupted
+    and gone on with.
     """
     subs = []
     for number in numbers:

@@ -135,9 +135,23 @@ class ControlPanel:
         imgui.set_next_window_size_constraints((width, 0), (width, io.display_size.y))
         imgui.set_next_window_bg_alpha(0.86)
         imgui.begin("hmdwarp", None, FLAGS)
-        _draw_header(status)
+        wanted = f" of {1e3 / status.budget_ms:.0f}, {status.budget_ms:.1f} ms each" if status.budget_ms else ""
+        imgui.text(f"{status.rate_hz:.0f} fps{wanted},")
+        imgui.same_line()
+        imgui.text_colored(WARN if status.missed else PLAIN, f"{status.missed} missed")
+        if status.recording:
+            imgui.text_colored(BAD, "recording")
+        if status.notice:
+            imgui.text_wrapped(status.notice)
         self._draw_controls(status)
-        _draw_plots(status, scale)
+        for name, values, unit, least, bad in plots_of(status):
+            # Holes are not counted at every refresh.
+            known = np.array([value for value in values if math.isfinite(value)], np.float32)
+            now = fmean(known[-15:]) if len(known) else None  # of a quarter of a second, to be readable
+            text = f"{name}: -" if now is None else f"{name}: {now:.{0 if now >= 100 else 1}f} {unit}"
+            imgui.push_style_color(imgui.Col_.text, BAD if now is not None and now > bad else PLAIN)
+            imgui.plot_lines(f"##{name}", known, 0, text, 0.0, max([least, *known]), (-1, 36 * scale))
+            imgui.pop_style_color()
         imgui.text_disabled("stages, in ms" if status.stage_ms else "stages: not measured yet")
         whole = max(status.budget_ms, sum(status.stage_ms.values())) or 1.0
         for name, took_ms in status.stage_ms.items():
@@ -155,7 +169,7 @@ class ControlPanel:
         imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch)
         draws = {"choice": self._choice, "number": self._number, "switch": self._switch}
         for control in self._controls:
-            if _acts(control) or control.name not in status.values:
+            if _acts(control) or control.name not in status.values or not status.offers(control):
                 continue
             imgui.table_next_column()
             imgui.align_text_to_frame_padding()
@@ -203,7 +217,7 @@ class ControlPanel:
     def _draw_actions(self, status: Status) -> None:
         """Draw buttons for controls without a value and the display's own; what is on is lit."""
         width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / 2
-        for number, control in enumerate(filter(_acts, self._controls)):
+        for number, control in enumerate(filter(status.offers, filter(_acts, self._controls))):
             if number % 2:
                 imgui.same_line()
             lit = status.values.get(control.name) is True
@@ -228,18 +242,6 @@ def _acts(control: Control) -> bool:
     return control.of_display or control.kind in ("action", "hold")
 
 
-def _draw_header(status: Status) -> None:
-    """Draw refresh rate, misses, recording, and the notice."""
-    wanted = f" of {1e3 / status.budget_ms:.0f}, {status.budget_ms:.1f} ms each" if status.budget_ms else ""
-    imgui.text(f"{status.rate_hz:.0f} fps{wanted},")
-    imgui.same_line()
-    imgui.text_colored(WARN if status.missed else PLAIN, f"{status.missed} missed")
-    if status.recording:
-        imgui.text_colored(BAD, "recording")
-    if status.notice:
-        imgui.text_wrapped(status.notice)
-
-
 def plots_of(status: Status) -> list[tuple[str, Iterable[float], str, float, float]]:
     """Return what is plotted, from the top: name, values, unit, axis at least to, bad above."""
     budget_ms = status.budget_ms or math.inf
@@ -252,14 +254,3 @@ def plots_of(status: Status) -> list[tuple[str, Iterable[float], str, float, flo
         ("pose age at submission", status.pose_age_ms, "ms", 5.0, math.inf),
         ("holes before the fill", holes, "%", 5.0, math.inf),
     ]
-
-
-def _draw_plots(status: Status, scale: float) -> None:
-    for name, values, unit, least, bad in plots_of(status):
-        # Holes are not counted at every refresh.
-        known = np.array([value for value in values if math.isfinite(value)], np.float32)
-        now = fmean(known[-15:]) if len(known) else None  # of a quarter of a second, to be readable
-        text = f"{name}: -" if now is None else f"{name}: {now:.{0 if now >= 100 else 1}f} {unit}"
-        imgui.push_style_color(imgui.Col_.text, BAD if now is not None and now > bad else PLAIN)
-        imgui.plot_lines(f"##{name}", known, 0, text, 0.0, max([least, *known]), (-1, 36 * scale))
-        imgui.pop_style_color()

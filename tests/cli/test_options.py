@@ -1,0 +1,204 @@
+"""Options on the command line: guard bands, network, scene files, recorded frames; what is told."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from recorded_folders import CX, CY, FX, FY, taken, write_npz, write_numbered, write_tum
+from scenes.glb import boxes, cube
+
+from hmdwarp.options import PICTURE, options_of
+from hmdwarp.scenes import SceneOptions
+from hmdwarp.sources.sequences import FACTS
+from hmdwarp.study.design import KINDS
+from hmdwarp.study.design.definitions import check_settings
+
+SMALL = ("--headset", "flat-90", "--latency", "200", "--rate", "30")
+
+
+def summary(quick: list[str]) -> dict:
+    return json.loads((Path(quick[-1]) / "summary.json").read_text())
+
+
+def test_guard_auto_is_settled_and_told(command, quick):
+    loud = [word for word in quick if word != "--quiet"]
+    told = command("replay", "look-around", *loud, *SMALL, "--guard", "auto").done().out
+    found = summary(quick)["guard"]
+    assert 1 < found <= 2
+    assert f"--guard {found}" in told and "Guard auto: to lose nothing at 95% of the refreshes takes" in told
+
+
+def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
+    """The head has turned away from the rendered picture.
+
+    The wide one holds what has come into sight.
+    """
+    usual = ("replay", "fast-turns", *quick, *SMALL, "--guard", "1", "--start", "3", "--fill", "none")
+    command(*usual).done()
+    without = summary(quick)
+    command(*usual, "--wide").done()
+    found = summary(quick)
+    assert found["fill"] == "wide"
+    # 150 x 140 degrees, with a quarter of the pixels of a tangent on each axis. Whole pixels are up
+    # to one row and column more, 3 % of 90 x 55.
+    wide, own = (
+        [math.tan(math.radians(angle / 2)) for angle in fov] for fov in ((150, 140), without["rendered"]["fov_deg"])
+    )
+    assert without["rendered"]["pixels"] == 1
+    assert found["rendered"]["pixels"] == pytest.approx(1 + math.prod(wide) / math.prod(own) / 16, rel=0.03)
+    assert without["quality"]["border_share"]["mean"] > 0.05, "there is a border to close"
+    assert found["filled"]["wide"] > 0.8 * found["quality"]["border_share"]["mean"]
+    assert found["quality"]["psnr_db"]["mean"] > without["quality"]["psnr_db"]["mean"] + 3
+
+
+def test_plan_says_that_a_guard_is_no_angle(command):
+    usual = ("plan", "--scene", "planes", "--headset", "flat-90")
+    assert "note:" not in command(*usual, "--guard", "2.5").done().out
+    told = " ".join(command(*usual, "--guard", "20").done().out.split())
+    assert "note: guard 20 draws 400 times the pixels: --guard is a factor" in told
+    assert "not degrees" in json.loads(command(*usual, "--guard", "20", "--json").done().out)["notes"][0]
+
+
+def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
+    usual = ("plan", "--scene", "planes", "--headset", "flat-90", "--size", "1280x800")
+    for guard in (("--guard", "1.25x1.125"), ("--rendered-size", "1600x900")):
+        told = " ".join(command(*usual, *guard).done().out.split())
+        assert "1600x900, 1.41 times the pixels, 102.7 x 96.7 degrees" in told
+
+
+SMALL_NETWORK_OPTIONS = (
+    "replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48",
+    "--rate", "30", "--seconds", "0.3",
+)  # fmt: skip
+QUICK = (*SMALL_NETWORK_OPTIONS, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
+
+
+def test_a_delay_trace_that_cannot_be_meant_names_file_and_line(command, tmp_path):
+    path = tmp_path / "delays.csv"
+    path.write_text("12\nx\n", encoding="utf-8")
+    command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path).refused("delays.csv", "line 2", "'x'")
+
+
+def test_a_delay_trace_is_followed(command, tmp_path):
+    """Delays of 40 ms: at 30 Hz a frame is seen two refreshes after it was drawn."""
+    path = tmp_path / "delays.csv"
+    path.write_text("# recorded on a table\ndelay_ms\n40\n40\n", encoding="utf-8")
+    command(*QUICK, "--out", tmp_path / "out", "--delay-trace", path).done()
+    rows = (tmp_path / "out" / "frames.csv").read_text(encoding="utf-8").splitlines()
+    column = rows[0].split(",").index("age_ms")
+    assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
+
+
+def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
+    options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
+    told = [part for part in QUICK if part != "--quiet"]
+    out = command(*told, "--seconds", "1", "--out", tmp_path / "out", *options).done().out
+    assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
+    link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
+    assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
+    assert "Frames in transit" in page and "Response time" in page
+
+
+NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
+TINY = ("--headset", "rift-dk1", "--size", "40x50", "--lens", "none", "--effects", "none")
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A room whose middle is at (104, 51.5, 203)."""
+    path = tmp_path / "far.glb"
+    path.write_bytes(boxes(cube((100, 50, 200), (108, 53, 206), inwards=True)).data())
+    return path
+
+
+def test_a_study_may_set_them(scene):
+    assert set(KINDS) >= NAMES and {option.study for option in options_of(SceneOptions)} == {PICTURE}
+    settings = {
+        "scene": str(scene), "viewpoint": "102,51.6,203,90", "scene_scale": 1, "animation": "none", "warp": "none",
+    }  # fmt: skip
+    scenes: dict = {}
+    options = check_settings(settings, scenes)
+    assert options.scene_options == SceneOptions(viewpoint="102,51.6,203,90", animation="none")
+    check_settings(settings | {"viewpoint": "103,51.6,203"}, scenes)
+    assert len(scenes) == 2  # one for each way to see the file
+
+
+def test_plan_tells_what_was_noticed(command, scene):
+    done = command("plan", "--scene", scene, "--warp", "none", "--fill", "none").done()
+    assert "note: far.glb: seen from 104,51.6,203 of the file, which is at (0, 1.6, 0)" in " ".join(done.out.split())
+    done = command("plan", "--scene", scene, "--viewpoint", "102,51.6,203", "--warp", "none", "--fill", "none").done()
+    assert "note: far.glb" not in done.out
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        (("--viewpoint", "door"), "viewpoint 'door': the file has no cameras; expected X,Y,Z[,YAW]"),
+        (("--viewpoint", "1,2"), "viewpoint '1,2': expected X,Y,Z or X,Y,Z,YAW"),
+        (("--animation", "run"), "animation 'run': the file has no animations; expected none"),
+        (("--scene-up", "x"), "up 'x': expected y or z"),
+        (("--scene-scale", "0"), "scene-scale 0: expected a number of at least 1e-06"),
+    ],
+)
+def test_an_unknown_name_in_a_file_is_refused_with_the_known_ones(command, scene, said, message):
+    failed = command("plan", "--scene", scene, *said)
+    assert failed.status == 2
+    assert message in " ".join(failed.err.split())
+
+
+def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
+    def summary(name, *more):
+        out = tmp_path / name
+        run = (
+            "replay", "still", "--scene", scene, "--warp", "none", "--fill", "none", "--seconds",
+            "0.02", "--start", "1",
+        )  # fmt: skip
+        command(*run, *TINY, "--latency", "0", "--against", "", "--images", "1", "--out", out, *more).done()
+        pictures = [path.read_bytes() for path in sorted((out / "images").iterdir())]
+        return json.loads((out / "summary.json").read_text(encoding="utf-8"))["notes"], pictures
+
+    notes, free = summary("free")
+    assert any("seen from 104,51.6,203" in note for note in notes)
+    notes, other = summary("other", "--viewpoint", "101,51.6,203,20")
+    assert not any("seen from" in note for note in notes) and other != free
+
+
+def test_the_command_replays_a_folder(command, tmp_path):
+    folder = tmp_path / "taken"
+    folder.mkdir()
+    write_npz(folder, taken(6))
+    said = ("--latency", 100, "--metrics-every", 3, "--workers", 0, "--images", 0, "--out", tmp_path / "out")
+    done = command("replay", "--frames", folder, *said).done()
+    assert "One eye is shown" in done.out and "PSNR" in done.out
+    command("replay", "--out", tmp_path / "other").refused("no TRACE")
+    command("replay", "--frames", tmp_path / "nowhere", "--out", tmp_path / "other").refused("no such file or folder")
+
+
+def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
+    """Another camera in the form of TUM: its numbers are the user's, the layout's are refused."""
+    folder = tmp_path / "taken"
+    write_tum(folder, taken(6))
+    run = ("replay", "--frames", folder, "--latency", 100, "--metrics-every", 5, "--workers", 0, "--images", 0)
+    remedy = "--intrinsics FX,FY,CX,CY --depth-scale METRES"
+    command(*run, "--out", tmp_path / "out").refused("pictures of 36x24", remedy)
+    stated = ("--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.0002, "--layout", "tum")
+    command(*run, *stated, "--out", tmp_path / "out").done()
+    kept = {
+        assumption["what"]: assumption
+        for assumption in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]
+    }
+    assert kept["intrinsics"] == {
+        "what": "intrinsics", "value": "40,42,17.3,11.1 px", "by": "user", "option": "--intrinsics",
+    }  # fmt: skip
+    assert kept["camera axes"]["by"] == "format" and set(FACTS) <= set(kept)
+
+    write_numbered(tmp_path / "numbered", taken(6))
+    run = ("plan", "--frames", tmp_path / "numbered", "--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.001)
+    found = command(*run).done()
+    assert "Assumed (not stated in the files)" in found.out and "frame clock 30 frames per second" in " ".join(
+        found.out.split()
+    )

@@ -1,0 +1,288 @@
+"""Repairs: what every one keeps to, and what complete and edges do by their definitions."""
+
+from __future__ import annotations
+
+import itertools
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.sources.repairs import parse_repairs, repairs
+from hmdwarp.sources.repairs.edges import depth_offset
+
+from .pictures import moved, same, two_surfaces
+
+CHAINS = [*repairs.names(), "edges+complete", "complete+edges", "complete:least=0.5"]
+SIZES = [(1, 1), (2, 1), (1, 9), (7, 5), (33, 17), (40, 64)]
+
+
+@st.composite
+def frames(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
+    """Any colour; depth in steps and at random, with infinity, huge values and gaps, or none."""
+    wide, high = draw(st.sampled_from(SIZES))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    colour = rng.random((high, wide, 3)).astype(np.float32)
+    if draw(st.booleans()):
+        colour = np.zeros_like(colour)
+    kinds = np.array([0.0, 0.2, 0.21, 1.0, 5.0, 1e30, np.nan], np.float32)
+    inverse = kinds[rng.integers(0, len(kinds), (high, wide))]
+    inverse[rng.random((high, wide)) < draw(st.sampled_from([0, 0.3, 0.95, 1]))] = np.nan
+    return colour, inverse
+
+
+@pytest.mark.parametrize("text", CHAINS)
+@given(frame=frames())
+@settings(max_examples=60)
+def test_no_depth_is_invented_outside_what_was_measured(text, frame):
+    """A guess is a weighted mean of measured depths: within their range, but for rounding. Eight
+    products and sums in float32 round by at most 16 * 2^-24 of the largest. Read-only arrays are
+    taken and stay as they are; twice gives the same bits; without depth there is none."""
+    colour, inverse = frame
+    before, known = inverse.copy(), inverse[~np.isnan(inverse)]
+    for array in frame:
+        array.setflags(write=False)
+    found, again = (parse_repairs(text).run(colour, inverse) for _ in range(2))
+    depth, confidence = found.inverse_depth, found.confidence
+    assert depth.shape == confidence.shape == inverse.shape and depth.dtype == confidence.dtype == np.float32
+    assert ((confidence >= 0) & (confidence <= 1)).all() and np.array_equal(confidence == 0, np.isnan(depth))
+    assert same(inverse, before) and same(depth, again.inverse_depth) and same(confidence, again.confidence)
+    assert len(known) or np.isnan(depth).all()
+    depth = depth[~np.isnan(depth)]
+    if len(depth):
+        slack = 16 * 2.0**-24 * known.max()
+        assert depth.min() >= max(known.min() - slack, 0) and depth.max() <= known.max() + slack
+
+
+def plane(slope: float) -> tuple[np.ndarray, np.ndarray]:
+    rows, columns = np.indices((60, 80))
+    colour = np.random.default_rng(1).random((60, 80, 3)).astype(np.float32)
+    return colour, (0.5 + slope * (rows + columns)).astype(np.float32)
+
+
+@pytest.mark.parametrize("text", CHAINS)
+@pytest.mark.parametrize("slope", [0.0, 0.0005, 0.004, None])
+def test_perfect_depth_stays_as_it_is(text, slope):
+    """Bit for bit: nothing is missing, and 0.004 /m a pixel is no jump from 0.5 /m on. Nor between
+    two surfaces, which meet their colours where they are."""
+    colour, inverse = two_surfaces() if slope is None else plane(slope)
+    found = parse_repairs(text).run(colour, inverse)
+    assert same(found.inverse_depth, inverse) and (found.confidence == 1).all()
+
+
+@pytest.mark.parametrize("name", repairs.names())
+def test_it_says_what_it_is_and_what_it_needs(name):
+    entry = repairs.get(name)
+    assert entry.summary and entry.needs and entry.source
+    assert all(field.default is not attrs.NOTHING for field in attrs.fields(entry.Settings))
+    assert str(parse_repairs(name).text) == name
+
+
+def test_chains_are_read_as_fills_are():
+    assert parse_repairs("none").steps == ()
+    assert parse_repairs("edges:most=3 + complete:least=0.50").text == "edges:most=3+complete:least=0.5"
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "message"),
+    [
+        ("complete+none", InputError, "leave it out"),
+        ("complete:lest=1", InputError, "its settings and their defaults: tolerance"),
+        ("complete:least=2", InputError, "least is 2: expected 0 to 1"),
+        ("complete:reach=0", InputError, "expected more than 0"),
+        ("complete:tolerance=-1", InputError, "expected 0 or more"),
+        ("edges:most=100", InputError, "expected 0 to 64 pixels"),
+        ("edges:evidence=-1", InputError, "evidence is -1"),
+        ("complet", UnknownNameError, "did you mean 'complete'"),
+        (None, InputError, "repair is None: expected a name"),
+    ],
+)
+def test_texts_that_cannot_be_meant_are_refused(text, error, message):
+    with pytest.raises(error, match=message):
+        parse_repairs(text)
+
+
+def complete(colour, inverse, text="complete"):
+    return parse_repairs(text).run(colour, inverse)
+
+
+def guessed(colour: np.ndarray, inverse: np.ndarray, row: int, column: int) -> tuple[float, float]:
+    """By its definition, in float64, walking from the pixel: the guess and its confidence."""
+    high, wide = inverse.shape
+    proposals = []
+    for down in (-1, 0, 1):
+        for right in (-1, 0, 1):
+            y, x, steps = row + down, column + right, 1
+            while (down or right) and 0 <= y < high and 0 <= x < wide:
+                if not np.isnan(inverse[y, x]):
+                    distance = steps * np.hypot(down, right)
+                    unlike = ((colour[y, x].astype(float) - colour[row, column]) ** 2).sum()
+                    weight = (np.exp(-unlike / (2 * 0.08**2)) + 1e-3) / distance**2
+                    proposals.append((float(inverse[y, x]), weight, distance))
+                    break
+                y, x, steps = y + down, x + right, steps + 1
+    if not proposals:
+        return np.nan, 0.0
+
+    def belong(a: float, b: float) -> bool:
+        return max(a, b) <= min(a, b) + 0.15 * (min(a, b) + 0.05)
+
+    groups = [[p for p in proposals if belong(p[0], proposal[0])] for proposal in proposals]
+    best = max(groups, key=lambda group: sum(weight for _, weight, _ in group))
+    share = sum(weight for _, weight, _ in best)
+    nearest = min(distance for _, _, distance in best) / max(high, wide) / 0.075
+    confidence = share / sum(weight for _, weight, _ in proposals) * 2 ** -(nearest**2)
+    return sum(value * weight for value, weight, _ in best) / share, min(max(confidence, 2**-10), 1 - 2**-10)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_each_guess_is_what_the_definition_says(seed):
+    """Pixel by pixel, by another route; float32 rounds eight products and sums by 2^-24 each."""
+    rng = np.random.default_rng(seed)
+    inverse = np.repeat(np.repeat(rng.uniform(0.1, 2, (4, 5)), 6, axis=0), 6, axis=1).astype(np.float32)[:22, :29]
+    colour = rng.random((22, 29, 3)).astype(np.float32)
+    inverse[rng.random(inverse.shape) < 0.7] = np.nan
+    found = complete(colour, inverse)
+    for row, column in np.argwhere(np.isnan(inverse)):
+        value, confidence = guessed(colour, inverse, row, column)
+        assert found.inverse_depth[row, column] == pytest.approx(value, rel=2e-5)
+        assert found.confidence[row, column] == pytest.approx(confidence, rel=2e-4)
+
+
+def test_measured_depth_stays_bit_for_bit():
+    rng = np.random.default_rng(5)
+    colour, inverse = two_surfaces(size=(700, 40))  # so large that gaps are closed on fewer pixels
+    inverse[rng.random(inverse.shape) < 0.4] = np.nan
+    found, known = complete(colour, inverse), ~np.isnan(inverse)
+    assert np.array_equal(found.inverse_depth[known], inverse[known])
+    assert (found.confidence[known] == 1).all() and (found.confidence[~known] < 1).all()
+
+
+@pytest.mark.parametrize("size", [(96, 72), (641, 479)])
+def test_a_gap_at_a_silhouette_goes_to_each_side_by_its_colour(size):
+    """A ring around the disc's outline has no depth. Where gaps are closed on blocks, those that
+    the outline crosses have one depth: at most a block on either side of it, along its 2 pi 0.3
+    high pixels."""
+    colour, inverse = two_surfaces(size)
+    rows, columns = np.indices(inverse.shape)
+    radius = np.hypot(rows - 0.45 * size[1], columns - 0.55 * size[0])
+    gap = np.abs(radius - 0.3 * size[1]) < 0.06 * size[1]
+    found = complete(colour, np.where(gap, np.float32(np.nan), inverse))
+    wrong = found.inverse_depth != inverse
+    block = -(-max(size) // 320)
+    assert wrong.sum() <= (block > 1) * 2 * block * 2 * np.pi * 0.3 * size[1]
+    assert set(np.unique(found.inverse_depth)) == {np.float32(1), np.float32(0.25)}  # never between them
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.002, -0.004])
+def test_a_gap_in_a_plane_is_closed_by_the_plane(slope):
+    """Proposals lie on the plane, at most the gap's width away: off by slope * width at most."""
+    inverse = (1 + slope * np.indices((40, 60))[1]).astype(np.float32)
+    given = inverse.copy()
+    given[15:25, 20:32] = np.nan
+    found = complete(np.full((40, 60, 3), 0.5, np.float32), given).inverse_depth
+    assert np.abs(found - inverse).max() <= abs(slope) * 12 + 1e-6
+
+
+def test_the_sky_stays_infinitely_far_and_a_gap_next_to_it_may_join_it():
+    """Depth of 0 /m is measured; a gap is neither near nor far until it is known."""
+    above = np.indices((20, 30))[0] < 10
+    inverse = np.where(above, 0, 0.5).astype(np.float32)
+    colour = np.where(above[..., None], 0.9, 0.1).astype(np.float32) * np.ones(3, np.float32)
+    given = inverse.copy()
+    given[6:14] = np.nan
+    assert same(complete(colour, given).inverse_depth, inverse)
+
+
+def test_confidence_falls_with_distance_and_between_surfaces():
+    """At the reach, 0.075 of the longer side, it is a half of the share; no share is lost here."""
+    inverse, colour = np.full((40, 200), np.nan, np.float32), np.full((40, 200, 3), 0.5, np.float32)
+    inverse[:, :50] = 0.5
+    whole, parted = (complete(colour, inverse, text) for text in ("complete", "complete:least=0.5"))
+    found = whole.confidence
+    assert (np.diff(found[20, 50:]) <= 0).all()
+    assert found[20, 49 + 15] == pytest.approx(0.5, rel=1e-6)
+    assert not np.isnan(whole.inverse_depth).any()
+    assert np.array_equal(np.isnan(parted.inverse_depth), found < 0.5), "least confidence leaves holes"
+    inverse[:, 80:] = 2.0  # another surface, of the same colour: the middle may be either
+    both = complete(colour, inverse).confidence
+    assert both[20, 64] < found[20, 64] and both[20, 50] > 0.9
+
+
+SETTINGS = repairs.get("edges").Settings()
+
+
+def edges(colour, inverse, text="edges"):
+    return parse_repairs(text).run(colour, inverse)
+
+
+@pytest.mark.parametrize(("down", "right"), [(0, 0), (1, 0), (0, -1), (2, 3), (-5, 4), (-1, -5)])
+def test_moved_depth_is_moved_back(down, right):
+    """Whole pixels are found exactly; every depth that stayed in the picture is the true one."""
+    colour, inverse = two_surfaces()
+    given = moved(inverse, down, right)
+    assert depth_offset(colour, given, SETTINGS) == (-down, -right)
+    found = edges(colour, given)
+    known = ~np.isnan(found.inverse_depth)
+    assert np.array_equal(found.inverse_depth[known], inverse[known])
+    assert np.array_equal(known, ~np.isnan(moved(given, -down, -right)))
+
+
+def test_nothing_is_moved_without_evidence():
+    """Too far off, a best offset at the very end of the search may not be the best there is. Of
+    noise alone, or one colour, no offset stands out; and a setting may ask for more, or none."""
+    colour, inverse = two_surfaces()
+    for right in (6, 8):
+        assert depth_offset(colour, moved(inverse, 0, right), SETTINGS) == (0, 0)
+    noise = np.random.default_rng(3).random((*inverse.shape, 3)).astype(np.float32)
+    for plain in (noise, np.full_like(noise, 0.5), 0.01 * noise):
+        assert depth_offset(plain, inverse, SETTINGS) == (0, 0)
+    given = moved(inverse, 0, 3)
+    for text in ("edges:most=0", "edges:evidence=1000"):
+        assert same(edges(colour, given, text).inverse_depth, given)
+
+
+@pytest.mark.parametrize("mixture", [(0.6,), (0.8, 0.5), (0.85, 0.6), (0.4, 0.3)])
+def test_flying_pixels_lose_their_depth_and_no_others_do(mixture):
+    """A column or two between a surface at 1 /m and one at 0.25 /m; NaN counts 0, the rest 1. Each
+    is 15 % and 0.05 * 15 % /m beyond one side and short of the other within two pixels."""
+    inverse = np.full((30, 40), 0.25, np.float32)
+    inverse[:, :20] = 1
+    inverse[:, 20 : 20 + len(mixture)] = mixture
+    found = edges(np.full((30, 40, 3), 0.5, np.float32), inverse)
+    flying = np.isnan(found.inverse_depth)
+    assert flying[:, 20 : 20 + len(mixture)].all() and flying.sum() == 30 * len(mixture)
+    assert np.array_equal(found.inverse_depth[~flying], inverse[~flying])
+    assert np.array_equal(found.confidence, (~flying).astype(np.float32))
+
+
+def is_between(inverse: np.ndarray, row: int, column: int) -> bool:
+    """By its definition: two pixels opposite each other, one nearer and one farther than it."""
+
+    def at(y, x):
+        return inverse[y, x] if 0 <= y < len(inverse) and 0 <= x < inverse.shape[1] else np.nan
+
+    def limit(r):
+        return r + np.float32(0.15) * (r + np.float32(0.05))
+
+    here = inverse[row, column]
+    for reach, (down, right) in itertools.product((1, 2), itertools.product((-1, 0, 1), repeat=2)):
+        near, far = at(row + reach * down, column + reach * right), at(row - reach * down, column - reach * right)
+        if near > limit(here) and here > limit(far):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_removed_depth_is_that_of_the_definition(seed):
+    """On random steps, pixel by pixel: the arrays take only pixels near a jump, and miss none."""
+    rng = np.random.default_rng(seed)
+    inverse = rng.choice(np.array([0, 0.2, 0.22, 0.5, 1, 3, np.nan], np.float32), (17, 23))
+    inverse[:8] = np.repeat(inverse[:8, ::4], 4, axis=1)[:, :23]  # broader surfaces above
+    found = edges(np.zeros((17, 23, 3), np.float32), inverse, "edges:most=0")
+    with np.errstate(invalid="ignore"):
+        wanted = np.array([[is_between(inverse, y, x) for x in range(23)] for y in range(17)])
+    assert np.array_equal(np.isnan(found.inverse_depth), wanted | np.isnan(inverse))
