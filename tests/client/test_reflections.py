@@ -21,7 +21,6 @@ from hmdwarp.sources.server import Server
 
 LARGE = (160, 144)
 EVERY = ("planar_reflections", "glossy_reflections", "curved_reflections")
-NAMES = ("planar_reflections", "glossy_reflections", "curved_reflections")
 
 
 @pytest.fixture(scope="module")
