@@ -264,19 +264,7 @@ class AdaptiveCompensator:
 
 
 # The keys that two rows must share for their figures to be comparable.
-_CASE = (
-    "trace",
-    "scene",
-    "latency_ms",
-    "lens",
-    "headset",
-    "size",
-    "rate_hz",
-    "server_rate_hz",
-    "guard",
-    "predict",
-    "frames",
-)
+_CASE = tuple("trace scene latency_ms lens headset size rate_hz server_rate_hz guard predict frames".split())
 Row = Mapping[str, Any]
 Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR in dB
 

@@ -329,6 +329,10 @@ class Remote:
             self.takes_inputs = arrival.frame.takes_inputs
             if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
                 self._began, self._known_inputs = arrival.frame.began, 0
+            if pending.acted.start > self._known_inputs:  # a scene without what people did before
+                self.unanswered += 1
+                self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+                continue
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
