@@ -72,7 +72,7 @@ def study_lines(table: str, rows: Iterable[Row], **heads: str) -> Lines:
         if "baseline" in row:
             more["pair"] = pair_text(row["baseline"], row["condition"])
             more["part_pair"] = ": ".join(filter(None, (row.get("part"), more["pair"])))
-            more["pairs"] = "{n} ({better}/{equal}/{worse})".format(**row) if row.get("n") else "0"
+            more["pairs"] = "{n} ({better}/{equal}/{worse})".format(**row) if row.get("n") and "better" in row else "0"
         elif "reference" in row:
             more["condition"] = condition_text(row)
         lines.append([_cell(template, {**row, **more}) for _, _, template in columns])

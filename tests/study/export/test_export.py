@@ -280,7 +280,7 @@ def test_a_text_made_inert_has_one_text_that_it_comes_from(text):
 
 def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
-    text = text_of("whole", ('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"'))
+    text = text_of("small", ('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"'))
     design = design_from_text(text, str(tmp_path / "s.toml"), checked=False)
     assert settings_row(design.parts[0].conditions[0].settings)["delay_trace"] == "delays.csv"
 
