@@ -186,7 +186,7 @@ ROOMS = {
     "cloudlight": (3600, 3600),  # done
     "scenes": (5380, 4600),
     "poses": (5995, 4500),
-    "pipeline": (5051, 3700),
+    "pipeline": (5046, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),
     "gpu geometry headsets": (3744, 3100),
@@ -195,7 +195,7 @@ ROOMS = {
     "metrics options": (3454, 2600),
     "cli": (2916, 2400),
     "display web": (5002, 4000),
-    "study": (11645, 10000),
+    "study": (11641, 10000),
     "": (601, 500),  # the modules beside the packages
 }
 TEST_LINES = (70945, 58000)

@@ -264,7 +264,10 @@ class AdaptiveCompensator:
 
 
 # The keys that two rows must share for their figures to be comparable.
-_CASE = tuple("trace scene latency_ms lens headset size rate_hz server_rate_hz guard predict frames".split())
+_CASE = (
+    *("trace", "scene", "latency_ms", "lens", "headset", "size"),
+    *("rate_hz", "server_rate_hz", "guard", "predict", "frames"),
+)
 Row = Mapping[str, Any]
 Figures = tuple[float, float, float | None]  # ms per eye, mean FLIP, mean PSNR in dB
 

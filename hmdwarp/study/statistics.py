@@ -15,7 +15,6 @@ from typing import NamedTuple
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import log_ndtr, ndtr, stdtrit
 
 RESAMPLES, SEED = 20_000, 0
 _DIGITS = 9  # differences of decimals (4.25 - 3.15) are not exact: equal to so many is equal
@@ -399,6 +398,8 @@ class _Likelihood:
 
     def value(self, at: Array) -> Array:
         """Return it (batch); -inf for a threshold that is not positive."""
+        from scipy.special import log_ndtr
+
         d, t = self._differences(at)
         found = (self.won * log_ndtr(d - t) + self.lost * log_ndtr(-d - t)).sum(axis=1)
         if self.has_ties:
@@ -460,12 +461,16 @@ def _density(x: Array) -> Array:
 
 def _slopes(x: Array) -> tuple[Array, Array]:
     """Return first and second derivative of log_ndtr."""
+    from scipy.special import log_ndtr
+
     slope = np.exp(-(x**2) / 2 - np.log(2 * np.pi) / 2 - log_ndtr(x))
     return slope, -slope * (x + slope)
 
 
 def _between(d: Array, t: Array) -> Array:
     """Return how likely a difference d is called none: in the tail, where both are small, exact."""
+    from scipy.special import ndtr
+
     far = np.abs(d)
     return np.asarray(np.maximum(ndtr(t - far) - ndtr(-t - far), 1e-300))
 
@@ -521,6 +526,8 @@ def resampled_interval(found: float, resampled: Array, left_out: Array, level: f
     Source: Efron 1987; Hesterberg 2015, What teachers should know about the bootstrap, The American
     Statistician 69 ("expanded percentile").
     """
+    from scipy.special import ndtr, stdtrit
+
     people = len(left_out)
     tail = ndtr(np.sqrt(people / (people - 1)) * stdtrit(people - 1, (1 - level) / 2))
     near = 1e-9 * max(1.0, abs(found))  # scores of equal answers differ by where the search ended

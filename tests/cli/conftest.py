@@ -16,7 +16,7 @@ from pathlib import Path
 import attrs
 import pytest
 
-PROGRAM = [sys.executable, "-m", "hmdwarp.cli"]
+PROGRAM = [sys.executable, "-m", "hmdwarp"]
 ROOT = Path(__file__).resolve().parents[2]
 PROGRESS = re.compile(r"preparing |(refreshes|instants|recordings|studies): ")
 

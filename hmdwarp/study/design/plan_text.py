@@ -187,18 +187,16 @@ def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     trials = trials_of(design, part)
     steps = steps_of(design, (presented(design, part),) * design.repeats, part)
     asked = [scale.name for scale in design.scales]
-    every = design.sickness.every if design.sickness is not None else 0
-    sick = (
-        []
-        if design.sickness is None
-        else [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {_nth(every)}'}"]
-    )
+    each, sick = f"{'each ' if trials > 1 else ''}{'compared' if design.shows == PAIR else 'rated'}", []
+    if design.sickness is not None:
+        every = design.sickness.every
+        sick = [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {_nth(every)}'}"]
     content = {
         "consent": "a text to read and to agree to",
         "before": ", ".join(_asked(scale) for scale in design.before),
         "instructions": "a page to read",
         "practice": f"{design.practice_seconds:g} s, not scored",
-        "trials": f"{trials} {_lasting(design)}, {_asked_after(design, trials)}: {', '.join(asked + sick)}",
+        "trials": f"{trials} {_lasting(design)}, {each}: {', '.join(asked + sick)}",
         "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
         "after": ", ".join(_asked(scale) for scale in design.after),
     }
@@ -219,10 +217,6 @@ def _lasting(design: Design) -> str:
     if design.shows == REFERENCE_FIRST:
         return f"of the reference and a condition, each {lasting.removeprefix('of ')}"
     return lasting
-
-
-def _asked_after(design: Design, trials: int) -> str:
-    return f"{'each ' if trials > 1 else ''}{'compared' if design.shows == PAIR else 'rated'}"
 
 
 def _asked(scale: Scale) -> str:

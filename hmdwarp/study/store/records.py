@@ -203,11 +203,6 @@ def _showing_of(row: tuple[Any, ...]) -> Showing:
     return Showing(*fields)
 
 
-def _event_of(row: tuple[Any, ...]) -> Event:
-    fields: list[Any] = [*row[:-1], dict_in(row[-1])]
-    return Event(*fields)
-
-
 def passed_s(db: sqlite3.Connection, id_: int) -> tuple[float, bool]:
     """Return the time as Store.passed_s, and whether that between all runs counts."""
     query = "SELECT kind, at_utc, mono_ns FROM event WHERE session = ? AND kind <> 'clock' ORDER BY id"
@@ -269,7 +264,7 @@ def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
         of = f"WHERE session IN ({ids}) ORDER BY id"
         answers = tuple(Answer(*row) for row in db.execute(f"{_ANSWER} {of}"))
         showings = tuple(_showing_of(row) for row in db.execute(f"{_SHOWING} {of}"))
-        events = tuple(_event_of(row) for row in db.execute(f"{_EVENT} {of}"))
+        events = tuple(Event(*[*row[:-1], dict_in(row[-1])]) for row in db.execute(f"{_EVENT} {of}"))
         name = study_name(db)
         gone = "SELECT (SELECT count(*) FROM withdrawn) + (SELECT count(*) FROM participant WHERE withdrawing)"
         withdrawn = db.execute(gone).fetchone()[0]
