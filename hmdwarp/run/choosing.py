@@ -206,6 +206,7 @@ INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of b
 FILLS = ("none", "interpolate", "pyramid")
 # A warp beyond twice the budget would need a machine twice as fast: its picture is not measured.
 REACH = 2.0
+MOST_PIXELS = 1_000_000  # of an eye: more are drawn at a third, where a device's times are modelled
 
 Say = Callable[[str], None]
 
@@ -312,10 +313,10 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
         "FILE saves that"
     )
     alone = [c for c in combinations if not c.plan.fills]
-    times = {}
-    if device is not None:
-        size = options.size or source.headset.eye_size_px
-        times = {c.warp: device_ms(c.plan, size, device)[1] for c in alone}
+    size = drawn = options.size or source.headset.eye_size_px
+    times = {} if device is None else {c.warp: device_ms(c.plan, size, device)[1] for c in alone}
+    if device is not None and math.prod(size) > MOST_PIXELS:
+        drawn = (round(size[0] / 3), round(size[1] / 3))
     for batch in [] if times else _batches(options, source.headset, alone):
         with _frames_for(batch, options, source) as setup:
             (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
@@ -329,14 +330,13 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
                 times[combination.warp] = sum(milliseconds for _, milliseconds in stages) / 2
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
-    rows = (_on_device(row, plan, device) for plan, row in _rows(options, source, kept))
-    levels = levels_from(rows)
+    rows = _rows(attrs.evolve(options, size=drawn), source, kept)
+    levels = levels_from(_on_device({**row, "size": size}, plan, device) for plan, row in rows)
     note = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
-    left_out = sorted(set(times) - set(within))
-    if left_out:
-        note += (
-            f"; {', '.join(left_out)} took more than {REACH:g} times the budget, so their pictures were not measured"
-        )
+    if drawn != size:
+        note += f", for errors at {drawn[0]}x{drawn[1]}, a third of its size each way"
+    if left_out := ", ".join(sorted(set(times) - set(within))):
+        note += f"; {left_out} took more than {REACH:g} times the budget, so their pictures were not measured"
     return LevelSet(levels, (f"{note}.",))
 
 

@@ -163,7 +163,7 @@ def test_keys_and_mouse_act_in_a_scene_and_the_recorder_keeps_it(tmp_path):
         lines = written.read_text().splitlines()[1:] if written.exists() else []
         return [" ".join(line.split(",")[1:3]) for line in lines]
 
-    where = (*SMALL[:2], "--scene", "playroom", *SMALL[4:], "--record", "head.csv", "--force")
+    where = (*SMALL[:4], "--scene", "playroom", *SMALL[6:], "--record", "head.csv", "--force")
     written.write_text("of a recording before\n")
     with VirtualScreen(tmp_path) as screen, Live(screen, tmp_path, *where) as program:
         screen.do("mousemove", 300, 200)
