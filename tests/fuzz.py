@@ -562,7 +562,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
-    from hmdwarp.pipeline.governor import read_rows
+    from hmdwarp.pipeline.levels import read_rows
     from hmdwarp.study.analysis.long_table import from_csv
 
     def bench(folder: Path) -> None:

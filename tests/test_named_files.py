@@ -30,7 +30,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
-from hmdwarp.pipeline.governor import read_rows
+from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.poses.reading import text_table

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
 from typing import Any, Protocol
@@ -495,7 +496,7 @@ class WarpMap:
         return bool(max(map(abs, off)) <= 1e-9)  # px: what rounding leaves of equal poses, below any real motion
 
 
-_MAPS: dict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = {}
+_MAPS: OrderedDict[tuple[int, int, Size, Size], tuple[View, View, WarpMap]] = OrderedDict()
 
 
 def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
@@ -511,7 +512,7 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
         values.flags.writeable = False
         _set(made, name, values)
     if len(_MAPS) >= 64:
-        _MAPS.clear()  # at once, as threads share it
+        _MAPS.popitem(last=False)
     _MAPS[key] = frm, to, made
     return made
 

@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError, in_brief, unknown_name
 from ..geometry import Eyes, Fov, Polygon, Pose
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
@@ -152,6 +152,8 @@ def load_headset(spec: str) -> Headset:
     Source: Valve's description of the HMD's JSON file; hmdq (R. Musil), as it reads OpenVR.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
+    if not isinstance(spec, str):
+        raise InputError(f"headset is {in_brief(spec)}: expected a name, or a file")
     name, distance, ipd = spec.partition(IPD)
     if distance:
         if not re.fullmatch(r"[0-9]{1,4}(\.[0-9]*)?", ipd):
@@ -161,7 +163,7 @@ def load_headset(spec: str) -> Headset:
         drawn = load_headset(name.removesuffix(DRAWN))
         return attrs.evolve(drawn, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in drawn.eyes))
     path = Path(name) if name.endswith(FILE_ENDINGS) else _FOLDER / f"{name}.toml"
-    if not name.endswith(FILE_ENDINGS) and not path.is_file():
+    if not name.endswith(FILE_ENDINGS) and name not in headset_names():
         raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
     try:
         if path.suffix == ".json":  # that SteamVR keeps of a Vive, Vive Pro or Index, or that hmdq exports

@@ -13,8 +13,8 @@ from ..client.plan import Plan
 from ..errors import InputError, PlanError
 from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
-from ..pipeline import governor
-from ..pipeline.governor import AdaptiveCompensator, Change, Governor, QualityLevel
+from ..pipeline.governor import AdaptiveCompensator, Change, Governor
+from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
 from .usable import plan_of
 
 # Printed by `hmdwarp bench look-around walk --scene room,spheres --latency 100,400
@@ -45,9 +45,9 @@ def plans_of_levels(
     """
     if budget_ms is None:
         raise InputError("warp 'auto' keeps to a budget: give budget_ms, for the warp and fill of a picture")
-    governor.check_budget(budget_ms, "budget_ms")
+    check_budget(budget_ms, "budget_ms")
     found = {}
-    for level in LEVELS if bench is None else governor.levels_from(governor.read_rows(Path(bench))):
+    for level in LEVELS if bench is None else levels_from(read_rows(Path(bench))):
         try:
             found[level] = plan_of(level.warp, level.fill, effects, depth=depth)
         except PlanError:
@@ -92,8 +92,8 @@ class AutoCompensator:
                     self._gpu.timer.lap()
                     self._made[level].run(inputs)
                     took[level].append(sum(ms for _, ms in self._gpu.timer.collect()))
-            levels = governor.front([level.scaled(median(ms[1:]) / level.total_ms) for level, ms in took.items()])
-            governor.best_within(levels, self.budget_ms, "budget_ms")
+            levels = front([level.scaled(median(ms[1:]) / level.total_ms) for level, ms in took.items()])
+            best_within(levels, self.budget_ms, "budget_ms")
             made = {(level.warp, level.fill): one for level, one in self._made.items()}
             compensators = {level: made[level.warp, level.fill] for level in levels}
             self._running = AdaptiveCompensator(Governor(levels, self.budget_ms), compensators)

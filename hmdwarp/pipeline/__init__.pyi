@@ -4,7 +4,7 @@ from .channel import ChannelSetup as ChannelSetup
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_coder import Reads as Reads
-from .governor import QualityLevel as QualityLevel
+from .levels import QualityLevel as QualityLevel
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions

@@ -40,7 +40,7 @@ from ..options import (
 from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from .governor import QualityLevel
+from .levels import QualityLevel
 from .proxy_options import (
     DEFAULT_FILL,
     DEFAULT_WARP,

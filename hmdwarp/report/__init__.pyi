@@ -1,6 +1,8 @@
+from .charts import Look as Look
 from .charts import Series as Series
 from .charts import binned as binned
 from .charts import canvas as canvas
+from .charts import css_variables as css_variables
 from .charts import draw_numbers as draw_numbers
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
@@ -73,8 +75,6 @@ from .run_texts import response_rows as response_rows
 from .run_texts import signed as signed
 from .run_texts import terminal_table as terminal_table
 from .run_texts import transit_lines as transit_lines
-from .style import Look as Look
-from .style import css_variables as css_variables
 from .thesis_page import render_thesis_page as render_thesis_page
 from .trace_plot import headset_plot_png as headset_plot_png
 from .trace_plot import trace_plot_png as trace_plot_png

@@ -14,6 +14,7 @@ from .bench.page import suite_section
 from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
 from .charts import (
     Drawn,
+    Look,
     Spot,
     again,
     canvas,
@@ -41,7 +42,6 @@ from .page import (
     texts,
 )
 from .run_texts import Table, axes_of_traces, counted, source_facts, terminal_table
-from .style import Look
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable

@@ -16,8 +16,8 @@ import attrs
 from markupsafe import Markup
 
 from . import run_texts
+from .charts import css_variables
 from .files import jpeg_bytes, png_bytes
-from .style import css_variables
 
 CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
 Pairs = list[tuple[str, str]]

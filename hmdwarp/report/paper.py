@@ -12,12 +12,11 @@ from typing import Any
 
 from ..options import PAPER_TABLES, PaperOptions
 from ..resources import __version__
-from .charts import Drawn, drawing
+from .charts import PAPER_COLOURS, Drawn, drawing
 from .files import inert_text
 from .output import OutputFolder
 from .page import Chart, Page
 from .run_texts import Cell, Table
-from .style import PAPER_COLOURS
 
 # Width of a column and the gap between two, as in the templates of IEEE and ACM; letters of
 # \footnotesize in a column.

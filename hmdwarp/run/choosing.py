@@ -27,7 +27,7 @@ from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import MeasuringProcesses, QualityPool, worker_count
 from ..options import AUTO
-from ..pipeline.governor import QualityLevel, Row, best_within, levels_from, read_rows
+from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.options import PipelineOptions
 from ..pipeline.proxy import source_of
 from ..pipeline.sizes import build_plan_for, expected_age_ns, guarded_size

@@ -41,8 +41,11 @@ def test_it_runs_and_writes_what_it_promises(script, tmp_path, monkeypatch):
         if script.stem != "replay_summary":  # whose page is the first that people see
             monkeypatch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
         monkeypatch.setattr("hmdwarp.run.replay_run.worker_count", lambda _: 0)
+        run, ran_here = subprocess.run, lambda words: tiny.ran(*words[words.index("hmdwarp") + 1 :])
         if "import subprocess" in script.read_text(encoding="utf-8"):
-            monkeypatch.setattr(subprocess, "run", lambda words, check: tiny.ran(*words[words.index("hmdwarp") + 1 :]))
+            monkeypatch.setattr(
+                subprocess, "run", lambda words, **how: ran_here(words) if "hmdwarp" in words else run(words, **how)
+            )
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(sys, "argv", [str(script), str(out)])
         runpy.run_path(str(script), run_name="__main__")

@@ -223,7 +223,7 @@ def test_the_strategy_takes_a_client_that_turns_the_picture():
 
 
 def test_plan_tells_both():
-    done = hmdwarp("plan", "--strategy", "proxy", "--scene", "workshop", "--size", "96x80", "--json")
+    done = hmdwarp("plan", "--strategy", "proxy", "--scene", "workshop", "--headset", "rift-dk1", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     told = json.loads(done.stdout)
     assert [step["name"] for step in told["passes"]] == ["warp none", "lens radial"]

@@ -25,7 +25,7 @@ from hmdwarp.errors import InputError, PlanError
 from hmdwarp.headsets import load_headset
 from hmdwarp.options import parse_guard
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
-from hmdwarp.pipeline.governor import read_rows
+from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import PoseTrack
 from hmdwarp.report import validate_summary
 from hmdwarp.run import (

@@ -39,7 +39,7 @@ from ...options import PAPER
 from ...options.documents import json_in
 from ...options.identity import hash_of_files, program_hash
 from ...options.named_files import RESULTS
-from ...pipeline.governor import choose
+from ...pipeline.levels import choose
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_held, eye_sizes
 from ...pipeline.source import Source
@@ -81,7 +81,8 @@ from .cases import (
     source_of,
 )
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
-from .suites import cost_text, suite_entry, suites
+from .suite_means import suite_entry
+from .suites import cost_text, suites
 
 ROWS, CROPS = "rows", "crops.npz"
 MOST_METHODS = 5  # side by side

@@ -35,7 +35,8 @@ from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, 
 from .bench_rows import flat
 from .cases import heads_of
 from .options import SIZE, CompareOptions
-from .suites import MEASURES, compared_entry, cost_text
+from .suite_means import MEASURES, compared_entry
+from .suites import cost_text
 
 _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"

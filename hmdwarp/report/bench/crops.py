@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...metrics import PRIMARY, Kept
-from ..charts import Drawn, axes_in, drawing, empty_figure, svg_text
+from ..charts import INK, SERIES, Drawn, axes_in, drawing, empty_figure, svg_text
 from ..files import ERROR_TOP, magma
-from ..style import INK, SERIES
 
 _PAGE_IN, _LEAST_IN = 9.6, 7.0
 _TITLE_IN, _THUMB, _THUMB_PX = 0.42, 1.6, 320  # the whole truth is as wide as so many crops

@@ -11,7 +11,12 @@ import numpy as np
 
 from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
 from ..charts import (
+    GRID,
+    HATCHES,
+    INK,
+    REGION_COLOURS,
     Drawn,
+    Look,
     Spot,
     Style,
     canvas,
@@ -43,7 +48,6 @@ from ..page import (
     texts,
 )
 from ..run_texts import Table, axes_of_traces, counted, listed
-from ..style import GRID, HATCHES, INK, REGION_COLOURS, Look
 from .crops import Crops, crops_chart
 from .rows import (
     COLUMNS,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..charts import Style, canvas, legend, mark, name_rows, svg_text
+from ..charts import INK, SERIES, Style, canvas, legend, mark, name_rows, svg_text
 from ..page import (
     Chart,
     Fold,
@@ -26,7 +26,6 @@ from ..page import (
     texts,
 )
 from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plain, signed
-from ..style import INK, SERIES
 
 if TYPE_CHECKING:
     pass

@@ -13,16 +13,8 @@ from recorded_folders import taken, write_npz
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.bench_run import Recipe, about_sequence, further, recipes
-from hmdwarp.experiments.bench.suites import (
-    clustered_interval,
-    cost_text,
-    half_of,
-    halves,
-    over_all,
-    ranks_of,
-    suite_entry,
-    suites,
-)
+from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, ranks_of, suite_entry
+from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.options.identity import hash_of_files
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench.page import bench_page

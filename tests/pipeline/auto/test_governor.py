@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.pipeline import QualityLevel
-from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor, choose, levels_from
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
+from hmdwarp.pipeline.levels import choose, levels_from
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:
