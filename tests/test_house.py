@@ -198,7 +198,7 @@ ROOMS = {
     "study": (11641, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (70945, 58000)
+TEST_LINES = (70956, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

@@ -373,6 +373,9 @@ def test_a_choice_for_a_device_goes_by_its_model_whatever_this_machine_took(tmp_
     assert f"{least:.1f} to {most:.1f} ms on 'quest-3'" in choice.notes[1] and "&bench" in choice.notes[1]
 
 
+QUEST = load_client("quest-3")
+
+
 def test_a_choice_knows_one_frame_one_older_and_two_older_ones(tmp_path):
     chains = ("iterative:frames=1", "iterative:frames=2", "iterative")
     path = a_bench(tmp_path / "b.json", [a_row(warp, "none", 1.0, 0.3 - k / 10) for k, warp in enumerate(chains)])
@@ -382,6 +385,14 @@ def test_a_choice_knows_one_frame_one_older_and_two_older_ones(tmp_path):
         choice = choose(small(warp="auto", client="quest-3", budget_ms=1.001 * time_ms, bench=path))
         assert choice.options.warp == warp and choice.notes[0].startswith(warp)
         assert all(more in choice.notes[2] for more in chains[chains.index(warp) + 1 :][:1])
+
+
+def test_pictures_for_a_device_are_drawn_at_a_third_and_its_times_are_of_all_its_pixels(monkeypatch):
+    monkeypatch.setattr(choosing, "MOST_PIXELS", 96 * 80 - 1)
+    choice = choose(small(warp="auto", client="quest-3", budget_ms=0.1))
+    assert "for errors at 32x27, a third of its size each way" in choice.notes[-1]
+    assert choice.options.size == (96, 80)
+    assert choice.level.total_ms == device_ms(plan(choice.options.warp, choice.options.fill), (96, 80), QUEST)[1]
 
 
 FLAT = load_headset("flat-90")  # 45 degrees to every side
