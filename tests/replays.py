@@ -141,3 +141,15 @@ def seen(options: RunOptions, every: int = 1) -> list[Seen]:
 
     each_refresh(options, look)
     return found
+
+
+def refreshed(setup):
+    """The third refresh that a set-up replay shows."""
+    shown = 0
+    for _, instant_ns in setup.schedule.numbered():
+        setup.loop.draw(instant_ns)
+        refresh = setup.loop.show(instant_ns)
+        shown += refresh is not None
+        if shown == 3:
+            return refresh
+    raise AssertionError("the recording is too short")

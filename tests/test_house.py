@@ -186,7 +186,7 @@ ROOMS = {
     "cloudlight": (3600, 3600),  # done
     "scenes": (5380, 4600),
     "poses": (5995, 4500),
-    "pipeline": (5055, 3700),
+    "pipeline": (5053, 3700),
     "link frames": (3943, 3100),
     "image check": (4592, 3200),
     "gpu geometry headsets": (3747, 3100),
@@ -198,7 +198,7 @@ ROOMS = {
     "study": (11641, 10000),
     "": (601, 500),  # the modules beside the packages
 }
-TEST_LINES = (70956, 58000)
+TEST_LINES = (70948, 58000)
 DOC_WORDS = (55000, 55000)  # of docs/*.md as `wc -w` counts them
 
 

@@ -511,7 +511,7 @@ def view_map(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int,
     for name, values in (("H", k_to @ matrix_of(turn) @ k_frm_inverse), ("e", k_to @ position_m)):
         values.flags.writeable = False
         _set(made, name, values)
-    if len(_MAPS) >= 64:
+    if len(_MAPS) >= 32:  # a refresh of both eyes makes 18
         _MAPS.popitem(last=False)
     _MAPS[key] = frm, to, made
     return made

@@ -177,7 +177,7 @@ class Remote:
         made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
         self._pending[self._number] = Pending(self._number, *made, range(self._known_inputs, acted))
         while len(self._pending) > _MOST_PENDING:
-            self._unanswer(next(iter(self._pending)))
+            self._unanswer(self._pending.pop(next(iter(self._pending))))
 
     def act(self, events: Iterable[InputEvent]) -> None:
         """Send what people did with the requests of later instants, until the server has it.
@@ -203,9 +203,8 @@ class Remote:
         if any(layers.get(name).builds_on_frames for name, _ in (pending.wanted.layers if pending.wanted else ())):
             self._fates[pending.number] = Fate(pending.number, arrived, heard_ns), None
 
-    def _unanswer(self, number: int) -> None:
-        """Note that a request will not be answered by a frame."""
-        pending = self._pending.pop(number)
+    def _unanswer(self, pending: Pending) -> None:
+        """Note that a request will not be answered by a frame that can be shown."""
         self.unanswered += 1
         self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
 
@@ -314,7 +313,7 @@ class Remote:
             if number not in self._pending:
                 continue
             for older in [sent for sent in self._pending if sent < number]:
-                self._unanswer(older)
+                self._unanswer(self._pending.pop(older))
             pending = self._answered(number)
             if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
                 self.refused += 1
@@ -330,8 +329,7 @@ class Remote:
             if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
                 self._began, self._known_inputs = arrival.frame.began, 0
             if pending.acted.start > self._known_inputs:  # a scene without what people did before
-                self.unanswered += 1
-                self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+                self._unanswer(pending)
                 continue
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:

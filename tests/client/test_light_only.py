@@ -7,7 +7,7 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
-from replays import small
+from replays import refreshed, small
 from worlds import read
 
 from hmdwarp.client import PassInputs, ShownPicture, build_plan
@@ -110,17 +110,10 @@ def shown_by(**options):
     """The third refresh's left eye and what a frame weighed, without mixed pixels."""
     asked = {"fill": "pyramid", "warp": "backward", "scene": "room", "samples": 1}
     with set_up_replay(small(**{**asked, **options})) as setup:
-        shown = 0
-        for _, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            refresh = setup.loop.show(instant_ns)
-            shown += refresh is not None
-            if shown == 3:
-                view = refresh.inputs[0].shown
-                truth = read(setup.server.draw(view, setup.sizes.shown).colour)[..., :3]
-                got = read(refresh.eyes[0].panel.texture)[..., :3]
-                return np.abs(got - truth).mean(), setup.channel.transit.size_bytes
-    raise AssertionError("the recording is too short")
+        refresh = refreshed(setup)
+        truth = read(setup.server.draw(refresh.inputs[0].shown, setup.sizes.shown).colour)[..., :3]
+        got = read(refresh.eyes[0].panel.texture)[..., :3]
+        return np.abs(got - truth).mean(), setup.channel.transit.size_bytes
 
 
 def test_it_is_sent_instead_of_the_colour_and_keeps_textures_sharp():

@@ -11,7 +11,7 @@ import pytest
 from eyes import with_eyes
 from hypothesis import given
 from hypothesis import strategies as st
-from replays import run, small
+from replays import refreshed, run, small
 from scipy.spatial.transform import Rotation
 from strategies import FOVS, poses, vectors
 
@@ -276,18 +276,6 @@ def test_a_predicted_head_has_the_gaze_of_the_head_that_is_held(tmp_path, gpu):
 
 CALLING = [name for name in scenes.names() if scenes.get(name).effects]
 PLAN = build_plan((), "none", "none", "none", client_geometry=True)
-
-
-def refreshed(setup):
-    """The third refresh shown."""
-    shown = 0
-    for _, instant_ns in setup.schedule.numbered():
-        setup.loop.draw(instant_ns)
-        refresh = setup.loop.show(instant_ns)
-        shown += refresh is not None
-        if shown == 3:
-            return refresh
-    raise AssertionError("the recording is too short")
 
 
 @pytest.mark.parametrize("scene", CALLING)
