@@ -33,12 +33,11 @@ from hmdwarp.client import Compensator, PassInputs, ShownPicture
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import warps
-from hmdwarp.colour import picture_from_linear
 from hmdwarp.geometry import Fov, View
-from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, download
+from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
-from hmdwarp.run.combinations import opencv_camera, opencv_depth, opencv_motion
+from hmdwarp.run.combinations import OpenCvWarp
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -116,10 +115,9 @@ class Case:
         made["fill interpolate"] = lambda: fill.run(self.inputs, ShownPicture(self.canvas), ShownPicture(self._other))
         lens = lenses.get("radial")(self.gpu, load_headset("rift-dk1"), self.size)
         made["lens radial"] = lambda: lens.run(self.canvas, self.shown.fov, 0, self._other)
-        picture = picture_from_linear(download(self.rendered.colour))
-        depth, mask = opencv_depth(download(self.rendered.inverse_depth))
+        opencv = OpenCvWarp(self.gpu, self.size, self.size)
+        depth, picture, mask, motion, camera, _ = opencv.arrays(self.inputs)
         wide, high = self.size
-        camera, motion = opencv_camera(self.shown, self.size), opencv_motion(self.rendered.view, self.shown)
         x, y = np.meshgrid(np.arange(wide, dtype=np.float32), np.arange(high, dtype=np.float32))
         turned = np.stack([x, y, np.ones_like(x)], axis=-1) @ (
             camera @ motion[:3, :3].T @ np.linalg.inv(camera)
