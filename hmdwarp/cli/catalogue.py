@@ -53,7 +53,7 @@ def _each(module: str, names: str, load: str) -> Callable[[], Iterable[Any]]:
 def _baselines() -> list[Row]:
     """Return the rows of warps that do as another system does, and of that library's own."""
     from ..client.variants import every_baseline, parse_warp
-    from ..run.combinations import OUTSIDE, missing
+    from ..run.measuring import OUTSIDE, missing
 
     own, rows = {row["name"]: row for row in KINDS["warps"].rows()}, []
     for text, system in every_baseline().items():

@@ -1,4 +1,4 @@
-from .bench_rows import Rows as Rows
+from .bench_run import Rows as Rows
 from .bench_run import bench as bench
 from .bench_run import merge as merge
 from .bench_run import read as read

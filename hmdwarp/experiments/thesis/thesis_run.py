@@ -33,6 +33,7 @@ from .experiment import (
     experiments,
     experiments_named,
     is_quick,
+    number_of,
     settings_text,
     share_text,
     verdict_of,
@@ -217,7 +218,7 @@ def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, A
     findings = []
     for cell in experiment.cells:
         known = [figures[run] for run in cell.runs if run in figures]
-        value = cell.number(known) if len(known) == len(cell.runs) else None
+        value = number_of(cell.computed, known) if len(known) == len(cell.runs) else None
         findings.append(Finding.of(cell.row, cell.column, value, experiment.rule))
     same = ("name", "source", "claim", "thesis", "measured", "unit", "digits", "scale", "weak")
     values = sorted(finding.value * experiment.scale for finding in findings if finding.value is not None)

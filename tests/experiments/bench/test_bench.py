@@ -15,7 +15,7 @@ from replays import contents, run
 from report.bench_samples import a_bench
 
 from hmdwarp.experiments.bench import BenchOptions, bench, read
-from hmdwarp.experiments.bench.bench_rows import NAMES
+from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES, QualityPool
 from hmdwarp.report import OutputFolder, validate_summary

@@ -27,8 +27,7 @@ from hmdwarp.frames import Needs, Others
 from hmdwarp.options import Choice
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
-from hmdwarp.run.combinations import OUTSIDE, batches, frames_used, instants_of, missing
-from hmdwarp.run.side_by_side import refreshes
+from hmdwarp.run.measuring import OUTSIDE, batches, frames_used, instants_of, missing, refreshes
 from hmdwarp.scenes import load_scene
 
 

@@ -18,7 +18,7 @@ from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import DEFAULT_FILL, DEFAULT_WARP
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions
-from hmdwarp.run.combinations import batches
+from hmdwarp.run.measuring import batches
 from hmdwarp.scenes import load_scene
 
 from .test_bench_cases import TINY
