@@ -222,10 +222,27 @@ class Choice:
 def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     """Return the run with what `auto` stands for: a guard band, a warp and a fill.
 
-    They are the most accurate that take at most options.budget_ms for one eye: by options.bench, or
-    by a short bench on a few instants of this run. say: called with a sentence before that starts.
-    Errors: as load_trace and schedule_of; as levels_from_file; as set_up_replay; InputError if
-    nothing fits the budget.
+    They are the most accurate that take at most `options.budget_ms` for one eye: by
+    `options.bench`, or by a short bench on a few instants of this run.
+
+    Parameters
+    ----------
+    options
+        A run whose warp, guard or both are "auto".
+    say
+        Called with a sentence before a short bench starts.
+
+    Returns
+    -------
+    Choice
+        The options with all of it named, and why.
+
+    Raises
+    ------
+    InputError
+        For wrong options, a file that is no benchmark, and where nothing fits the budget.
+    MachineError
+        For missing hardware or software.
     """
     source = source_of(options)
     notes: tuple[str, ...] = ()

@@ -667,22 +667,18 @@ class Comparison:
         self._pool.wait()
         count = len(self._beside.compensators)
         # All warm up once; later the first alone, because an idle processor is slow for a while.
-        for place in range(count if self._turn == 0 else 1):
-            self._run((place + self._turn) % count, refresh, timed=False)
-        for _ in range(self._rounds):
-            for place in range(count):
-                self._run((place + self._turn) % count, refresh, timed=True)
-            self._turn += 1
-
-    def _run(self, index: int, refresh: Refresh, *, timed: bool) -> None:
-        compensator, measured = self._beside.compensators[index], self.measured[index]
-        self._last[index] = []
-        compensator.renew()
-        for inputs in self._beside.inputs(compensator, refresh):
-            self._last[index].append(compensator.run(inputs))
-            stages = self._setup.target.gpu.timer.collect()
-            if timed:
-                measured.times.append({"frame": refresh.shown_ns, "eye": inputs.eye, **stage_columns(stages)})
+        for round_number in range(-1, self._rounds):
+            for place in range(1 if round_number < 0 < self._turn else count):
+                index = (place + self._turn) % count
+                compensator, self._last[index] = self._beside.compensators[index], []
+                compensator.renew()
+                for inputs in self._beside.inputs(compensator, refresh):
+                    self._last[index].append(compensator.run(inputs))
+                    stages = self._setup.target.gpu.timer.collect()
+                    if round_number >= 0:
+                        row = {"frame": refresh.shown_ns, "eye": inputs.eye, **stage_columns(stages)}
+                        self.measured[index].times.append(row)
+            self._turn += round_number >= 0
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
@@ -708,15 +704,9 @@ class Comparison:
             if seen is not None:
                 error = error_image(shown[seen], truth.picture[seen])
                 measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
-            job = QualityJob(
-                Compared(shown, truth.picture, results[eye].view),
-                before[index] if before else None,
-                coverages[warp][eye],
-                truth.inverse_depth,
-                rendered.view,
-                rendered.size,
-                regions=True,
-            )
+            now, previous = Compared(shown, truth.picture, results[eye].view), before[index] if before else None
+            form = (truth.inverse_depth, rendered.view, rendered.size)
+            job = QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
             measured.blocks[number] = block_means(job.now.shown)
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
             key = same or (self._case, warp, measured.combination.fill, number, eye)
@@ -728,8 +718,8 @@ class Comparison:
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
     """Return whether two fills gave identical pictures, so that one measurement serves both."""
-    pairs = [(one.now, other.now)] + ([(one.previous, other.previous)] if one.previous and other.previous else [])
-    return all(np.array_equal(a.shown, b.shown) for a, b in pairs)
+    pairs = ((one.now, other.now), (one.previous, other.previous))
+    return all(np.array_equal(a.shown, b.shown) for a, b in pairs if a and b)
 
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
@@ -751,7 +741,8 @@ class NearGaze:
         if near.any():  # as a picture one pixel high
             self._psnr_db.append(psnr(now.shown[near][None], now.truth[near][None]))
         if rendered.gaze is not None or shown.gaze is None or self.looks_ahead:  # else, as of recordings, not known
-            off = float(_in_world(shown) @ _in_world(rendered))
+            ways = [view.pose.rotation_matrix @ _gaze_ray(view) for view in (shown, rendered)]
+            off = float(ways[0] @ ways[1])
             self._off_deg.append(math.degrees(math.acos(min(1.0, off))))
 
     def entry(self) -> dict[str, Any]:
@@ -769,14 +760,13 @@ class NearGaze:
 
 def near_gaze(view: View, size: tuple[int, int]) -> NDArray[np.bool_]:
     """Return (h, w), the bottom row first: which pixels lie near the gaze."""
-    ray = np.array([*gaze_tangent(view), -1.0])
     rays = view.rays(size)
-    cosine = rays @ (ray / np.linalg.norm(ray)) / np.linalg.norm(rays, axis=-1)
+    cosine = rays @ _gaze_ray(view) / np.linalg.norm(rays, axis=-1)
     return np.asarray(cosine >= math.cos(math.radians(NEAR_DEG)))
 
 
-def _in_world(view: View) -> NDArray[np.float64]:
-    ray = view.pose.rotation_matrix @ np.array([*gaze_tangent(view), -1.0])
+def _gaze_ray(view: View) -> NDArray[np.float64]:
+    ray = np.array([*gaze_tangent(view), -1.0])
     return np.asarray(ray / np.linalg.norm(ray))
 
 
@@ -853,15 +843,14 @@ class Probe:
             except NoTruth:
                 self.without_truth += measured
                 continue
-            picture, depth = truth.picture, truth.inverse_depth
             result = self._before_lens(refresh, eye)
-            job = self._job(number, eye, MAIN, rendered, result, picture, depth)
-            if depth is not None:
+            job = self._job((number, eye, MAIN), rendered, result, truth)
+            if job is not None:
                 for name, canvas in (("warp", None), *result.filled):
                     alpha = coverage(result) if canvas is None else download(canvas.texture)[..., 3]
                     self._empty.setdefault(name, []).append(_hole_share(alpha))
             others = [
-                self._read_comparison(which, against, (number, eye), refresh, picture, depth)
+                self._read_comparison((number, eye, which), against, refresh, truth)
                 for which, against in enumerate(self._against, 1)
             ]
             if job is not None:
@@ -873,23 +862,17 @@ class Probe:
                 self._setup.hand_in(self.pool, (number, eye, MAIN), job, keep=keep)
 
     def _read_comparison(
-        self,
-        which: int,
-        against: Compensator,
-        where: tuple[int, int],
-        refresh: Refresh,
-        truth: NDArray[np.uint8],
-        depth: NDArray[np.float32] | None,
+        self, key: tuple[int, int, int], against: Compensator, refresh: Refresh, truth: Truth
     ) -> tuple[str, NDArray[np.uint8], NDArray[np.uint8]] | None:
         """Measure the comparison warp, without effects; return its name, picture and FLIP map."""
-        number, eye = where
+        number, eye, which = key
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
-        self.against_ms[which - 1][where] = tuple(self._setup.target.gpu.timer.collect())
-        job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
+        self.against_ms[which - 1][number, eye] = tuple(self._setup.target.gpu.timer.collect())
+        job = self._job(key, inputs.rendered, other, truth)
         if job is None:
             return None
-        levels = 255 * self._setup.hand_in(self.pool, (number, eye, which), job).flip_map
+        levels = 255 * self._setup.hand_in(self.pool, key, job).flip_map
         return method_name(*self._setup.options.compared[which - 1]), job.now.shown, np.rint(levels).astype(np.uint8)
 
     def filled_shares(self) -> dict[str, float]:
@@ -908,37 +891,22 @@ class Probe:
         self._setup.target.gpu.timer.collect()
         return made
 
-    def _job(
-        self,
-        number: int,
-        eye: int,
-        which: int,
-        rendered: EyeImage,
-        result: EyeResult,
-        truth: NDArray[np.uint8],
-        truth_inverse_depth: NDArray[np.float32] | None,
-    ) -> QualityJob | None:
+    def _job(self, key: tuple[int, int, int], rendered: EyeImage, result: EyeResult, truth: Truth) -> QualityJob | None:
         """Return what is to be measured; None for a refresh that only flicker and clips need."""
-        now = Compared(shown_picture(result), truth, result.view)
+        number, eye, which = key
+        now = Compared(shown_picture(result), truth.picture, result.view)
         if self.clips is not None:
             self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
-        if truth_inverse_depth is None:
+        if truth.inverse_depth is None:
             return None
-        late = None
+        previous = before if before_number == number - 1 else None
+        late, shape = None, (rendered.view, rendered.size)
         if which == MAIN and PICTURE[0] not in rendered.left_out:
             late = picture_from_linear(download(rendered.colour))
-        return QualityJob(
-            now,
-            before if before_number == number - 1 else None,
-            coverage(result),
-            truth_inverse_depth,
-            rendered.view,
-            rendered.size,
-            rendered_picture=late,
-            regions=which == MAIN,
-        )
+        more: dict[str, Any] = {"rendered_picture": late, "regions": which == MAIN}
+        return QualityJob(now, previous, coverage(result), truth.inverse_depth, *shape, **more)
 
 
 def method_name(warp: str, fill: str) -> str:

@@ -43,12 +43,30 @@ def replay(
     say: Callable[[str], None] = lambda text: None,
     judge: Judge | None = None,
 ) -> ReplayResult:
-    """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
+    """Run a replay and write options.out; one that fails or is interrupted leaves nothing there.
 
-    progress(done, total): called after each refresh. say: called with a sentence before each part
-    that takes long and shows no progress. judge: gives the verdict, which is written with the rest.
-    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
-    software.
+    Parameters
+    ----------
+    options
+        The run. `choose` first where its warp or guard is "auto".
+    progress
+        Called with (done, total) after each refresh.
+    say
+        Called with a sentence before each part that takes long and shows no progress.
+    judge
+        Gives the verdict, which is written with the rest.
+
+    Returns
+    -------
+    ReplayResult
+        The summary and the rows of frames.csv.
+
+    Raises
+    ------
+    InputError
+        For wrong options.
+    MachineError
+        For missing hardware or software.
     """
     options = RunOptions.checked(options)
     if AUTO in (options.warp, options.guard):

@@ -233,7 +233,12 @@ class Run(Generic[Options]):
             coder = Coder.of(options.coding, rate_hz, age_ns)
             link = (options.client_link, target.link_latency_ns, rate_hz, coder)
             self.channel, history = joined(frames, self.geometry, requested, self.plans, link, self.cleanup)
-            self.cleanup.callback(self._close_passes)
+
+            def close_passes() -> None:
+                for made in self._made:
+                    made.close()
+
+            self.cleanup.callback(close_passes)
             each = [self._compensator(plan) for plan in self.plans]
             if options.levels and options.budget_ms is not None:
                 governor = Governor(options.levels, options.budget_ms)
@@ -280,11 +285,6 @@ class Run(Generic[Options]):
         self._made.remove(before)
         before.close()
         self.plans, self.auto = [plan], None
-
-    def _close_passes(self) -> None:
-        for made in self._made:
-            made.close()
-        self._made.clear()
 
     def close(self) -> None:
         """Free everything; safe to call twice."""
@@ -479,7 +479,8 @@ def set_up_replay(
     with ExitStack() as unfinished:
         unfinished.callback(run.close)
         run.cleanup.callback(source.close)
-        notes += acted(options.input, source, trace.track)
+        if options.input:
+            notes.append(_acted(options.input, source, trace.track))
 
         def say_and_note(text: str) -> None:
             say(text)
@@ -507,14 +508,11 @@ def set_up_replay(
     return run
 
 
-def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
-    """Add the inputs of a run to the scene, and return what there is to know of them.
+def _acted(spec: str, source: Source, track: PoseTrack) -> str:
+    """Add what people do to the scene, and return what there is to know of it.
 
-    spec: as RunOptions.input. track: the head's, on the clock of a file's inputs.
-    Errors: as Source.inputs, and as take_inputs.
+    track: the head's, on the clock of a file's inputs. Errors: as Source.inputs, and take_inputs.
     """
-    if not spec:
-        return []
     try:
         inputs = source.inputs
     except InputError as error:
@@ -523,7 +521,7 @@ def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
     kinds = Counter(f"{event.action} {event.target}" for event in inputs)
     found = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) or "none"
     more = f"; {counted(lost, 'input')} meant nothing that takes it" if lost else ""
-    return [f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."]
+    return f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."
 
 
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:

@@ -398,10 +398,26 @@ def bench(
 ) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
-    All options are checked before anything runs. progress(done, total) is called after each
-    measured refresh. say: gets a sentence.
-    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
-    the case where none of several was done.
+    Parameters
+    ----------
+    options
+        All of them are checked before anything runs.
+    progress
+        Called with (done, total) after each measured refresh.
+    say
+        Called with a sentence for the user.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of bench.json, and the cases that failed.
+
+    Raises
+    ------
+    InputError
+        For wrong options; the error of the case where none of several was done.
+    MachineError
+        For what the machine lacks.
     """
     options = BenchOptions.checked(options)
     if options.parquet:
@@ -534,8 +550,23 @@ def merge(options: MergeOptions) -> ExperimentResult:
     Rows of one combination in one case are one picture: their quality is that of the first bench
     that has it, and each machine has a row with its own times. Of several rows of one machine the
     first counts.
-    Errors: InputError for a folder without a bench, and for benches of different programs or
-    instants; MachineError where two machines showed different pictures.
+
+    Parameters
+    ----------
+    options
+        The folders, and where to write.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of the bench.json of all.
+
+    Raises
+    ------
+    InputError
+        For a folder without a bench, and for benches of different programs or instants.
+    MachineError
+        Where two machines showed different pictures.
     """
     if options.parquet:
         import_extra("pyarrow.parquet", "pyarrow", "study")
@@ -585,8 +616,20 @@ def merge(options: MergeOptions) -> ExperimentResult:
 def read(folder: str | os.PathLike[str]) -> Rows:
     """Return the rows of a bench in a folder, one for each combination in each case.
 
-    Their columns are those of bench.csv (docs/scale.md). Errors: InputError for a folder without a
-    bench, or with a damaged one.
+    Parameters
+    ----------
+    folder
+        What `hmdwarp bench` wrote.
+
+    Returns
+    -------
+    Rows
+        Under the columns of bench.csv (docs/scale.md).
+
+    Raises
+    ------
+    InputError
+        For a folder without a bench, or with a damaged one.
     """
     return Rows(typed(_read(Path(folder))["rows"], COLUMNS))
 

@@ -56,10 +56,26 @@ def compare(
 
     Each run is a case; those of a recording and latency, which are compared, run on one machine.
 
-    All options are checked before anything runs. progress(done, total): in runs. say: gets a
-    sentence.
-    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
-    the run where none of several was done.
+    Parameters
+    ----------
+    options
+        All of them are checked before anything runs.
+    progress
+        Called with (done, total) runs.
+    say
+        Called with a sentence for the user.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of compare.json, and the runs that failed.
+
+    Raises
+    ------
+    InputError
+        For wrong options; the error of the run where none of several was done.
+    MachineError
+        For what the machine lacks.
     """
     options = CompareOptions.checked(options)
     clients = [load_client(name) for name in options.clients]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import bisect
 import concurrent.futures
+import io
 import itertools
 import logging
 import os
@@ -28,7 +29,6 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import contexts_kept
 from ...metrics import MeasuringProcesses, worker_count
-from ...options.declared import HOW
 from ...options.documents import json_in
 from ...options.identity import files_at, hash_of_files, identity_of, is_place, whole_program_hash
 from ...options.named_files import RESULTS
@@ -433,37 +433,36 @@ def _other_program(worker: str) -> str:
 
 
 MOST_BYTES = 1 << 30  # of one trace, or of a scene with its textures
-_MARK = "hmdwarp-file:"
 
 
-def packed(value: Any, carry: Callable[[str, Path], None]) -> Any:
-    """Return options in which marks stand for files; carry(hash, place) is called for each.
+def packed(what: Any, carry: Callable[[str, Path], None]) -> bytes:
+    """Return options as bytes with marks for files; carry(hash, place) is called for each.
 
     Folders stay: recorded frames are read from a file system that all machines share.
     """
+    cloudpickle: Any = import_extra("cloudpickle", "cloudpickle", "cluster")
 
-    def mark(text: str | Path) -> str | Path:
-        if not is_place(text) or Path(text).is_dir():
-            return text
-        found = hash_of_files(text)
-        carry(found, Path(text))
-        marked = f"{_MARK}{found}/{Path(text).name}"
-        return Path(marked) if isinstance(text, Path) else marked
+    class Packer(cloudpickle.CloudPickler):  # type: ignore[misc]
+        def persistent_id(self, value: object) -> str | None:
+            if not isinstance(value, str | Path) or not is_place(value) or Path(value).is_dir():
+                return None
+            carry(found := hash_of_files(value), Path(value))
+            return f"{'path' if isinstance(value, Path) else 'text'}:{found}:{Path(value).name}"
 
-    return _mapped(value, mark)
+    stream = io.BytesIO()
+    Packer(stream).dump(what)
+    return stream.getvalue()
 
 
-def unpacked(value: Any, folders: Mapping[str, Path]) -> Any:
+def unpacked(content: bytes, folders: Mapping[str, Path]) -> Any:
     """Return options with the places of the files; folders: where each hash was unpacked."""
 
-    def place(text: str | Path) -> str | Path:
-        if not str(text).startswith(_MARK):
-            return text
-        found, _, name = str(text).removeprefix(_MARK).partition("/")
-        path = folders[found] / name
-        return path if isinstance(text, Path) else str(path)
+    class Unpacker(pickle.Unpickler):
+        def persistent_load(self, mark: str) -> str | Path:
+            kind, found, name = mark.split(":", 2)
+            return folders[found] / name if kind == "path" else str(folders[found] / name)
 
-    return _mapped(value, place)
+    return Unpacker(io.BytesIO(content)).load()
 
 
 def bytes_of(place: Path) -> bytes:
@@ -491,20 +490,6 @@ def unpack(content: bytes, folder: Path) -> Path:
             if not folder.is_dir():
                 raise
     return folder
-
-
-def _mapped(value: Any, change: Callable[[str | Path], str | Path]) -> Any:
-    if attrs.has(type(value)):
-        old = {each.name: getattr(value, each.name) for each in attrs.fields(type(value)) if each.name not in HOW}
-        new = {name: _mapped(each, change) for name, each in old.items()}
-        changed = {name: each for name, each in new.items() if each is not old[name]}
-        return attrs.evolve(value, **changed) if changed else value
-    if isinstance(value, tuple | list):
-        mapped = [_mapped(each, change) for each in value]
-        return value if all(a is b for a, b in zip(value, mapped, strict=True)) else type(value)(mapped)
-    if isinstance(value, str | os.PathLike):
-        return change(value)  # type: ignore[arg-type]
-    return value
 
 
 Progress = Callable[[int, int], None]

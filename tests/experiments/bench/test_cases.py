@@ -14,9 +14,11 @@ from replays import small
 from hmdwarp.client import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.bench import BenchOptions, cases_of, combinations_of
+from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.cases import (
     WITH_COMPLETE_FILLS,
+    cases_of,
+    combinations_of,
     common_start_s,
     notes_on_warps,
     pairs_of,

@@ -10,8 +10,8 @@ from replays import replayed, scene_for
 
 from hmdwarp.client.strategies import has_own_link, strategies
 from hmdwarp.errors import PlanError
-from hmdwarp.experiments.bench import bench, combinations_of
-from hmdwarp.experiments.bench.cases import common_start_s
+from hmdwarp.experiments.bench import bench
+from hmdwarp.experiments.bench.cases import combinations_of, common_start_s
 from hmdwarp.experiments.bench.options import FILLS
 from hmdwarp.link import CHANGES
 from hmdwarp.metrics import QUALITY
