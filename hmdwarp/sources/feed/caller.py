@@ -93,7 +93,6 @@ class Alignment:
 
     @property
     def is_known(self) -> bool:
-        """Whether there was an exchange."""
         return bool(self._kept)
 
     @property
@@ -102,7 +101,6 @@ class Alignment:
 
     @property
     def round_trip_ns(self) -> int:
-        """The shortest of those kept."""
         return self._by_round_trip[0].round_trip_ns
 
     @property
@@ -225,14 +223,12 @@ class Caller:
             return bool(self._arrived)
 
     def lines(self) -> list[str]:
-        """Return the log lines since the last call."""
         with self._changed:
             lines = list(self._lines)
             self._lines.clear()
         return lines
 
     def close(self) -> None:
-        """Hang up."""
         if self._thread.is_alive():
             self._orders.send(b"")
         self._thread.join()
@@ -240,7 +236,6 @@ class Caller:
         self._context.term()
 
     def _dialled(self) -> tuple[Any, Any]:
-        """Return a socket that connects from now on, and what tells of its connections."""
         socket = self._context.socket(self._zmq.DEALER)
         own = {"SNDHWM": 64, "RCVHWM": 0, "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES, "IMMEDIATE": 1}
         own |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000, "CONNECT_TIMEOUT": 5000, "IPV6": "[" in self.address}
@@ -300,7 +295,6 @@ class Caller:
             self._hearing = None
 
     def _cut_if_silent(self, now_ns: int) -> None:
-        """Cut a connection over which nothing comes any more; the library makes another."""
         hearing = self._hearing
         if hearing is None or now_ns - hearing.looked_ns < LOOK_NS:
             return
@@ -402,5 +396,4 @@ class Viewer:
         return None
 
     def close(self) -> None:
-        """Hang up."""
         self._caller.close()

@@ -14,7 +14,6 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from .key_pairs import KeyPair, key_pair
 from .message import (
     LARGEST_ASK,
     MOST_BYTES,
@@ -30,7 +29,7 @@ from .message import (
     encode,
     token_of,
 )
-from .options import secret_in
+from .options import KeyPair, key_pair, secret_in
 from .sockets import (
     CALLS,
     KERNEL_BYTES,
@@ -62,8 +61,6 @@ _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
 @attrs.frozen(eq=False)
 class _Waiting:
-    """A frame that the library was given."""
-
     bytes: int
     since_ns: int
     tracker: Any  # the library's; done once it has handed over the last byte to the system
@@ -83,11 +80,9 @@ class _Client:
 
     @property
     def address(self) -> str:
-        """Its host, as connections are counted."""
         return self.connection.address if self.connection is not None else ""
 
     def note(self, ask: Ask, now_ns: int) -> None:
-        """Take a request; what it replaces was never drawn."""
         self.received_ns, self.newest = now_ns, ask.number
         self.passed_over += self.ask is not None
         self.ask = ask, now_ns
@@ -95,8 +90,6 @@ class _Client:
 
 @attrs.frozen(eq=False)
 class Asked:
-    """A request to answer now."""
-
     client: bytes
     ask: Ask
     received_ns: int
@@ -122,7 +115,6 @@ class _Log:
                 self._say("".join(letter if letter.isprintable() else " " for letter in text))
 
     def next_second(self) -> None:
-        """Begin to count anew once the second is over."""
         with self._lock:
             if (second := time.monotonic_ns() // 1_000_000_000) != self._second:
                 if self._left_out:
@@ -241,7 +233,6 @@ class Listener:
         return True
 
     def _held(self, who: bytes) -> int:
-        """Return the bytes that wait for a client."""
         client = self._clients[who]
         while client.waiting and client.waiting[0].tracker.done and self._has_left(client):
             client.waiting.popleft()
@@ -267,7 +258,6 @@ class Listener:
             self._cut(min(stuck)[1], "cut, as its frames wait and leave no room for others'")
 
     def _since(self, who: bytes) -> int:
-        """Return when the oldest frame of a client began to wait; far from now if none does."""
         waiting = self._clients[who].waiting
         return waiting[0].since_ns if waiting else _NEVER_NS
 
@@ -325,7 +315,6 @@ class Listener:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
 
     def _forget_ended(self) -> None:
-        """Forget clients that are silent or whose connection has ended, and report those cut."""
         now_ns, gone = time.monotonic_ns(), set()
         while self._connections.gone:
             gone.add(self._connections.gone.popleft())
@@ -347,7 +336,6 @@ class Listener:
 
     @property
     def clients(self) -> Collection[bytes]:
-        """The routing ids of those that are here."""
         return self._clients.keys()
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
@@ -362,7 +350,6 @@ class Listener:
         self._send(asked.client, encode(Unchanged(asked.ask.number)))
 
     def tell(self, asked: Asked, what: str) -> None:
-        """Add a line on a client to the log."""
         if asked.client in self._clients:
             client = self._clients[asked.client]
             self._log.say("told", client.address, f"{client.name}: {what}")
@@ -391,7 +378,6 @@ class Listener:
         return True
 
     def close(self) -> None:
-        """Stop listening; what is not sent yet is dropped."""
         self._socket.disable_monitor()
         self._connections.close()
         self._socket.close(0)

@@ -114,7 +114,6 @@ def _frame(render: Render, asked: Asked) -> FrameMessage:
 
 
 def _pair(colour: NDArray[Any], depth_m: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return an eye's image with coverage in alpha and its inverse depth. Errors: InputError."""
     if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
         found = f"colour {colour.shape} and depth {depth_m.shape}"
         raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")

@@ -69,12 +69,10 @@ _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
 
 
 def zmq_module() -> ModuleType:
-    """Return the library. Errors: MachineError where it is not installed."""
     return import_extra("zmq", "pyzmq", "feed")
 
 
 def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
-    """Set options of a socket by their names in the library."""
     for name, value in options.items():
         one.setsockopt(getattr(zmq, name), value)
 
@@ -120,7 +118,6 @@ def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, objec
 
 
 def is_local(address: str) -> bool:
-    """Return whether only this machine reaches it."""
     found = _TCP.fullmatch(address)
     if found is None or found[1] == "localhost":
         return True
@@ -142,11 +139,9 @@ class Wire:
 
     @classmethod
     def of(cls, descriptor: int) -> Self:
-        """Return what a descriptor is now. Errors: OSError where it is closed."""
         return cls(descriptor, _opens(descriptor))
 
     def handle(self) -> socket.socket:
-        """Return another handle of the connection. Errors: OSError where it is closed."""
         descriptor = os.dup(self.descriptor)
         try:
             if _opens(descriptor) != self.opens:
@@ -326,7 +321,6 @@ class Connections:
             self.gone.append(left)
 
     def close(self) -> None:
-        """Stop watching; before the socket is closed."""
         self._ended.set()
         self._thread.join()
         self._accepted.close(0)
@@ -396,7 +390,6 @@ def host_of(one: socket.socket) -> str:
 
 
 def _info_of(one: socket.socket) -> bytes:
-    """Return what the system knows of a connection, b"" where it does not say."""
     if sys.platform != "linux":
         return b""
     info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)

@@ -19,8 +19,6 @@ _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 @attrs.frozen
 class EdgesSettings(SurfaceSettings):
-    """What counts as a silhouette, and when depth is moved."""
-
     # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
     most: int = 6
     # Standard deviations by which the best offset must stand out from the others.
@@ -95,7 +93,6 @@ def depth_offset(colour: Pixels, inverse: Pixels, settings: EdgesSettings) -> tu
 
 
 def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
-    """Return the picture moved by whole pixels; what comes in from outside is empty."""
     if down == right == 0:
         return values
     high, wide = values.shape
@@ -128,7 +125,6 @@ def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bo
 
 
 def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
-    """Return the pixels next to a jump of depth along a row or a column."""
     found = np.zeros(inverse.shape, bool)
     for axis in (0, 1):
         for distance in range(1, _REACH + 1):
@@ -142,8 +138,6 @@ def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]
 
 @repairs.register
 class NoRepair(Repair):
-    """Leave depth as it is: missing depth is a hole."""
-
     name = "none"
     summary = "depth as it was given: a pixel without depth is a hole"
     needs = "nothing"

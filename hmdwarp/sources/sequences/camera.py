@@ -61,7 +61,6 @@ class Camera:
 
     @classmethod
     def of(cls, numbers: Iterable[float]) -> Camera:
-        """Return the camera of fx, fy, cx, cy."""
         fx, fy, cx, cy = map(float, numbers)
         return cls(fx, fy, cx, cy)
 
@@ -82,7 +81,6 @@ class Camera:
 
     @property
     def text(self) -> str:
-        """The intrinsics in words."""
         if self.projected is not None:
             left, right, down, up = self.projected.tangents.tolist()
             return f"projection from {left:.6g} to {right:.6g} and {down:.6g} to {up:.6g}"
@@ -152,7 +150,6 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
 
 
 def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
-    """Return fx, fy, cx, cy of four numbers or of a 3x3 matrix, whose zeros say which way it is."""
     if isinstance(value, Mapping):  # as OpenCV writes a matrix
         value = value.get("data")
     try:
@@ -262,8 +259,6 @@ def _size(where: str | Path, data: Mapping[str, Any]) -> Size | None:
 def _of_nerf(
     where: str | Path, data: Mapping[str, Any], size: Size | None, centre: float
 ) -> tuple[float, float, float, float]:
-    """Return fx, fy, cx, cy as nerfstudio has them, or as the older files of NeRF do."""
-
     def focal(axis: int) -> float | None:
         name = "xy"[axis]
         if f"fl_{name}" in data:

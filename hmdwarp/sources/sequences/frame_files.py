@@ -161,7 +161,6 @@ def find_frame(
 
 
 def _pictures(path: Path, depth: Path | None) -> Arrays:
-    """Return colour and depth, which is an EXR file's own if no other is named and it has one."""
     channels = ""
     if depth is None and path.suffix.lower() == EXR:
         both = read_exr(path)
@@ -179,7 +178,6 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
 
 
 def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -> Path | None:
-    """Return the JSON of a picture; None where none is there and the shared facts are enough."""
     if camera is not None:
         return camera
     beside = path.with_suffix(JSON)
@@ -209,7 +207,6 @@ def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
-    """Return the facts, the names of all arrays, and (w, h) of the colour by its head alone."""
     # What is no picture is refused when it is read.
     shape: tuple[int, ...] = ()
     if "colour" in data:
@@ -222,7 +219,6 @@ def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], t
 
 
 def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
-    """Return what `read` takes from the archive. Errors: InputError for a damaged one."""
     content = content_of(path, PICTURE_FILE)
     wanted = "expected NumPy's .npz form, as numpy.savez writes it"
     if not content.startswith(b"PK"):  # NumPy would take it for a pickle

@@ -122,7 +122,6 @@ class SequenceOptions(Declared):
 
     @property
     def camera(self) -> sequences.Camera | None:
-        """The camera that the user states."""
         return self.intrinsics or self.projection
 
     def refuse_unused(self) -> None:

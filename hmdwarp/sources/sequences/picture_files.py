@@ -129,7 +129,6 @@ def _loaded(path: Path, picture: Any) -> Any:
 
 
 def _most_of_pgm(path: Path) -> int:
-    """Return the largest value that the head of a PGM file states."""
     words: list[bytes] = []
     with opened(path, PICTURE_FILE) as file:
         head = file.read(1000)
@@ -196,7 +195,6 @@ class VideoPictures:
         raise InputError(f"{self.path}: {self._next} pictures; expected picture {number}, counted from 0")
 
     def _from(self, av: Any, instant: int | None) -> Iterator[Any]:
-        """Yield the pictures from an instant of the stream's clock on; None for all."""
         # Of this form alone: playlists, for instance, name other files.
         with opened(self.path, VIDEO) as file, av.open(file, format="mp4") as container:
             if not container.streams.video:
@@ -232,7 +230,6 @@ class ExrPicture:
     views: tuple[str, ...]  # names of views among those of layers; the first is that of channels without one
 
     def _layers(self) -> dict[tuple[str, str], dict[str, str]]:
-        """Return (view, layer) with the names of its channels by their last part."""
         found: dict[tuple[str, str], dict[str, str]] = {}
         for name in self.channels:
             *words, last = name.split(".")
@@ -375,7 +372,6 @@ def _library() -> Any:
 
 @contextmanager
 def _small(path: Path, file: Any) -> Iterator[None]:
-    """Check what a file says that its pixels are, before any are read. Errors: InputError."""
     with file:
         (left, top), (right, bottom) = file.header()["dataWindow"]
         count = (int(right) - int(left) + 1) * (int(bottom) - int(top) + 1) * len(file.header()["channels"])
@@ -385,7 +381,6 @@ def _small(path: Path, file: Any) -> Iterator[None]:
 
 
 def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[np.float32]:
-    """Return a channel over the whole display window, 0 where the data do not reach."""
     (low, high), (left_top, right_bottom) = head["dataWindow"], head["displayWindow"]
     size = (np.asarray(right_bottom) - np.asarray(left_top) + 1)[::-1]
     wanted = (np.asarray(high) - np.asarray(low) + 1)[::-1]

@@ -51,7 +51,6 @@ class RecordedFrame:
 
     @property
     def view(self) -> View:
-        """Pose and field of view."""
         return View(self.pose, self.fov, hidden=self.hidden)
 
     def read(self) -> Pictures:
@@ -200,7 +199,6 @@ class Sequence:
 
 
 def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, ...]:
-    """Return the facts, those of the same name replaced by others."""
     return tuple({fact.what: fact for fact in (*facts, *by)}.values())
 
 
@@ -268,7 +266,6 @@ def depth_notes(sequence: Sequence) -> list[str]:
 
 
 def _about_no_depth(depths: Several[NDArray[np.floating]]) -> list[str]:
-    """Return a note on frames that have no depth anywhere."""
     empty = [depth for depth in depths if not (depth > 0).any()]
     note = f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
     if any((depth < 0).any() for depth in empty):
@@ -277,7 +274,6 @@ def _about_no_depth(depths: Several[NDArray[np.floating]]) -> list[str]:
 
 
 def _about_axis(frame: RecordedFrame) -> list[str]:
-    """Return a note on an optical axis that is far from the middle of the picture."""
     left, right, down, up = frame.fov.tangents.tolist()
     across, below = -left / (right - left), up / (up - down)
     if max(abs(across - 0.5), abs(below - 0.5)) <= _FAR_AXIS:

@@ -88,7 +88,6 @@ Matrix = NDArray[np.float64]  # (4, 4)
 
 
 def matrix_of(position: Any, orientation: Any) -> Matrix:
-    """Return the matrix of a position and a quaternion of ROS."""
     from scipy.spatial.transform import Rotation
 
     matrix = np.eye(4)

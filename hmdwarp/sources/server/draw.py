@@ -149,13 +149,11 @@ class Server(Renderer):
         return chosen
 
     def forget(self, client: Hashable) -> None:
-        """Free what depends on the frames that were drawn for a client."""
         for key in [key for key in self._parts if key[0] == client]:
             self._parts.pop(key).close()
         self._chosen = {key: chosen for key, chosen in self._chosen.items() if key[0] != client}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
-        """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
         _check_same_size(into.size, size)
         self._depth_passes().draw(view, self._framebuffers.over(into), time_ns)
         for part in self._parts_for(Drawing(view, size, time_ns)):
@@ -234,22 +232,18 @@ class Server(Renderer):
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, left_out=frozenset(PICTURE))
 
     def clear(self, into: Target) -> None:
-        """Empty a target: coverage 0, no depth."""
         self._framebuffers.over(into.colour).clear()
         self._framebuffers.over(into.inverse_depth).clear(red=-1.0)
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Take note of whether a frame arrived, which the server hears at that instant."""
         self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
-        """Take note of whether a client's frame with these layers arrived."""
         for (of_client, _), part in self._parts.items():
             if of_client == client:
                 part.heard(carried, arrived, heard_ns)
 
     def has_more(self, now_ns: int, client: Hashable = None) -> bool:
-        """Return whether a part has something to send even if nothing has moved."""
         return any(part.has_more(now_ns) for (of_client, _), part in self._parts.items() if of_client == client)
 
     def surfaces(self) -> Iterator[SceneBuffers]:
@@ -258,7 +252,6 @@ class Server(Renderer):
         yield from (drawing.buffers for drawing in self._moving)
 
     def trim(self) -> None:
-        """Free what frames of other sizes needed, but a little; see Renderer.trim."""
         for part in self._parts.values():
             part.trim()
         self._framebuffers.trim()
@@ -268,11 +261,9 @@ class Server(Renderer):
 
     @property
     def textures(self) -> SceneTextures:
-        """The scene's textures."""
         return self._textures
 
     def close(self) -> None:
-        """Free everything the server holds, its targets included."""
         for part in self._parts.values():
             part.close()
         for passes in (self._colour, self._depth):

@@ -42,7 +42,6 @@ class Lighting:
         self._buffers: list[tuple[Sequence[Mesh], moderngl.Buffer]] = []
 
     def _rows(self, time_ns: int) -> NDArray[np.float64]:
-        """Return (n, 3, 4), the rows of each triangle that stops light at an instant."""
         return blocking(self._scene, time_ns)
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
@@ -88,7 +87,6 @@ class Lighting:
         return places.tobytes() + cones.tobytes() + colours.tobytes() + rows
 
     def close(self) -> None:
-        """Free its textures and buffers."""
         release_all(self._blockers, *(buffer for _, buffer in self._buffers))
 
 
@@ -101,7 +99,6 @@ class ConvergedLight(Lighting):
         self._light = b""
 
     def _atlas(self, time_ns: int) -> NDArray[np.float16]:
-        """Return the indirect light of an instant as the light atlas."""
         return indirect_atlas(self._scene, time_ns)
 
     def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
@@ -206,7 +203,6 @@ class ScenePasses:
         return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
 
     def _more(self, buffers: SceneBuffers) -> list[tuple[Any, ...]]:
-        """Return further inputs of the vertex stage, as moderngl takes them."""
         return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
@@ -290,7 +286,6 @@ class ScenePasses:
         draw_chunks(self._gl, vertices, buffers, draws, uniforms, emits=self._emits)
 
     def _seen_from(self, view: View, place: Place) -> Place:
-        """Return where surfaces are seen from."""
         return place
 
     def _set_background(self, view: View) -> None:
@@ -300,7 +295,6 @@ class ScenePasses:
             self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
 
     def close(self) -> None:
-        """Free the vertex arrays; the shader library owns programs, the scene buffers."""
         for vertices in (self._vertices, *self._of_moving):
             vertices.release()
         if self._made is not None:

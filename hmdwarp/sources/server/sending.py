@@ -31,7 +31,6 @@ class Sender:
     complete = False  # whether nothing waits to be sent
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether anything waits to be sent."""
         return not self.complete
 
 
@@ -53,7 +52,6 @@ class Sending(Part, Generic[Wanted, S]):
         """Return the sender of a variant."""
 
     def sender(self, wanted: Wanted) -> S:
-        """Return the sender of a variant, made when it is first needed."""
         return self._senders.made(wanted, lambda: self.make_sender(wanted))
 
     def needed(self, drawing: Drawing) -> list[Wanted]:
@@ -83,7 +81,6 @@ class Head:
         self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
 
     def see(self, view: View, now_ns: int) -> None:
-        """Take the view of a frame."""
         if not self._seen or now_ns > self._seen[-1][0]:
             self._seen.append((now_ns, view))
 

@@ -88,12 +88,10 @@ class Target:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) in pixels."""
         return self.colour.size
 
     @property
     def bytes(self) -> int:
-        """The bytes of its textures."""
         return sum(map(texture_bytes, filter(None, (self.colour, self.depth))))
 
     def release(self, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
@@ -133,7 +131,6 @@ class TargetPool:
 
     @property
     def live(self) -> int:
-        """How many targets are out."""
         return len(self.out)
 
     @property
@@ -164,11 +161,9 @@ class TargetPool:
 
     @property
     def bytes(self) -> int:
-        """The bytes of all its targets."""
         return sum(target.bytes for target in (*self._free, *self.out.values()))
 
     def take_back(self) -> None:
-        """Take back all targets that are out."""
         self._free += self.out.values()
         self.out.clear()
 
@@ -183,7 +178,6 @@ class TargetPool:
         self._free.append(self.out.pop(key))
 
     def close(self) -> None:
-        """Free all textures, including those that are out."""
         for target in [*self._free, *self.out.values()]:
             target.release(self._forget)
         self._free.clear()
@@ -324,7 +318,6 @@ class Renderer:
         self.gpu.forget_released()
 
     def close(self) -> None:
-        """Free the pools, and what pictures were taken in by."""
         for made in (self._pools, self._uploads, self._given):
             for pool in made.values():
                 pool.close()
@@ -373,7 +366,6 @@ class Framebuffers:
             depth.release()
 
     def close(self) -> None:
-        """Free the framebuffers and depth buffers, not the textures."""
         for _, framebuffer in self._made.values():
             framebuffer.release()
         for depth in self._depth.values():
@@ -421,8 +413,6 @@ class Multisampled:
         self._gpu.barrier()
 
     def trim(self) -> None:
-        """Free framebuffers as Renderer.trim() frees targets."""
-
         def bytes_of(_: object, one: moderngl.Framebuffer) -> int:
             textures = (each for each in one.color_attachments if isinstance(each, moderngl.Texture))
             return self.count * (sum(map(texture_bytes, textures)) + _DEPTH_BYTES * one.width * one.height)
@@ -431,7 +421,6 @@ class Multisampled:
             _free(framebuffer)
 
     def close(self) -> None:
-        """Free everything."""
         for framebuffer in self._made.values():
             _free(framebuffer)
         self._made.clear()

@@ -58,7 +58,6 @@ def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
 
 
 def _texels(image: NDArray[np.uint8]) -> bytes:
-    """Return the image as four channels, bottom row first."""
     if image.shape[2] == 3:
         image = np.concatenate([image, np.full((*image.shape[:2], 1), 255, np.uint8)], axis=2)
     return np.ascontiguousarray(flip_rows(image)).tobytes()
@@ -98,7 +97,6 @@ class SceneTextures:
         self.revision += 1
 
     def close(self) -> None:
-        """Free them."""
         release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
         release_all(*(shine.texture for shine in self._shines.values()))
 
@@ -157,7 +155,6 @@ class SceneBuffers:
         self._choose()
 
     def _choose(self) -> None:
-        """Take the chunks that are drawn."""
         every, drawn = self._all, self._drawn
         self.chunks = (
             every
@@ -168,7 +165,6 @@ class SceneBuffers:
         self.revision += 1
 
     def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray[np.uint32]]:
-        """Fill batches and chunks; return the chunks' indices."""
         groups: dict[tuple[bool, int], list[int]] = {}
         for number, mesh in enumerate(meshes):
             groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
@@ -199,13 +195,11 @@ class SceneBuffers:
         return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
 
     def close(self) -> None:
-        """Free the buffers."""
         self._vertices.release()
         self._indices.release()
 
 
 def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the lowest and highest corner of the box around some of a mesh's triangles."""
     corners = mesh.positions[triangles.ravel()].astype(np.float64)
     return corners.min(axis=0), corners.max(axis=0)
 
@@ -233,8 +227,6 @@ class Place:
 
 
 class Moving(ABC):
-    """One thing that moves."""
-
     # The layer that describes its motion: the client of a frame with that layer moves it.
     layer: ClassVar[str]
     # Its triangles.
@@ -253,7 +245,6 @@ class Moving(ABC):
         return STAYS
 
     def close(self) -> None:
-        """Free its buffers."""
         self.buffers.close()
 
 
@@ -312,7 +303,6 @@ class DeformingMesh(Moving):
 
 
 def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
-    """Return the values as float32. Errors: SceneError for another shape, or not finite."""
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
         raise SceneError(
@@ -324,7 +314,6 @@ def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]
 
 
 def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
-    """Return all moving surfaces of the scene."""
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
     bodies = [

@@ -102,7 +102,6 @@ class Layout(SequenceReader):
     takes: tuple[str, ...] = ()
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        """Return the sequence. Errors: InputError naming the file and its fault."""
         folder = Folder(self, path, options)
         self.add_frames(folder)
         return folder.sequence()
@@ -187,12 +186,10 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
 
 
 def intrinsics_fact(camera: Camera, by: By) -> Assumption:
-    """Return the entry for the intrinsics of a camera."""
     return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
 
 
 def scale_fact(scale: float, by: By) -> Assumption:
-    """Return the entry for the metres per unit of depth."""
     return Assumption(DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
 
 
@@ -291,7 +288,6 @@ class Folder:
         )
 
     def rows(self, name: str) -> list[Row]:
-        """Return the lines of a file."""
         return rows_of(self.path / name)
 
     def folder(self, *names: str) -> Path:
@@ -442,7 +438,6 @@ class Folder:
         return RecordedFrame(pair.colour.name, pair.time_ns, pair.pose, fov, size, read, depth)
 
     def _refuse_other_size(self, size: Size) -> None:
-        """Raise InputError where numbers of a layout are for pictures of another size."""
         open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.DEFAULT)]
         if self.only_for in (None, size) or not open_facts:
             return
@@ -455,7 +450,6 @@ class Folder:
 
 
 def _motion(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
-    """Return the motion from the first frame to the last, with the frames' own poses in it."""
     times = np.array([frame.time_ns for frame in frames])
     positions = np.array([frame.pose.position_m for frame in frames])
     turned = np.array([frame.pose.orientation_xyzw for frame in frames])
@@ -516,7 +510,6 @@ class Row:
         return matrix
 
     def pose(self, axes: Axes, begin: int = 0, **more: Any) -> Pose:
-        """Return world_from_eye of x y z qx qy qz qw. Errors: InputError."""
         matrix = self.matrix(begin, **more)
         return pose_of(axes, matrix[:3, 3], matrix[:3, :3])
 

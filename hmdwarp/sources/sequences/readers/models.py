@@ -54,7 +54,6 @@ _MATRIX = "camera-intrinsics.txt"
 
 
 def _sequences_in(path: Path) -> list[str]:
-    """Return the folders of a scene's sequences."""
     return sorted({pose.parent.name for pose in path.glob("seq-*/frame-*.pose.txt")})
 
 
@@ -83,7 +82,6 @@ def seven_scenes(at: Folder) -> None:
 
 
 def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: Camera | None) -> None:
-    """Add the frames of three files by their numbers."""
     colours, depths = at.numbered(colour), at.numbered(depth)
     poses = at.poses_in(at.numbered(pose))
     whole = sorted(colours.keys() & depths.keys() & poses.keys())
@@ -96,7 +94,6 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
 
 
 def _stated(at: Folder) -> tuple[Camera | None, Camera | None, float | None]:
-    """Return both cameras and the metres per unit that files there or above state."""
     info = at.first("info.txt", "_info.txt", above=True)
     text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
     if info is not None and "m_calibrationColorIntrinsic" in text:
@@ -108,7 +105,6 @@ def _stated(at: Folder) -> tuple[Camera | None, Camera | None, float | None]:
 
 
 def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float | None]:
-    """Return cameras and scale of lines such as m_depthShift = 1000. Errors: InputError."""
     values = {key.strip(): value.split() for key, _, value in (line.partition("=") for line in text.splitlines())}
 
     def numbers(key: str, *counts: int) -> list[float]:
@@ -193,8 +189,6 @@ _ENDS = 4096  # bytes at each end that are searched for the class
 
 
 def _trajectory(path: Path) -> Path | None:
-    """Return the trajectory by its usual names, else the only JSON file of its class."""
-
     def is_one(file: Path) -> bool:
         with opened(file, FACTS) as stream:
             head = stream.read(_ENDS)
@@ -260,7 +254,6 @@ def _first(path: Path, places: Any) -> Path | None:
 
 
 def _images(path: Path) -> Path | None:
-    """Return the file of a model's images."""
     return _first(path, [f"{place}/images{ending}" for place in _SPARSE for ending in (".txt", ".bin")])
 
 
@@ -314,7 +307,6 @@ def colmap(at: Folder) -> None:
 
 
 def _camera_of_colmap(cameras: dict[int, ColmapCamera], key: int, model: Path) -> Camera:
-    """Return a camera without distortion. Errors: InputError, which names the distortion."""
     if key not in cameras:
         raise InputError(f"{model}: its images name camera {key}; expected it in cameras{model.suffix}")
     camera = cameras[key]
@@ -419,7 +411,6 @@ def _depth_key(entry: Mapping[str, Any]) -> Any:
 
 
 def _scale_of(file: Path, data: Mapping[str, Any], whole: list[Any], by_user: float | None) -> tuple[float, By]:
-    """Return the metres per unit of depth, and who says so. Errors: InputError if two differ."""
     stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
     if data.get("depth_scale") is not None:
         stated["depth_scale"] = scale_of(file, data["depth_scale"])

@@ -86,8 +86,6 @@ def _read(at: Folder, bag: Bag) -> None:
 
 @attrs.frozen
 class _Stamped:
-    """A picture in a bag, by where it is."""
-
     time_ns: int
     logged_ns: int
     number: int  # of those that were logged at the same instant
@@ -95,7 +93,6 @@ class _Stamped:
 
 
 def _stamped(bag: Bag, topic: str) -> list[_Stamped]:
-    """Return the pictures of a topic by their stamps. Errors: InputError without any."""
     found: list[_Stamped] = []
     for _, logged_ns, message in bag.messages([topic]):
         number = found[-1].number + 1 if found and found[-1].logged_ns == logged_ns else 0
@@ -142,7 +139,6 @@ def _first(bag: Bag, topic: str) -> Any:
 
 
 def _one(path: Path, what: str, fitting: list[str], held: dict[str, str]) -> str:
-    """Return the only topic, the raw one where it is compressed too. Errors: InputError."""
     raw = [topic for topic in fitting if topic.rpartition("/")[0] not in fitting]
     if len(raw) == 1:
         return raw[0]
@@ -155,7 +151,6 @@ def _held(topics: dict[str, str]) -> str:
 
 
 def _camera(path: Path, bag: Bag, topics: dict[str, str]) -> Camera | None:
-    """Return the camera of the colour, None if none is stated. Errors: InputError: distortion."""
     if (info := _first(bag, topics["info"])) is None:
         return None
     where, size = f"{path}, {topics['info']}", (int(info.width), int(info.height))

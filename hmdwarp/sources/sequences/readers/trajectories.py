@@ -97,7 +97,6 @@ def tum(at: Folder) -> None:
 
 
 def _span(trace: LoadedTrace) -> tuple[int, int]:
-    """Return the first and the last instant of a trace on its own clock."""
     track = trace.track
     return track.epoch_ns + track.start_ns, track.epoch_ns + track.end_ns
 
@@ -174,7 +173,6 @@ def redwood(at: Folder) -> None:
 
 
 def _log(path: Path) -> Path | None:
-    """Return the trajectory of a folder, by its usual names, or the only .log file there is."""
     named = [path / name for name in ("trajectory.log", "scene/trajectory.log") if (path / name).exists()]
     others = list(path.glob("*.log"))
     return named[0] if named else others[0] if len(others) == 1 else None
@@ -237,7 +235,6 @@ def replica(at: Folder) -> None:
 
 
 def _with_a_line(colours: Any, depths: Any, rows: list[Row], where: str, name: Any = str) -> list[int]:
-    """Return the numbers of both. Errors: InputError where one has no line of its pose."""
     whole = sorted(colours.keys() & depths.keys())
     if whole and whole[-1] >= len(rows):
         raise InputError(f"{where}{len(rows)} poses, and a picture {name(whole[-1])}; expected a line for each")
@@ -250,7 +247,6 @@ _SIDES = {"left": (_FIRST, None), "right": (_FIRST, None), "lcam_front": (_SECON
 
 
 def _side(path: Path) -> str:
-    """Return the first camera that has pictures, depth and poses."""
     needed = ("pose_{}.txt", "image_{}", "depth_{}")
     return next((side for side in _SIDES if all((path / one.format(side)).exists() for one in needed)), "")
 
@@ -332,7 +328,6 @@ _NUMBER = re.compile(r"^(image_width|image_height):\s*([0-9]+)\s*$", re.MULTILIN
 
 
 def _rtabmap_poses(path: Path) -> Path | None:
-    """Return the poses of the camera, else those of the robot."""
     found = [*path.glob("*_camera_poses.txt"), *path.glob("*_poses.txt")] if path.is_dir() else []
     return next((file for file in found if not file.name.endswith("_scan_poses.txt")), None)
 
@@ -377,7 +372,6 @@ def rtabmap(at: Folder) -> None:
 
 
 def _calibration(file: Path) -> tuple[Camera, NDArray[np.float64]]:
-    """Return camera, and (4, 4) the robot's frame from the optical one. Errors: InputError."""
     text = text_in(file, attrs.evolve(TABLE, what="the calibration of its image"))
     try:
         lists = {name: [float(word) for word in numbers.split(",")] for name, numbers in _LIST.findall(text)}
@@ -404,7 +398,6 @@ _COVERED = 0.05  # of the trace, at least
 
 
 def _traces(path: Path) -> list[Path]:
-    """Return the files that may be the trace, those of the usual names alone if there are any."""
     files = path.iterdir() if path.is_dir() else ()
     found = [file for file in files if file.suffix.lower() in _TRACES and file.name not in _LISTS]
     return sorted([file for file in found if file.stem.lower() in _NAMES] or found)
@@ -447,7 +440,6 @@ def traced(at: Folder) -> None:
 
 
 def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
-    """Return the trace in the axes that it or the user states, else in those of a camera."""
     reading, head = TraceOptions(axes=at.options.frames_axes), read_head(file)
     if find_format(head, reading).layout(head, reading).time is None:
         reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
@@ -490,7 +482,6 @@ def _number(picture: Path) -> Decimal | None:
 
 
 def _camera_beside(at: Folder) -> Camera | None:
-    """Return the camera of a file next to it, None where there is none. Errors: InputError."""
     if file := at.first(*_CAMERAS):
         return camera_of(file, read_json(file))
     if (file := at.first(*_MATRICES)) is None:

@@ -23,8 +23,6 @@ _Place = tuple[bool, int]  # what meshes have in common that stand still to each
 
 @attrs.frozen
 class Blending:
-    """How source and destination are combined."""
-
     # rgb and alpha: factor of the source, factor of the destination.
     factors: tuple[int, int, int, int]
     equation: int = moderngl.FUNC_ADD
@@ -183,7 +181,6 @@ class Sheets:
         return self._order
 
     def _eye_from(self, place: _Place, view: View, time_ns: int) -> Array:
-        """Return 4x4, relative to the eye before any rotation."""
         # Head-locked meshes are placed in the head's space.
         scene, (head_locked, body) = self._context.scene, place
         pose = Pose() if head_locked else Pose(scene.origin_m)
@@ -220,12 +217,10 @@ class Sheets:
         yield _Run(3 * first, 3 * (len(textures) - first), used)
 
     def close(self) -> None:
-        """Free the buffers."""
         release_all(*self._arrays.values(), self._vertices, self._indices, self._kinds_on_gpu)
 
 
 def _middles(positions: Array, triangles: NDArray[np.uint32]) -> Array:
-    """Return (3, m) middles of the triangles of (n, 3) positions."""
     middles: Array = positions[triangles].mean(axis=1).T
     return middles
 

@@ -47,8 +47,6 @@ class Motion(Part):
 
 
 class _Numbers:
-    """Draws body numbers."""
-
     def __init__(self, context: DrawContext, bodies: tuple[MovingBody, ...]) -> None:
         self._context, self._bodies = context, bodies
         shaders, gl = context.gpu.shaders, context.gpu.gl
@@ -75,8 +73,6 @@ class _Numbers:
 
 
 class _Velocities:
-    """Draws the velocities of deforming meshes."""
-
     def __init__(self, context: DrawContext, deforming: tuple[DeformingMesh, ...]) -> None:
         self._context, self._deforming = context, deforming
         gl = context.gpu.gl

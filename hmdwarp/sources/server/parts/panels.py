@@ -109,12 +109,10 @@ class _Sender(Sender):
         return [0, *shown] if self._panels else []
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether a picture that is shown waits to be sent."""
         self.book.settle(now_ns)
         return not self.book.waiting.isdisjoint(self._needed(now_ns))
 
     def update(self, now_ns: int) -> Update:
-        """Return what a frame drawn now brings."""
         self.book.settle(now_ns)
         update = self.book.update(self._needed(now_ns), self._wanted.budget, now_ns)
         return with_showing(update, now_ns, [each.showing(now_ns) for each in self._panels])

@@ -80,7 +80,6 @@ class Reflections(Part):
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
-        """Draw the reflections of the chosen mirrors, and the mirrors' properties."""
         over = self.context.framebuffers.over
         over(seen.colour).clear()
         over(seen.inverse_depth).clear(red=-1.0)
@@ -180,7 +179,6 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
 
 
 def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the pixels around (n, 3) points in the axes of the eye, ahead of it."""
     pixels = corners[:, :2] / -corners[:, 2:] - np.array(view.fov.tangents[[0, 2]])
     pixels /= np.array(tangents_of_pixels(view, size)["tangent_step"])
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
@@ -276,7 +274,6 @@ class MirrorSurface:
             self._drawn.render(moderngl.TRIANGLES)
 
     def close(self) -> None:
-        """Free its buffers."""
         self._drawn.release()
         self._vertices.release()
 
@@ -339,5 +336,4 @@ class Ball(MirrorSurface):
 
 
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
-    """Return the uniforms of shaders/lib/mirrors.glsl."""
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)

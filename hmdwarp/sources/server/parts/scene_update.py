@@ -61,12 +61,10 @@ class _Sender(Sender):
         self._bodies = np.array([mesh.body for mesh in self._pieces.meshes], int)
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether anything waits to be sent."""
         self.book.settle(now_ns)
         return bool(self.book.waiting)
 
     def update(self, views: Sequence[View], head: Head, now_ns: int) -> Update:
-        """Return what a frame drawn now brings."""
         order = self._order(views, head, now_ns) if self.has_more(now_ns) else iter(())
         return self.book.update(order, self._budget, now_ns)
 
@@ -95,7 +93,6 @@ class _Sender(Sender):
                 yield from (self._pieces.number_of_level(texture, scale) for texture in self._of_mirrors)
 
     def _with_textures(self, indices: Sequence[int], scale: float) -> Iterator[int]:
-        """Yield the meshes, and the texture of each where it first occurs."""
         left = set(self._of_pieces)
         for index in indices:
             yield self._pieces.number_of_mesh(index)
@@ -106,7 +103,6 @@ class _Sender(Sender):
 
 
 def _boxes(meshes: Sequence[Mesh]) -> tuple[Array, Array]:
-    """Return centres and halves of the boxes around meshes at rest, (n, 3) each."""
     low, high = (
         np.array([extreme(mesh.positions, axis=0) for mesh in meshes], np.float64).reshape(-1, 3)
         for extreme in (np.min, np.max)
@@ -149,7 +145,6 @@ class Difference(Part):
         return eye.having(difference=made)
 
     def _renderer(self, each: Simplified) -> Renderer:
-        """Return what draws the simplified scene, as the client draws it."""
         of = self.context.scene, each.share, each.texture
         return self._renderers.made(each, lambda: self.context.renderer(partial_scene(*of, lit=each.lit)))
 

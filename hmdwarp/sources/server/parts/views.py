@@ -57,7 +57,6 @@ class Views(Part):
         self._ways: list[Array] = []
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        """Choose the places for the frame; there is no layer that the eyes share."""
         first, place = views[0], np.mean([view.pose.position_m for view in views], axis=0)
         before, self._before = self._before, (place, drawing.time_ns)
         passed_s = (drawing.time_ns - before[1]) * 1e-9 if before is not None else 0.0
@@ -114,12 +113,10 @@ class Motion:
         return cls(reach * along, reach * across / np.linalg.norm(across))
 
     def candidates(self) -> list[Array]:
-        """Return the places of the candidates, relative to the eye."""
         ways = (self.along, -self.along, self.across, -self.across)
         return [ring * way for ring in RINGS for way in ways]
 
     def expected(self) -> list[Array]:
-        """Return the places where the eye may be, relative to where it was drawn."""
         return [along * self.along + across * self.across for along, across in EXPECTED]
 
 
