@@ -113,10 +113,7 @@ class Found:
 
 
 class PixelBuffers:
-    """What one call in flight has of its own; each buffer is made when it is first needed.
-
-    Found, the bytes that go up, and those that come down.
-    """
+    """Found, and the buffers of one call in flight, each made when it is first needed."""
 
     def __init__(self, gpu: Gpu, pictures: int) -> None:
         self._gpu, self.found = gpu, Found(gpu, pictures)
@@ -178,10 +175,7 @@ class TakeIn:
         return found[0], found[1][..., 0]
 
     def run(self, picture: Arrays, sent: Pair, into: Pair, found: Found, number: int) -> None:
-        """Write rgba16f linear light with coverage and r32f inverse depth.
-
-        sent: what `send` returns for the picture. number: which of the pictures of `found`.
-        """
+        """Write rgba16f light with coverage and r32f inverse depth, of what `send` returned."""
         size, light = self._size, self._light_of_byte
         if picture.scaling is not None:
             size, light = picture.scaling.size, self._bind_scaling(picture.scaling)

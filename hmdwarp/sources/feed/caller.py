@@ -65,20 +65,14 @@ class Exchange:
 
 
 class Alignment:
-    """Offset and drift between two clocks, from the exchanges so far.
-
-    jumps: how often the other clock was found to have been set; each starts anew.
-    """
+    """Offset and drift between two clocks; anew after each jump, when the other clock was set."""
 
     def __init__(self) -> None:
         self._kept: deque[Exchange] = deque(maxlen=KEPT)
         self.jumps = 0
 
     def add(self, one: Exchange) -> bool:
-        """Take an exchange; return whether the other clock has jumped.
-
-        One that cannot be (answered before it was received or sent) is left out.
-        """
+        """Take an exchange unless it cannot be; return whether the other clock has jumped."""
         if one.round_trip_ns < 0 or one.answered_ns < one.received_ns:
             return False
         last = self._kept[-1] if self._kept else one
@@ -110,10 +104,7 @@ class Alignment:
 
     @property
     def drift(self) -> float | None:
-        """Seconds that their clock gains in one of ours, by a line through the best exchanges.
-
-        None where their round trips could feign as much as a quartz drifts, and beyond that.
-        """
+        """Seconds their clock gains in one of ours, by the best exchanges; None if not known."""
         best = self._by_round_trip[: max(1, len(self._kept) // 4)]
         times, offsets = [exchange.middle_ns for exchange in best], [exchange.offset_ns for exchange in best]
         if best[-1].round_trip_ns >= MOST_DRIFT * (max(times) - min(times)):
@@ -356,20 +347,14 @@ _MOST_UNANSWERED = 3  # unanswered in a row: then no more requests are sent
 
 
 class Viewer:
-    """A client that asks for one eye's view and waits for it.
-
-    wish: how its numbers come; coded frames are passed over. Errors: as Caller.
-    """
+    """A client that waits for one eye's view at a time, never coded. Errors: as Caller."""
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"", wish: Wish = FULL) -> None:
         self._caller, self._wish = Caller(address, secret, server_key), wish
         self._number = self._unanswered = 0
 
     def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
-        """Return what the server draws for the view; None where it refuses or does not answer.
-
-        After three such requests in a row none is sent any more.
-        """
+        """Return the view as the server draws it, or None; always None after three in a row."""
         if self._unanswered >= _MOST_UNANSWERED:
             return None
         found = self._waited_for(view, size, time_ns)

@@ -184,10 +184,7 @@ class Listener:
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
 
     def next(self, wait_ms: int) -> Asked | None:
-        """Return the next request to answer, None if there is none within that time.
-
-        What passes until the next call is taken as time for its client.
-        """
+        """Return the next request to answer, or None; the time until the next call is its."""
         if self._drawn_for is not None:
             (before, since_ns), self._drawn_for = self._drawn_for, None
             if before in self._clients:

@@ -410,10 +410,7 @@ def _packed_eye(view: View) -> bytes:
 
 
 def decode(data: Data) -> Message:
-    """Return the message in these bytes.
-
-    Errors: Malformed, whatever the bytes are; BadRequest for what says that it is a request.
-    """
+    """Return the message in these bytes. Errors: Malformed; BadRequest for a request."""
     if len(data) < _HEAD.size:
         raise Malformed(f"{len(data)} bytes: a message has {_HEAD.size} or more")
     magic, version, kind, length = _HEAD.unpack_from(data)

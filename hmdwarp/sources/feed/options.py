@@ -22,10 +22,7 @@ _STUDY = "a study shows scenes that it draws itself, with a latency that it sets
 
 @attrs.frozen(kw_only=True)
 class FeedOptions(Declared):
-    """Where frames come from, if not from here.
-
-    Errors: InputError for a secret or a key without a server.
-    """
+    """Where frames come from, if not from here. Errors: InputError for what lacks its server."""
 
     heading = "Server elsewhere"
     # "" for frames that are drawn here.

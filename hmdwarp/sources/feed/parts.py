@@ -117,10 +117,7 @@ def most_wanted_bytes(layers: int, eyes: int) -> int:
 
 
 def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tuple[Wanted | None, int]:
-    """Return what a client reads, None for nothing, and where the wish ends.
-
-    Errors: ValueError; InputError for a view.
-    """
+    """Return what a client reads, or None, and where it ends. Errors: ValueError, InputError."""
     if not layers:
         return None, at
     width, height = struct.unpack_from("<II", data, at)
@@ -165,10 +162,7 @@ def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | A
 def layers_from(
     data: bytes | memoryview, heads_at: int, count: int, at: int, eyes: int
 ) -> tuple[tuple[Layers, ...], int]:
-    """Return the layers of each eye, and where the message must end.
-
-    heads_at: where their heads begin. at: where the first part begins. Errors: BadPart.
-    """
+    """Return each eye's layers, and where the message must end. Errors: BadPart."""
     found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
     for number in range(count):
         coded, eye, form, is_packed, wide, high, length = HEAD.unpack_from(data, heads_at + number * HEAD.size)
@@ -219,10 +213,7 @@ _FINE = (_COLUMNS * 8, _ROWS * 4)  # pixels over which the seen rows are found
 
 
 def packed_area(view: View) -> bytes:
-    """Return the first seen row of each column, and the one after the last, in 255ths from below.
-
-    They hold at least what is seen; 0 and 0 where nothing is.
-    """
+    """Return first seen row and end of each column, in 255ths from below; 0 and 0 where none is."""
     return bytes([0, _ROWS]) * _COLUMNS if view.hidden is None else _area_bytes(view.hidden, view.fov)
 
 
@@ -237,10 +228,7 @@ def _area_bytes(hidden: Hidden, fov: Fov) -> bytes:
 
 @functools.lru_cache(maxsize=64)
 def area_from(data: bytes, fov: Fov) -> Hidden | None:
-    """Return what AREA_BYTES hide: one object for the same area, whose rows are found once.
-
-    Errors: ValueError.
-    """
+    """Return what AREA_BYTES hide, the same object for the same area. Errors: ValueError."""
     rows = np.frombuffer(data, np.uint8).reshape(_COLUMNS, 2).astype(np.int64)
     if (rows[:, 0] > rows[:, 1]).any() or not rows.any():
         raise ValueError("a hidden area leaves nothing to see, or ends before it begins")

@@ -78,11 +78,7 @@ def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
 
 
 def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
-    """Return the parts of a socket's next message, [] where there is none.
-
-    A cut connection may take back a message that the library has announced: waiting for it would
-    never end.
-    """
+    """Return the parts of a socket's next message, [] where there is none."""
     parts: list[Any] = []
     with contextlib.suppress(zmq.Again):
         parts = one.recv_multipart(zmq.NOBLOCK, copy=copy)
@@ -225,10 +221,7 @@ class Connections:
         self._thread.start()
 
     def took(self, parts: list[Any]) -> Connection | None:
-        """Note a whole message, as frames of the library; return where it came from.
-
-        The watcher may be behind: a connection that is not known to ask would lose its place.
-        """
+        """Note a whole message, as frames of the library; return where it came from."""
         self._catch_up()
         with contextlib.suppress(self._zmq.ZMQError):  # not of a connection that has a descriptor
             found = self._of.get(parts[-1].get(self._zmq.SRCFD))
@@ -252,10 +245,7 @@ class Connections:
                 due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
 
     def _catch_up(self) -> bool:
-        """Note who has come and gone; return whether that is all.
-
-        Those that come and go must not keep it from looking at the others.
-        """
+        """Note who has come and gone, so many at a time; return whether that is all."""
         with self._lock:
             events = list(itertools.islice(iter(lambda: waiting_parts(self._zmq, self._accepted), []), _MOST_EVENTS))
             # By descriptor, the last of each: what came and went costs no look at it.
@@ -342,10 +332,7 @@ class Hearing:
     taken: int = 0
 
     def is_silent(self, now_ns: int, patience: int) -> bool:
-        """Look whether anything has come since the last look; return whether nothing has too long.
-
-        patience: how many times the usual time that is.
-        """
+        """Look for bytes; return whether there were none for `patience` times the usual time."""
         info, waiting = b"", bytes(4)
         with contextlib.suppress(OSError), self.wire.handle() as one:
             info = _info_of(one)

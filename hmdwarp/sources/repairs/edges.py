@@ -104,10 +104,7 @@ def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
 
 
 def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
-    """Return the pixels that are farther than one neighbour and nearer than the opposite one.
-
-    Neighbours are one pixel away, or two: a sensor's pixel and its interpolation mix as many.
-    """
+    """Return pixels farther than a neighbour, one or two away, and nearer than the opposite one."""
     around = np.pad(inverse, _REACH, constant_values=np.nan)
     at = np.flatnonzero(np.pad(_beside_jumps(inverse, settings), _REACH))
     depths, wide = around.ravel(), around.shape[1]

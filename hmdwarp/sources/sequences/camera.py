@@ -46,10 +46,7 @@ _UNDISTORT = (
 
 @attrs.frozen
 class Camera:
-    """Intrinsics of a camera without lens distortion.
-
-    A negative fy says that the camera's y points up, as ICL-NUIM has it.
-    """
+    """Intrinsics of a camera without lens distortion; fy < 0 where its y points up."""
 
     fx: float
     fy: float
@@ -109,10 +106,7 @@ def parse_intrinsics(text: str) -> Camera:
 
 
 def parse_projection(text: str) -> Camera:
-    """Return the camera of the 16 numbers of a projection matrix, by rows or columns.
-
-    As OpenGL, WebXR, Unity and OpenVR have it. Errors: InputError.
-    """
+    """Return the camera of a 4x4 matrix of OpenGL, WebXR, Unity, OpenVR. Errors: InputError."""
     try:
         numbers = [float(part) for part in text.replace(",", " ").split()]
     except ValueError:
@@ -190,10 +184,7 @@ def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
 
 
 def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[str] = ()) -> list[str]:
-    """Return a note on the keys that may change the geometry and that nothing here reads.
-
-    known: keys that the caller reads or that change nothing, besides those of a camera.
-    """
+    """Return a note on keys that may change the geometry and are neither read nor known."""
     read = {*_CAMERA_KEYS, *_COEFFICIENTS, *_LISTS, *MATRICES, *known}
     found = [key for key in data if key not in read and _GEOMETRIC.search(key)]
     if not found:

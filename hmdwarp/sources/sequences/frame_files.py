@@ -132,10 +132,7 @@ def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None
 def find_frame(
     path: Path, depth: Path | None = None, camera: Path | None = None, shared: Mapping[str, Any] | None = None
 ) -> FrameFile:
-    """Return the files of a frame, as read_frame takes them, without reading their pixels.
-
-    shared: facts for what its own do not say. Errors: InputError.
-    """
+    """Return the files of a frame as read_frame does, pixels unread. shared: further facts."""
     path, (depth, camera) = as_path(path), (None if one is None else as_path(one) for one in (depth, camera))
     shared, ending = dict(shared or {}), path.suffix.lower()
     if ending == NPZ:

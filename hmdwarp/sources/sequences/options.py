@@ -38,10 +38,7 @@ def repair_field() -> Any:
 
 @attrs.frozen
 class SequenceOptions(Declared):
-    """Overrides for reading recorded frames; None leaves the fact to the files.
-
-    Errors: InputError for values that no recording can have.
-    """
+    """Overrides for reading recorded frames; None leaves it to the files. Errors: InputError."""
 
     heading = HEADING
     # Name of a reader.

@@ -28,11 +28,7 @@ Size = tuple[int, int]
 
 
 def read_colour(path: Path) -> NDArray[Any]:
-    """Return (h, w, 3) or, where the file has alpha, (h, w, 4).
-
-    uint8 sRGB; float32 linear light of an EXR file. Errors: InputError; MachineError for EXR
-    without its optional package.
-    """
+    """Return (h, w, 3) sRGB bytes, or light of EXR; (h, w, 4) with alpha. Errors: InputError."""
     path = as_path(path)
     if path.suffix.lower() == EXR:
         return read_exr(path).colour()
@@ -88,10 +84,7 @@ def size_of(path: Path) -> Size:
 
 
 def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-    """Return the depth at the pixels of its colour: as it is, or the nearest of one of its shape.
-
-    Errors: InputError where the two are not of one shape.
-    """
+    """Return the nearest depth at the pixels of its colour. Errors: InputError: other shape."""
     (high, wide), (rows, columns) = colour.shape[:2], depth.shape
     if (high, wide) == (rows, columns):
         return depth
@@ -296,10 +289,7 @@ class ExrPicture:
 
 
 def read_exr(path: Path) -> ExrPicture:
-    """Return what an EXR file holds.
-
-    Errors: InputError; MachineError without the optional package.
-    """
+    """Return what an EXR file holds. Errors: InputError; MachineError without its package."""
     library = _library()
     damage: list[str] = []
     try:

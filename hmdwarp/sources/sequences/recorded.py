@@ -32,10 +32,7 @@ Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 @attrs.frozen(eq=False)
 class RecordedFrame:
-    """A picture with depth, the instant and the view that it was taken for.
-
-    Pixels are read at each access, and not kept.
-    """
+    """A picture with depth, its instant and view. Pixels are read at each access, and not kept."""
 
     name: str  # of its file, for messages
     time_ns: int  # since the first frame of its sequence
@@ -58,10 +55,7 @@ class RecordedFrame:
         return self._read()
 
     def rim(self) -> int:
-        """Return how many of the outermost pixels hold one colour, on the side with the most.
-
-        0 where a side has none. Rectification leaves such a rim, and so does a plain background.
-        """
+        """Return how many outermost pixels hold one colour, as rectification leaves; 0 for none."""
         colour = self.colour.astype(np.int16)
         same = np.abs(colour - colour[0, 0]).max(axis=2) <= _JPEG
         lines = same.all(axis=1), same.all(axis=0)
@@ -149,10 +143,7 @@ class Sequence:
         return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact), right=right)
 
     def repaired(self, repair: RepairChain) -> Sequence:
-        """Return the sequence with its depth to be mended before a warp.
-
-        Its frames are read as before.
-        """
+        """Return the sequence with depth to be mended before a warp; frames are read as before."""
         if not repair.steps:
             return self
         note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."
@@ -203,10 +194,7 @@ def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, 
 
 
 def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where integers are the largest of their type, which no camera measures.
-
-    In a wider type that holds nothing larger, the largest of 16 bits is one too.
-    """
+    """Return where integers are the largest of their type or of 16 bits, as none is measured."""
     if depth.dtype.kind not in "iu" or not depth.size:
         return np.zeros(depth.shape, bool)
     most = int(depth.max())
@@ -286,10 +274,7 @@ def _about_axis(frame: RecordedFrame) -> list[str]:
 
 
 def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
-    """Return a note on integers that are the largest of their type, or of a sensor's bits.
-
-    depths: as files have them.
-    """
+    """Return a note on integers of files that are the largest of their type or sensor."""
     whole = [depth for depth in depths if depth.dtype.kind in "iu" and depth.size]
     if not whole:
         return []
@@ -311,10 +296,7 @@ def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
 
 
 def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
-    """Return a note where large regions without depth reach the top or the border, as sky does.
-
-    depths: (h, w) metres each, the top row first; 0, negative or NaN is no depth.
-    """
+    """Return a note where large regions without depth, in metres, reach the border as sky does."""
     share = max(map(_sky, depths), default=0.0)
     if not share:
         return []
@@ -363,10 +345,7 @@ def about_unit(
 
 
 def _sky(depth: NDArray[np.floating]) -> float:
-    """Return the share of the largest region without depth that lies as sky does; 0 for none.
-
-    A rim without any depth, as a depth camera leaves, is no border of the picture.
-    """
+    """Return the share of the largest region without depth at the top or a side, rims apart."""
     from scipy.ndimage import binary_opening, label
 
     known = depth > 0

@@ -31,10 +31,7 @@ _HEADER = 12  # bytes before the PNG of a compressed depth
 
 
 def encoding_of(message: Any) -> str:
-    """Return a name of COLOURS or DEPTHS, or "" for what is none that can be read.
-
-    Compressed colour is of "rgb8"; compressed depth of its own encoding.
-    """
+    """Return a name of COLOURS or DEPTHS ("rgb8" for compressed colour), "" for others."""
     if hasattr(message, "encoding"):
         return str(message.encoding) if message.encoding in {*COLOURS, *DEPTHS} else ""
     encoding = str(message.format).partition(";")[0].strip()

@@ -24,10 +24,7 @@ Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class Lighting:
-    """Direct light of a scene with lamps; a subclass says where the light between surfaces is.
-
-    most_blockers: triangles that stop light, at most; None for those of the scene.
-    """
+    """Direct light of lamps; subclasses add the rest. most_blockers: triangles in its way."""
 
     defines: ClassVar[tuple[str, ...]] = ("LAMPS",)  # of shaders, for where it is
     coloured: ClassVar[bool] = True  # whether colours are drawn, or data in their place
@@ -45,10 +42,7 @@ class Lighting:
         return blocking(self._scene, time_ns)
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
-        """Return further inputs of the vertex stage, as moderngl takes them.
-
-        albedo: whether the shader reads it.
-        """
+        """Return further inputs of the vertex stage, as moderngl takes them, albedo if read."""
         buffer = self._gl.buffer(_all_rows(meshes))
         self._buffers.append((meshes, buffer))
         if not albedo:
@@ -230,10 +224,7 @@ class ScenePasses:
         time_ns: int = 0,
         **uniforms: object,
     ) -> None:
-        """Draw `view` into a viewport of a framebuffer, None for all of it.
-
-        Its depth must be cleared.
-        """
+        """Draw `view` into a viewport of a framebuffer whose depth is clear, None for all of it."""
         whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
         if uniforms:
             self._surface.uniforms.set(**uniforms)
@@ -311,11 +302,7 @@ def draw_chunks(
     *,
     emits: bool,
 ) -> None:
-    """Draw some chunks of some buffers.
-
-    uniforms: of a program that samples their textures on unit 0; None for one without. emits: it
-    includes lib/emission.glsl.
-    """
+    """Draw chunks. uniforms: where textures are sampled, on unit 0. emits: emission too."""
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]

@@ -98,10 +98,7 @@ class Head:
 def may_be_seen(
     centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
 ) -> NDArray[np.bool_]:
-    """Return which boxes may be visible to an eye that moves and turns by no more than that.
-
-    centres, halves: (n, 3) relative to `origin_m`. As Visibility, whose slack this is.
-    """
+    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
     clip = clip_from_eye(view.fov)
     steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
     reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)

@@ -168,10 +168,7 @@ class TargetPool:
         self.out.clear()
 
     def release(self, colour: moderngl.Texture | Target) -> None:
-        """Take back a target, identified by itself or its colour texture.
-
-        Errors: ValueError if it is not out.
-        """
+        """Take back a target, by it or its colour. Errors: ValueError if it is not out."""
         key = colour.colour if isinstance(colour, Target) else colour
         if key not in self.out:
             raise ValueError("this target is not out: it was released before, or comes from another pool")
@@ -185,11 +182,7 @@ class TargetPool:
 
 
 class Renderer:
-    """What gives frames in textures from pools of its own.
-
-    scene: what it shows; without anything in it where that is recorded, or known elsewhere alone.
-    forget: as of TargetPool.
-    """
+    """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
 
@@ -212,10 +205,7 @@ class Renderer:
         return giving.run((eye.colour, eye.inverse_depth))
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Return the whole picture of `view` at `time_ns`: the truth.
-
-        into: the target, None for one from a pool.
-        """
+        """Return the whole picture of `view` at `time_ns`: the truth. into: a target, or None."""
         raise NotImplementedError
 
     def draw_frame(
@@ -375,10 +365,7 @@ class Framebuffers:
 
 
 class Multisampled:
-    """Framebuffers with several samples a pixel, and what a pixel gets of them.
-
-    numbers: whether integers are drawn too. Errors: MachineError for more samples than the GPU has.
-    """
+    """Framebuffers with several samples a pixel. Errors: MachineError for more than the GPU has."""
 
     def __init__(self, gpu: Gpu, count: int) -> None:
         most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_"))

@@ -67,10 +67,7 @@ _WHITE = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
 
 
 class SceneTextures:
-    """A scene's textures on the GPU, by index; -1 is white.
-
-    lent: they never change, and others of the context share them.
-    """
+    """A scene's textures on the GPU, by index; -1 is white. lent: unchanging, and shared."""
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
         def made(one: Texture) -> moderngl.Texture:
@@ -133,10 +130,7 @@ class SceneBuffers:
         self._choose()
 
     def put(self, number: int, mesh: Mesh) -> None:
-        """Replace the arrays of one of the meshes by others with as many vertices and triangles.
-
-        What deforms is then where it is at rest, until it is moved.
-        """
+        """Replace the arrays of a mesh by as many others, at rest until they are moved."""
         start = int(self._starts[number])
         self.meshes[number] = mesh
         self._vertices.write(_vertex_rows([mesh]).tobytes(), offset=_ROW_BYTES * start)

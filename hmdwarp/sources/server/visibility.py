@@ -20,10 +20,7 @@ Array = NDArray[np.float64]
 
 
 def eye_from_scene(view: View, origin_m: Array) -> Array:
-    """Return 4x4: metres relative to `origin_m` to eye space.
-
-    Positions are subtracted before anything is rotated.
-    """
+    """Return 4x4: metres relative to `origin_m`, subtracted before rotating, to the eye."""
     out = _IDENTITY.copy()
     out[:3, :3] = view.pose.rotation_matrix.T
     out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
@@ -50,10 +47,7 @@ def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
 
 
 def world_from_ndc(view: View) -> Array:
-    """Return 3x3: normalised device coordinates (x, y, 1) to a direction in the world.
-
-    The direction has length 1 along the eye's -z.
-    """
+    """Return 3x3: device coordinates (x, y, 1) to a direction of length 1 along -z."""
     return view.pose.rotation_matrix @ _eye_from_ndc(view.fov)
 
 
@@ -70,10 +64,7 @@ def _read_only(rows: list[list[float]]) -> Array:
 
 
 def boxes_of(centres: Array, half_sizes: Array) -> Array:
-    """Return (7, n) axis-aligned boxes for `visible` and `nearest_first`.
-
-    x, y, z of the centre, 1, and half the size along each axis.
-    """
+    """Return (7, n) boxes for `visible` and `nearest_first`: centre x, y, z, 1, half sizes."""
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
@@ -187,10 +178,7 @@ class Visibility:
     _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)
 
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
-        """Return the draw calls for an eye.
-
-        turn: unit quaternion xyzw from eye to chunks. eye: (3,) metres in the space of the chunks.
-        """
+        """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
         x, y, z, w = turn if turn[3] >= 0 else (-turn[0], -turn[1], -turn[2], -turn[3])
         a, b, c = eye.tolist()
         per_turn, per_m = 1 / TURN_STEP, 1 / EYE_STEP_M

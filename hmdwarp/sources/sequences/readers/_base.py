@@ -164,10 +164,7 @@ def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
 
 
 def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Path]:
-    """Return the pictures of the camera that the user names, all of a single one.
-
-    Rigs of cameras have the same numbers under several names. Errors: InputError names the cameras.
-    """
+    """Return the pictures of the camera the user names, or the only one. Errors: InputError."""
     named: dict[str, dict[str, Path]] = defaultdict(dict)
     for path in pictures:
         if found := re.search(r"^(.*?)(\d+)(\D*)$", path.stem):
@@ -309,10 +306,7 @@ class Folder:
         return dict(numbers)
 
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
-        """Return the pictures of colour and depth, by their names, else their numbers or instants.
-
-        Errors: InputError where one of colour has no depth so.
-        """
+        """Return pictures with depth, by names, numbers, else instants. Errors: InputError."""
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
         first, wanted = of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""

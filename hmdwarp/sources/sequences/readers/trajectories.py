@@ -191,10 +191,7 @@ def _fits_numbered(path: Path) -> int:
     pose=("world from camera, x y z qx qy qz qw", By.DEFAULT), takes=("frames_camera",),
 )  # fmt: skip
 def numbered(at: Folder) -> None:
-    """Pictures by number, with poses from camera to world, as small examples and robots write them.
-
-    Source: Gao and Zhang 2021, Introduction to visual SLAM (ch5/rgbd of its code).
-    """
+    """Pictures by number. Source: Gao and Zhang 2021, Introduction to visual SLAM (ch5/rgbd)."""
     at.state()
     file = at.first("pose.txt", "poses.txt") or at.path / "pose.txt"
     rows, files = at.rows(file.name), at.paired()
@@ -211,10 +208,7 @@ def numbered(at: Folder) -> None:
     unit=1 / 6553.5, pose=MATRICES,
 )  # fmt: skip
 def replica(at: Folder) -> None:
-    """Scenes of Replica in NICE-SLAM's form; matrices from camera to world, row by row.
-
-    Source: Zhu et al. 2022, NICE-SLAM (its data sets: cam_params.json, depth * 6553.5).
-    """
+    """Scenes of Replica. Source: Zhu et al. 2022, NICE-SLAM (cam_params.json, depth * 6553.5)."""
     camera, scale = None, None
     if file := at.first("cam_params.json", above=True):
         data: Any = read_json(file).get("camera")

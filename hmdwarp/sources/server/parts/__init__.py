@@ -46,20 +46,17 @@ class Drawing:
     client: Hashable = None  # for whom it is drawn, where that matters; None for the one that there is
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
-        """Return another picture at the same instant, lit in the same way, without layers.
-
-        What the client lays over the whole is in none of its pictures.
-        """
+        """Return another picture at this instant, lit alike, without layers or overlays."""
         kept = {name for name in self.needs if layers.get(name).lights or layers.get(name).laid_over}
         needs = Needs(**{name: amount for name, amount in self.needs.items() if name in kept})
         return Drawing(view, size, self.time_ns, needs)
 
 
 class Renderer(Protocol):
-    """Draws whole pictures of a scene."""
+    """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw a view at an instant."""
+        """Return the whole picture of `view` at `time_ns`: the truth. into: a target, or None."""
 
     def close(self) -> None:
         """Free everything it holds."""
@@ -127,10 +124,7 @@ class Part(ABC):
         """Draw content that has a depth into the inverse depth of the plain surfaces."""
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        """Return the layers that all eyes share, by name; called once for each frame.
-
-        views: of the eyes, with guard band.
-        """
+        """Return the layers that all eyes share, once a frame. views: with guard band."""
         return {}
 
     def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not)

@@ -160,11 +160,7 @@ class Transparency(SheetsPart):
 
 @parts.register
 class Peeled(Part):
-    """Surfaces behind the picture's own, nearest first.
-
-    Moving things are left out, since the client moves them: the surface behind then fills the place
-    that they leave.
-    """
+    """Surfaces behind the picture's own, nearest first, without what the client moves."""
 
     name = "peeled"
     order = 100

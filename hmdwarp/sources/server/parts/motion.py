@@ -113,10 +113,7 @@ class _Velocities:
 def _draw_where_shown(
     gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage
 ) -> None:
-    """Draw into the bound framebuffer, at the pixels where the picture shows the surface.
-
-    The order does not matter: of two surfaces, only one has the picture's depth.
-    """
+    """Draw where the picture shows the surface; in any order, as one alone has its depth."""
     eye.inverse_depth.use(0)
     draw.uniforms.set(picture=0, same=SAME_SURFACE)
     draw_moving(gl, draw, one, vertices, eye.view, eye.drawn_ns, textured=False)

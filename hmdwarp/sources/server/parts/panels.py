@@ -21,10 +21,7 @@ from ._sheets import MOST, OVER_KEEPING_COVERAGE, Sheets
 
 @parts.register
 class Panels(Sending[PanelDelivery, "_Sender"]):
-    """In the picture, each is a sheet at its own place, the farthest first.
-
-    Those in the world have their own depth there, or a late frame would move them with the wall.
-    """
+    """Sheets at their own places, the farthest first; in the world with a depth of their own."""
 
     name = "panels"
     order = 88

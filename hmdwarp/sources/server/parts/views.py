@@ -96,10 +96,7 @@ class Motion:
 
     @classmethod
     def of(cls, view: View, velocity_m_s: Array, age_s: float) -> Motion:
-        """Return the motion of an eye at that velocity, at least LEAST_M.
-
-        across: level, where that is defined; of an eye at rest along is to its right.
-        """
+        """Return the motion of an eye, at least LEAST_M, across it level; at rest to the right."""
         way = np.asarray(velocity_m_s, np.float64) * age_s
         length = float(np.linalg.norm(way))
         right, _, back = view.pose.rotation_matrix.T
@@ -171,10 +168,7 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
 
 @parts.register
 class Cube(Part):
-    """Colour of the six faces of geometry.cube, as sharp as the picture.
-
-    Errors: InputError beyond the GL limit.
-    """
+    """Colour of the six faces of geometry.cube, as sharp as the picture. Errors: InputError."""
 
     name = "cube"
     order = 110
@@ -195,10 +189,7 @@ class Cube(Part):
 
 @parts.register
 class Wide(Part):
-    """As wide as geometry.wide says, around the view without guard band.
-
-    Everything is drawn into it, without layers, except for head-locked content.
-    """
+    """As wide as geometry.wide says, around the view without guard band, overlay apart."""
 
     name = "wide"
     order = 120
