@@ -180,18 +180,15 @@ class ScenePasses:
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        lit = self._lit_defines()
-        self._is_lit = bool(lit)
-        self._emits = self._coloured and emits(scene)
-        shining = {"EMISSION": 1} if self._emits else {}
+        lit, self._emits = self._lit_defines(), self._coloured and emits(scene)
+        self._is_lit, shining = bool(lit), {"EMISSION": 1} if self._emits else {}
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
-        self._vertices = self._vertex_array(gpu, buffers)
-        self._of_moving = [self._vertex_array(gpu, drawing.buffers) for drawing in self.moving]
+        self._vertices, *self._of_moving = (
+            each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured)
+            for each in (buffers, *(drawing.buffers for drawing in self.moving))
+        )
         self._empty = gpu.gl.vertex_array(self._background.program, [])
-
-    def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
-        return buffers.vertex_array(gpu.gl, self._surface.program, *self._more(buffers), colour=self._coloured)
 
     def _lit_defines(self) -> Mapping[str, object]:
         return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
@@ -234,8 +231,7 @@ class ScenePasses:
             drawing.set_time(time_ns)
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, view, whole, time_ns)
-        gl = self._gl
-        framebuffer.viewport = whole
+        gl, framebuffer.viewport = self._gl, whole
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
@@ -244,8 +240,7 @@ class ScenePasses:
             self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 if self._is_lit:
-                    lit = one.scene_from_here(self.scene.lit_ns(time_ns))
-                    self._surface.uniforms.set(scene_from_here=lit)
+                    self._surface.uniforms.set(scene_from_here=one.scene_from_here(self.scene.lit_ns(time_ns)))
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             self._draw_background()
             gl.depth_func = "<"

@@ -68,6 +68,11 @@ def boxes_of(centres: Array, half_sizes: Array) -> Array:
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
+def boxes_around(low: Array, high: Array) -> Array:
+    """Return (7, n) boxes between (n, 3) corners."""
+    return boxes_of((low + high) / 2, (high - low) / 2)
+
+
 def side_planes(clip: Array) -> Array:
     """Return the planes (5, 4) of `clip` (4x4 from some space): left, bottom, near, right, top.
 
@@ -124,8 +129,7 @@ Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they a
 class Chunks:
     """All chunks of a scene, in the order of the index buffer, batch by batch."""
 
-    # (n,) index ranges.
-    first: NDArray[np.int64]
+    first: NDArray[np.int64]  # (n,) index ranges, with the next
     count: NDArray[np.int64]
     batch: NDArray[np.int64]  # (n,) the batch each belongs to
     boxes: NDArray[np.float64]  # (7, n) as projection.boxes_of returns them, relative to the scene's origin

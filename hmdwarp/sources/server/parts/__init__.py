@@ -25,7 +25,7 @@ parts: Registry[type[Part]] = Registry(
     __name__,
     modules={
         **dict.fromkeys(("cube", "foveated", "views", "wide"), "views"),
-        **dict.fromkeys(("cutouts", "light", "overlay", "peeled", "transparency"), "blended"),
+        **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
         **dict.fromkeys(("difference", "scene_update"), "scene_update"),
     },
 )
