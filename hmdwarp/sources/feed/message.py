@@ -337,7 +337,7 @@ def _packed_ask(ask: Ask) -> tuple[int, list[Piece]]:
     has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
     stated = (ask.number, ask.sent_ns, ask.time_ns, ask.head_ns, ask.received, ask.token, *ask.size, len(ask.views))
     wished = (wish.colour, wish.depth, quality, ask.anew, layers, has)
-    body = [
+    body: list[Piece] = [
         _ASK.pack(*stated, *wished, wish.rate_hz, wish.bitrate_mbit, wish.depth_step),
         *(_packed_pose(ask.head), *map(_packed_eye, ask.views)),
     ]

@@ -152,10 +152,13 @@ def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | A
     contents: list[bytes | Array] = []
     for eye, of_eye in enumerate(layers):
         for name, part in ((name, part) for name, several in of_eye.items() for part in several):
-            is_packed = isinstance(part, Packed)
-            form, size = (part.format, part.size) if is_packed else (format_of(part), part.shape[1::-1])
-            heads.append(HEAD.pack(_coded(name), eye, form, is_packed, *size, length_of(part)))
-            contents.append(part.data if is_packed else part)
+            form, size, content = (
+                (part.format, part.size, part.data)
+                if isinstance(part, Packed)
+                else (format_of(part), (part.shape[1], part.shape[0]), part)
+            )
+            heads.append(HEAD.pack(_coded(name), eye, form, isinstance(part, Packed), *size, length_of(part)))
+            contents.append(content)
     return heads, contents
 
 

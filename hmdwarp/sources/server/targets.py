@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ...colour import srgb8_from_linear
 from ...errors import MachineError
-from ...frames import EyeImage, Frame, Needs
-from ...geometry import Guard, Pose, View
+from ...frames import EyeImage, Frame
+from ...geometry import Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene

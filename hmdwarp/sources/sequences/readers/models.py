@@ -74,7 +74,14 @@ def seven_scenes(at: Folder) -> None:
     """
     if inner := _sequences_in(at.path):
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
-    own, depth_camera, scale = _stated(at)
+    own, depth_camera, scale = None, None, None
+    # What files there or above state.
+    info, file = at.first("info.txt", "_info.txt", above=True), at.first(_MATRIX, above=True)
+    text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
+    if info is not None and "m_calibrationColorIntrinsic" in text:
+        own, depth_camera, scale = _of_info(info, text)
+    elif file is not None:
+        own = depth_camera = camera_of(file, {"intrinsic_matrix": matrix_in(file, 3).tolist()})
     at.state(own=own, own_scale=scale)
     if not (own or at.options.camera):
         at.notes.append("Colour and depth of 7-Scenes are of two cameras and not registered to each other.")
@@ -91,17 +98,6 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
         sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
         at.fit = through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
-
-
-def _stated(at: Folder) -> tuple[Camera | None, Camera | None, float | None]:
-    info = at.first("info.txt", "_info.txt", above=True)
-    text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
-    if info is not None and "m_calibrationColorIntrinsic" in text:
-        return _of_info(info, text)
-    if (file := at.first(_MATRIX, above=True)) is None:
-        return None, None, None
-    camera = camera_of(file, {"intrinsic_matrix": matrix_in(file, 3).tolist()})
-    return camera, camera, None
 
 
 def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float | None]:
@@ -385,7 +381,16 @@ def nerfstudio(at: Folder) -> None:
     at.notes = unread_notes(file, {key: value for part in (data, *whole) for key, value in part.items()}, _READ_KEYS)
     if len(whole) < len(entries):
         at.notes.insert(0, f"{len(entries) - len(whole)} frames were left out: they have no depth_file_path.")
-    at.scale, scale_by = _scale_of(file, data, whole, at.options.depth_scale)
+    stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
+    if data.get("depth_scale") is not None:
+        stated["depth_scale"] = scale_of(file, data["depth_scale"])
+    if len(set(stated.values())) > 1 and at.options.depth_scale is None:
+        both = listed([f"{key} {value:g}" for key, value in stated.items()])
+        raise InputError(f"{file}: {both} differ; expected one scale: give --depth-scale")
+    scale, scale_by = first_stated(at.options.depth_scale, next(iter(stated.values()), None), None)
+    if scale is None:  # by default in nerfstudio; instant-ngp has none
+        scale, scale_by = _UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT
+    at.scale = scale
     unit = 1 / (_positive(file, "applied_scale", data) or 1.0)
     wheres = [f"{file}, frame {number}" for number in range(len(whole))]
     poses = at.poses(((where, one.get("transform_matrix")) for where, one in zip(wheres, whole, strict=True)), unit)
@@ -408,18 +413,6 @@ def nerfstudio(at: Folder) -> None:
 
 def _depth_key(entry: Mapping[str, Any]) -> Any:
     return next((entry[key] for key in _DEPTH_KEYS if entry.get(key)), None)
-
-
-def _scale_of(file: Path, data: Mapping[str, Any], whole: list[Any], by_user: float | None) -> tuple[float, By]:
-    stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
-    if data.get("depth_scale") is not None:
-        stated["depth_scale"] = scale_of(file, data["depth_scale"])
-    if len(set(stated.values())) > 1 and by_user is None:
-        both = listed([f"{key} {value:g}" for key, value in stated.items()])
-        raise InputError(f"{file}: {both} differ; expected one scale: give --depth-scale")
-    scale, by = first_stated(by_user, next(iter(stated.values()), None), None)
-    # By default in nerfstudio; instant-ngp has none.
-    return (scale, by) if scale is not None else (_UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT)
 
 
 def _picture(file: Path, where: str, name: object) -> Path:
@@ -448,25 +441,19 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
         at.clock()
         return counted
     found = [seconds_of(where, key, entry.get(key)) for where, entry in zip(wheres, whole, strict=True)]
-    if key == "time" and _is_share(found):
-        spread = max(found) - min(found) or 1
+    spread, count = max(found) - min(found), len(found) - 1
+    # Shares of a whole go from 0 to 1, or to a step before 1.
+    ends_at_1 = any(abs(end - 1) < _SHARE_WITHIN for end in (max(found), max(found) + spread / max(1, count)))
+    if key == "time" and count and 0 <= min(found) < _SHARE_WITHIN and ends_at_1:
         at.clock(f"{RATE_HZ:g} frames per second; time is a share of the recording")
         step_ns = 1e9 / (at.options.frames_rate_hz or RATE_HZ)
-        return [round((value - min(found)) / spread * (len(found) - 1) * step_ns) for value in found]
+        return [round((value - min(found)) / (spread or 1) * count * step_ns) for value in found]
     steps = {b - a for a, b in zip(found, found[1:], strict=False)}
     if rated or steps == {0.0} or key == "time" and steps == {1.0}:
         at.clock()
         return counted
     at.clock(f"{key}, in seconds", By.FORMAT if key == "timestamp" else By.DEFAULT)
     return [round(value * 1e9) for value in found]
-
-
-def _is_share(times: list[float]) -> bool:
-    """Return whether these are shares of a whole: from 0 to 1, or to a step before 1."""
-    if len(times) < 2 or min(times) < 0 or max(times) > 1 + _SHARE_WITHIN:
-        return False
-    ends = max(times), max(times) + (max(times) - min(times)) / (len(times) - 1)
-    return min(times) < _SHARE_WITHIN and any(abs(end - 1) < _SHARE_WITHIN for end in ends)
 
 
 def _frames_in(path: Path) -> list[Path]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import attrs
 import moderngl
@@ -17,7 +17,7 @@ from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
 from ..passes import ScenePasses
-from ..targets import Framebuffers, LastUsed, Target
+from ..targets import Framebuffers, LastUsed, Renderer, Target
 from ..upload import SceneTextures
 
 parts: Registry[type[Part]] = Registry(
@@ -52,24 +52,13 @@ class Drawing:
         return Drawing(view, size, self.time_ns, needs)
 
 
-class Renderer(Protocol):
-    """What gives frames in textures of its own pools; without a scene here it is empty."""
-
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Return the whole picture of `view` at `time_ns`: the truth. into: a target, or None."""
-
-    def close(self) -> None:
-        """Free everything it holds."""
-
-
 @attrs.frozen(eq=False)
 class DrawContext:
     """The resources that parts draw with."""
 
     gpu: Gpu
     scene: Scene
-    # The scene's textures on the GPU.
-    textures: SceneTextures
+    textures: SceneTextures  # the scene's, on the GPU
     framebuffers: Framebuffers
     colour: ScenePasses  # the passes of the plain surfaces
     # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,

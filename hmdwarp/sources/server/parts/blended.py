@@ -1,4 +1,4 @@
-"""Sheets (surfaces with holes, overlays, panels, what light passes in part), what is occluded, light.
+"""Sheets (surfaces with holes, overlays, panels, what light passes in part), the occluded, light.
 
 Sheets are blended over a picture, sorted by triangle for every drawing, farthest first. What is
 occluded, by depth peeling. Source: Everitt 2001, Interactive Order-Independent Transparency.
@@ -224,15 +224,15 @@ def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
     rows = np.zeros(sum(len(mesh.positions) for mesh in meshes), _VERTEX)
     # Share of each colour that passes where the mesh covers, its texture apart.
     colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
-    for name, parts in (
+    for name, values in (
         ("position", [mesh.positions for mesh in meshes]),
         ("uv", [mesh.uv for mesh in meshes]),
         ("light", [mesh.light * np.float32(1 - mesh.material.transmission) for mesh in meshes]),
         ("coloured", [mesh.material.transmission * shares for mesh, shares in zip(meshes, colours, strict=True)]),
         ("mesh", [np.full((len(mesh.positions), 1), index) for index, mesh in enumerate(meshes)]),
     ):
-        if parts:
-            rows[name] = np.concatenate(parts)
+        if values:
+            rows[name] = np.concatenate(values)
     return rows
 
 

@@ -89,20 +89,17 @@ class _Velocities:
         gl = self._context.gpu.gl
         into = self._context.acquire(eye.size, COLOUR, depth=False).colour
         framebuffer = self._context.framebuffers.over(into)
-        self._write(eye.drawn_ns)
+        if eye.drawn_ns != self._written_ns:
+            for one, buffer in zip(self._deforming, self._velocities, strict=True):
+                one.set_time(eye.drawn_ns)
+                buffer.write(np.ascontiguousarray(one.velocities()).tobytes())
+            self._written_ns = eye.drawn_ns
         self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
         with drawing_into(framebuffer, moderngl.NOTHING):
             framebuffer.clear()
             for one, vertices in zip(self._deforming, self._vertices, strict=True):
                 _draw_where_shown(gl, self._draw, one, vertices, eye)
         return into
-
-    def _write(self, time_ns: int) -> None:
-        if time_ns != self._written_ns:
-            for one, buffer in zip(self._deforming, self._velocities, strict=True):
-                one.set_time(time_ns)
-                buffer.write(np.ascontiguousarray(one.velocities()).tobytes())
-            self._written_ns = time_ns
 
     def close(self) -> None:
         for vertices, buffer in zip(self._vertices, self._velocities, strict=True):
