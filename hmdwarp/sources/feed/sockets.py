@@ -135,12 +135,14 @@ class Wire:
 
     @classmethod
     def of(cls, descriptor: int) -> Self:
-        return cls(descriptor, _opens(descriptor))
+        found = os.fstat(descriptor)
+        return cls(descriptor, (found.st_dev, found.st_ino))
 
     def handle(self) -> socket.socket:
+        """Return another handle of the connection. Errors: OSError where it is closed."""
         descriptor = os.dup(self.descriptor)
         try:
-            if _opens(descriptor) != self.opens:
+            if Wire.of(descriptor).opens != self.opens:
                 raise OSError(errno.EBADF, "the descriptor is another's by now")
             return socket.socket(fileno=descriptor)
         except OSError:
@@ -154,23 +156,15 @@ class Wire:
             one.shutdown(socket.SHUT_RDWR)
 
 
-def _opens(descriptor: int) -> tuple[int, int]:
-    found = os.fstat(descriptor)
-    return found.st_dev, found.st_ino
-
-
 @attrs.define(eq=False)
 class Connection:
     """A connection to a server, by the system's count."""
 
     wire: Wire
-    # The peer's host, or its /64 of IPv6.
-    address: str
-    # When it came, or was last heard with a valid request.
-    heard_ns: int
+    address: str  # the peer's host, or its /64 of IPv6
+    heard_ns: int  # when it came, or was last heard with a valid request
     asks: bool = False
-    # Wire bytes that came out as messages.
-    taken: int = 0
+    taken: int = 0  # wire bytes that came out as messages
 
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
@@ -239,10 +233,18 @@ class Connections:
             poller.poll(wait_ms)
             # The descriptor tells of new events once: what is left is looked for without waiting.
             wait_ms = _EVERY_MS if self._catch_up() else 0
-            if time.monotonic_ns() >= due_ns:
-                for one in list(self._of.values()):
-                    self._check(one)
-                due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
+            if time.monotonic_ns() < due_ns:
+                continue
+            for one in list(self._of.values()):
+                if self.listened_ns - one.heard_ns > SILENT_NS:
+                    self.cut(one, f"silent for {SILENT_NS // 10**9} s")
+                    continue
+                with contextlib.suppress(OSError), one.wire.handle() as wire:
+                    info = _info_of(wire)  # what it has received; empty where that is not known
+                    if info and _RECEIVED.unpack_from(info, _RECEIVED_AT)[0] > MOST_UNREAD + one.taken:
+                        most = MOST_UNREAD >> 10
+                        self.cut(one, f"more than {most} KiB unread: too many requests, or one without an end")
+            due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
 
     def _catch_up(self) -> bool:
         """Note who has come and gone, so many at a time; return whether that is all."""
@@ -259,16 +261,16 @@ class Connections:
         return len(events) < _MOST_EVENTS
 
     def _note(self, descriptor: int) -> Connection | None:
-        try:
+        places = self._places
+        with contextlib.suppress(OSError):  # closed since
             wire = Wire.of(descriptor)
             with wire.handle() as one:
                 peer, own = one.getpeername(), one.getsockname()
-                page = self._places.guests.get(peer[1]) if peer[0] == own[0] else None
+                page = places.guests.get(peer[1]) if peer[0] == own[0] else None
                 new = self._of[descriptor] = Connection(wire, page or host_of(one), time.monotonic_ns())
-        except OSError:  # closed since
-            return None
-        self._places.clients = self._places.clients + Counter([new.address])
-        return new
+            places.clients = places.clients + Counter([new.address])
+            return new
+        return None
 
     def _make_place(self, new: Connection) -> None:
         places = self._places
@@ -287,15 +289,6 @@ class Connections:
             if (first := next(silent, None)) is not None:
                 self.cut(first, "makes room for a page")
             return first is not None
-
-    def _check(self, one: Connection) -> None:
-        if self.listened_ns - one.heard_ns > SILENT_NS:
-            self.cut(one, f"silent for {SILENT_NS // 10**9} s")
-            return
-        with contextlib.suppress(OSError), one.wire.handle() as wire:
-            info = _info_of(wire)  # what it has received; empty where that is not known
-            if info and _RECEIVED.unpack_from(info, _RECEIVED_AT)[0] > MOST_UNREAD + one.taken:
-                self.cut(one, f"more than {MOST_UNREAD >> 10} KiB unread: too many requests, or one without an end")
 
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""
@@ -328,8 +321,7 @@ class Hearing:
     looked_ns: int
     received: int = 0
     silent_ns: int = 0
-    # Bytes of the messages that were taken.
-    taken: int = 0
+    taken: int = 0  # bytes of the messages that were taken
 
     def is_silent(self, now_ns: int, patience: int) -> bool:
         """Look for bytes; return whether there were none for `patience` times the usual time."""

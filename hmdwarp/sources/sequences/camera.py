@@ -22,9 +22,7 @@ from .recorded import POSE
 
 Size = tuple[int, int]
 _PLAIN_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "FULL_OPENCV", "RADIAL", "SIMPLE_RADIAL", "PERSPECTIVE")
-_COEFFICIENTS = tuple(
-    f"{kind}{number}" for kind, count in (("k", 6), ("p", 2), ("s", 4)) for number in range(1, count + 1)
-)
+_COEFFICIENTS = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4")
 _LISTS = ("distortion", "distortion_coefficients", "distortion_params", "dist_coeffs")
 # Names of a 3x3 matrix of intrinsics: of Open3D, OpenCV, ROS and others.
 MATRICES = ("intrinsic_matrix", "camera_matrix", "intrinsic", "K", "k")
@@ -126,14 +124,26 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     Errors: InputError, which names a lens distortion.
     """
     refuse_distortion(where, data)
-    size, centre = _size(where, data), number_of(where, "centre", data.get("centre", centre))
+    sides = [
+        number_of(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
+    ]
+    size, centre = None, number_of(where, "centre", data.get("centre", centre))
+    if len(sides) == 2:
+        if min(sides) < 1 or any(side % 1 for side in sides):
+            raise InputError(f"{where}: pictures of {sides[0]:g}x{sides[1]:g}; expected whole pixels, 1 or more")
+        size = int(sides[0]), int(sides[1])
     named = next((name for name in ("intrinsics", *MATRICES) if data.get(name) is not None), "")
     if named:
         fx, fy, cx, cy = _of_list(where, named, data[named])
     elif "fx" in data:
         fx, fy, cx, cy = (number_of(where, name, data.get(name)) for name in ("fx", "fy", "cx", "cy"))
-    elif "fl_x" in data or "camera_angle_x" in data:
-        fx, fy, cx, cy = _of_nerf(where, data, size, centre)
+    elif "fl_x" in data or "camera_angle_x" in data:  # as nerfstudio has them, or the older files of NeRF
+        fx, fy = (_focal(where, data, size, axis) for axis in (0, 1))
+        if fx is None:
+            raise InputError(f"{where}: fl_y without fl_x: expected both focal lengths, in pixels")
+        fy = fy or fx
+        middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
+        cx, cy = (number_of(where, key, data.get(key, at)) for key, at in zip(("cx", "cy"), middle, strict=True))
     else:
         return None
     if not fx > 0 or fy == 0:
@@ -141,6 +151,18 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
             f"{where}: focal lengths fx {fx:g}, fy {fy:g}: expected fx above 0 and fy other than 0, in pixels"
         )
     return Camera(fx, fy, cx, cy, size, centre)
+
+
+def _focal(where: str | Path, data: Mapping[str, Any], size: Size | None, axis: int) -> float | None:
+    name = "xy"[axis]
+    if f"fl_{name}" in data:
+        return number_of(where, f"fl_{name}", data[f"fl_{name}"])
+    angle = data.get(f"camera_angle_{name}")
+    if angle is None:
+        return None
+    if size is None:
+        raise InputError(f"{where}: camera_angle_{name} without w and h: expected the pictures' size in pixels too")
+    return size[axis] / 2 / math.tan(number_of(where, f"camera_angle_{name}", angle) / 2)
 
 
 def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
@@ -157,13 +179,11 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
         four = "4 numbers fx, fy, cx, cy, or " if name == "intrinsics" else ""
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected {four}9 numbers of a 3x3 matrix")
     matrix = np.reshape(numbers_of(where, name, numbers, 9), (3, 3))
-    matrix = matrix if np.array_equal(matrix[2], (0, 0, 1)) else matrix.T
+    matrix = matrix if np.array_equal(matrix[2], (0, 0, 1)) else matrix.T  # its zeros say which way it is
     if not np.array_equal(matrix[2], (0, 0, 1)):
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected 0, 0, 1 as its last row or column")
-    if matrix[0, 1] or matrix[1, 0]:
-        raise InputError(
-            f"{where}: {name} has a skew of {matrix[0, 1] or matrix[1, 0]:g}; expected 0: square the pixels"
-        )
+    if skew := matrix[0, 1] or matrix[1, 0]:
+        raise InputError(f"{where}: {name} has a skew of {skew:g}; expected 0: square the pixels")
     return float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[0, 2]), float(matrix[1, 2])
 
 
@@ -175,9 +195,8 @@ def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
     found = {name: data[name] for name in _COEFFICIENTS if name in data}
     for name in _LISTS:
         values = data.get(name) or []
-        found |= {
-            f"{name}[{i}]": value for i, value in enumerate(values if isinstance(values, list | tuple) else [values])
-        }
+        values = values if isinstance(values, list | tuple) else [values]
+        found |= {f"{name}[{i}]": value for i, value in enumerate(values)}
     for name, value in found.items():
         if value is not None and number_of(where, name, value) != 0:
             raise InputError(f"{where}: {name} is {value:g}; expected 0: {_UNDISTORT}")
@@ -187,12 +206,9 @@ def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[s
     """Return a note on keys that may change the geometry and are neither read nor known."""
     read = {*_CAMERA_KEYS, *_COEFFICIENTS, *_LISTS, *MATRICES, *known}
     found = [key for key in data if key not in read and _GEOMETRIC.search(key)]
-    if not found:
-        return []
-    return [
-        f"{where}: {', '.join(found)} {'is' if len(found) == 1 else 'are'} not read, and may change where things are: "
-        "'hmdwarp check' says whether the frames agree without."
-    ]
+    are = "is" if len(found) == 1 else "are"
+    note = f"{where}: {', '.join(found)} {are} not read, and may change where things are: "
+    return [note + "'hmdwarp check' says whether the frames agree without."] if found else []
 
 
 def read_json(path: Path, wanted: str = "an object", folder: Path | None = None) -> dict[str, Any]:
@@ -234,40 +250,6 @@ def seconds_of(where: str | Path, key: str, value: Any) -> float:
 def scale_of(where: str | Path, value: Any) -> float:
     """Return a depth scale. Errors: InputError for what are no metres per unit."""
     return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
-
-
-def _size(where: str | Path, data: Mapping[str, Any]) -> Size | None:
-    sides = [
-        number_of(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
-    ]
-    if len(sides) != 2:
-        return None
-    if min(sides) < 1 or any(side % 1 for side in sides):
-        raise InputError(f"{where}: pictures of {sides[0]:g}x{sides[1]:g}; expected whole pixels, 1 or more")
-    return int(sides[0]), int(sides[1])
-
-
-def _of_nerf(
-    where: str | Path, data: Mapping[str, Any], size: Size | None, centre: float
-) -> tuple[float, float, float, float]:
-    def focal(axis: int) -> float | None:
-        name = "xy"[axis]
-        if f"fl_{name}" in data:
-            return number_of(where, f"fl_{name}", data[f"fl_{name}"])
-        angle = data.get(f"camera_angle_{name}")
-        if angle is None:
-            return None
-        if size is None:
-            raise InputError(f"{where}: camera_angle_{name} without w and h: expected the pictures' size in pixels too")
-        return size[axis] / 2 / math.tan(number_of(where, f"camera_angle_{name}", angle) / 2)
-
-    fx = focal(0)
-    if fx is None:
-        raise InputError(f"{where}: fl_y without fl_x: expected both focal lengths, in pixels")
-    fy = focal(1) or fx
-    middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
-    cx, cy = (data.get(key, default) for key, default in zip(("cx", "cy"), middle, strict=True))
-    return fx, fy, number_of(where, "cx", cx), number_of(where, "cy", cy)
 
 
 Matrix = NDArray[np.float64]

@@ -34,21 +34,11 @@ from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ....registry import Registry
+from .. import recorded
 from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
-from ..recorded import (
-    CLOCK,
-    DEPTH_SCALE,
-    FACTS,
-    INTRINSICS,
-    Pictures,
-    RecordedFrame,
-    Sequence,
-    as_pictures,
-    in_metres,
-    replaced,
-)
+from ..recorded import Pictures, RecordedFrame, Sequence
 
 OPTICAL = "x,-y,z"  # right, up and forward of a camera that looks along +z, with y down
 VGA: Size = (640, 480)
@@ -58,7 +48,7 @@ COLOURS = ("color", "colour", "rgb", "image", "images")
 # The usual forms of poses.
 XYZW, MATRICES = "world from camera, x y z qx qy qz qw", "world from camera, matrices by rows"
 _STATED_BY = ("--intrinsics", "--depth-scale", "--no-depth", "", "", "--frames-rate")  # of each of FACTS
-_STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
+_STATES = {recorded.INTRINSICS: "--intrinsics FX,FY,CX,CY", recorded.DEPTH_SCALE: "--depth-scale METRES"}
 # Beyond the first, an instant is in another unit than its file says; beyond the second it may be.
 _APART_S, _USUAL_S = (0.9e-4, 1.1e4), (0.9e-3, 10.0)
 _BREATHES = 0.005  # of the width: telephones focus within it
@@ -144,7 +134,7 @@ def layout(
         one
         if isinstance(one, Assumption)
         else Assumption(what, *((one, By.FORMAT) if isinstance(one, str) else one), option)
-        for what, option, one in zip(FACTS, _STATED_BY, said, strict=True)
+        for what, option, one in zip(recorded.FACTS, _STATED_BY, said, strict=True)
     )
 
     def fits(path: Path) -> int:
@@ -183,11 +173,11 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
 
 
 def intrinsics_fact(camera: Camera, by: By) -> Assumption:
-    return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
+    return Assumption(recorded.INTRINSICS, camera.text, by, "--intrinsics")
 
 
 def scale_fact(scale: float, by: By) -> Assumption:
-    return Assumption(DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
+    return Assumption(recorded.DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
 
 
 @attrs.frozen(eq=False)
@@ -281,7 +271,7 @@ class Folder:
     def clock(self, value: str = "", by: By = By.DEFAULT, **more: Any) -> None:
         """State how frames have their instants: by default by the rate."""
         self.facts.append(
-            Assumption(CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
+            Assumption(recorded.CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
         )
 
     def rows(self, name: str) -> list[Row]:
@@ -401,9 +391,9 @@ class Folder:
         name, order = (self.path if self.path.is_dir() else self.path.parent).resolve().name, np.argsort(every)
         more |= {"name": name, "origin": f"recorded frames ({name})", "epoch_ns": epoch_ns}
         track = PoseTrack(every[order], positions[order], turned[order], **more)
-        facts = {fact.what: fact for fact in replaced(self.layout.assumes, *self.facts)}
-        if (rate_hz := self.options.frames_rate_hz) is not None and (option := facts[CLOCK].option):
-            facts[CLOCK] = Assumption(CLOCK, f"{rate_hz:g} frames per second", By.USER, option)
+        facts = {fact.what: fact for fact in recorded.replaced(self.layout.assumes, *self.facts)}
+        if (rate_hz := self.options.frames_rate_hz) is not None and (option := facts[recorded.CLOCK].option):
+            facts[recorded.CLOCK] = Assumption(recorded.CLOCK, f"{rate_hz:g} frames per second", By.USER, option)
         notes, assumptions = tuple(self.notes), tuple(facts.values())
         return Sequence(name, self.path, self.layout.name, tuple(frames), track, notes, assumptions=assumptions)
 
@@ -436,7 +426,7 @@ class Folder:
             if (w, h) != size:
                 raise InputError(f"{pair.colour}: {w}x{h} pixels; expected {size[0]}x{size[1]}, as the first frame has")
             picture = read_colour(pair.colour) if picture is None else picture
-            return as_pictures(picture, in_metres(self.fit(depth(), picture, pair.depth), self.scale))
+            return recorded.as_pictures(picture, recorded.in_metres(self.fit(depth(), picture, pair.depth), self.scale))
 
         depth = partial(self.depth_of, pair.depth)
         fov = (pair.camera or self.camera).fov(size, str(self.path))
