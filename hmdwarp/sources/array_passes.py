@@ -246,11 +246,7 @@ class GiveCodes:
         self._nearest, self._colours, self._codes = (gpu.gl.buffer(reserve=n) for n in (4, 4 * pixels, 2 * pixels))
 
     def run(self, pair: Pair) -> tuple[NDArray[np.uint8], NDArray[np.uint16], float]:
-        """Return colour (h, w, 4), codes (h, w) and their step in 1/m.
-
-        pair: rgba16f and r32f textures. A code is within 0.55 steps: half of one, and what two
-        divisions in float32, good to 2.5 units, are off by at 65534 of them.
-        """
+        """Return colour (h, w, 4), codes (h, w) within 0.55 steps, and their step in 1/m."""
         colour, inverse_depth = pair
         clear_buffer(self._nearest, 0)
         colour.bind_to_image(0, read=True, write=False, format=_RG32UI)

@@ -104,16 +104,11 @@ class _Log:
 class Listener:
     """Receive requests, and answer each client at its own pace.
 
-    Of each client the newest request counts; it waits while the client has frames to take, and one
-    that is replaced before it was drawn is passed over. Of those that ask, the one that took least
-    of the server's time has its turn, so that a cheap request waits for one costly one at most. No
-    client waits for another to take its frame: one that cannot be sent at once is dropped. What
-    waits is counted here, by what the library has handed to the system, whatever a client says that
-    it has.
-    per_address: connections from one address, at most. pair: encrypts; clients without its public
-    key are ignored. say: called with each line for the log.
-    Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
-    without a secret or a pair, unless is_open; MachineError without the library.
+    Of each client the newest request counts, while it has no frames to take. The client that took
+    least of the server's time has its turn. A frame that cannot be sent at once is dropped; what
+    waits is counted by what the library has handed to the system. per_address: connections from one
+    address. pair: encrypts. say: takes lines for the log. Errors: InputError for an address that
+    cannot be listened at, or beyond the loopback without a secret or a pair, unless is_open.
     """
 
     def __init__(

@@ -92,11 +92,7 @@ class KeyPair:
 
 
 def key_pair(name: Path) -> tuple[KeyPair, bool]:
-    """Return the pair of NAME.key and NAME.key_secret, and whether it was made now.
-
-    It is made where neither is there; only this user may read the secret one.
-    Errors: InputError for files that hold no pair; MachineError without the library.
-    """
+    """Return NAME.key and NAME.key_secret, and whether they were made. Errors: InputError."""
     zmq_module()
     public, secret = (name.with_name(name.name + ending) for ending in (".key", ".key_secret"))
     if is_new := not (public.exists() or secret.exists()):

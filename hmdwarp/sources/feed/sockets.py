@@ -91,11 +91,7 @@ def wire_bytes(parts: list[Any]) -> int:
 
 
 def address_of(text: str, flag: str, *, serves: bool = False) -> str:
-    """Return the library's address for HOST:PORT or tcp://HOST:PORT.
-
-    flag: option that names it. serves: whether it is to listen at: * is any free port then, or all
-    addresses of this machine. Errors: InputError.
-    """
+    """Return tcp://HOST:PORT. flag: its option. serves: * is any. Errors: InputError."""
     found = _TCP.fullmatch(text)
     is_any = found is not None and "*" in found.groups()
     if found is None or (not serves and is_any) or (found[2] != "*" and not int(not serves) <= int(found[2]) <= 65535):
@@ -125,10 +121,7 @@ def is_local(address: str) -> bool:
 
 @attrs.frozen
 class Wire:
-    """A connection's socket: its descriptor, and the number that the system has for what it opens.
-
-    The library closes it at any time, and the descriptor is then soon that of something else.
-    """
+    """A connection's descriptor, closed at any time, and what it opens by the system's number."""
 
     descriptor: int
     opens: tuple[int, int]
@@ -173,10 +166,7 @@ class Connection:
 
 @attrs.define(eq=False)
 class Places:
-    """What the feed's door and the web's share: limits, who is at each, and the log.
-
-    A page has a connection at both, and counts at the feed's.
-    """
+    """What the feed's door and the web's share; a page is at both and counts at the feed's."""
 
     # Takes a kind, an address, and a line, of which so many a second are written.
     note: Callable[[str, str, str], None] = lambda kind, address, text: None
@@ -192,11 +182,10 @@ class Places:
 
 
 class Connections:
-    """Cut connections that send on without finishing a message, that are silent, or too many.
+    """Cut connections that send without end, are silent, or too many, from a thread of its own.
 
     Where there are too many, an idle one makes room: one that has never made a valid request first,
-    then one at the web's door. Watches from a thread of its own, as the server may be drawing.
-    Endless messages: on Linux.
+    then one at the web's door. Endless messages are found on Linux.
     """
 
     def __init__(self, zmq: Any, router: Any, places: Places) -> None:
@@ -311,11 +300,7 @@ class Connections:
 
 @attrs.define(eq=False)
 class Hearing:
-    """Whether a connection is silent, by the system's count of bytes.
-
-    A server calls every half second while it lives, so nothing for three such times and what a
-    message takes to come is a connection that leads nowhere.
-    """
+    """Whether a connection is silent; a server calls every half second while it lives."""
 
     wire: Wire
     looked_ns: int
@@ -343,11 +328,7 @@ class Hearing:
 def crowd_of(
     own: Counter[str], others: Counter[str], address: str, per_address: int, kept: int = 0
 ) -> tuple[Collection[str], str] | None:
-    """Return of which addresses one must go now that there is a newcomer, and why; None with room.
-
-    own, others: how many of each address are at this door and at the other, for which so many
-    places are kept.
-    """
+    """Return of which addresses, at both doors, one must go for a newcomer, and why; or None."""
     both = own + others
     if both[address] > per_address:
         return [address], f"more than {per_address} from one address, see --per-address"

@@ -23,11 +23,7 @@ repairs: Registry[type[Repair]] = Registry(
 
 
 def parse_repairs(text: str) -> RepairChain:
-    """Parse 'edges+complete': a chain of repairs, each 'name' or 'name:key=value,key=value'.
-
-    Errors: UnknownNameError for a name; InputError for a bad setting, for 'none' in a chain, and
-    for what is no text.
-    """
+    """Parse 'edges+complete', with 'name:key=value,..'. Errors: UnknownNameError, InputError."""
     if not isinstance(text, str):
         raise InputError(
             f"repair is {in_brief(text)}: expected a name: {', '.join(repairs.names())}, or several with +"

@@ -32,13 +32,10 @@ class CompleteSettings(SurfaceSettings):
 class Complete(Repair):
     """Give each pixel without depth that of a surface next to the gap.
 
-    Eight directions each propose the first measured depth on them, weighted by how alike the
-    colours are and by the square of the distance. Proposals of one surface support each other; the
-    surface with the most support wins, and the weighted mean of its proposals is the guess. So no
-    guess lies between two surfaces, and none outside the range of what was measured.
-
-    The confidence is the surface's share of all weights, times 2^-(d / reach)^2 at the distance d
-    to its nearest proposal. Measured depth stays as it is, bit for bit.
+    Eight directions propose the first measured depth on them, weighted by colour and the square of
+    the distance. The surface with the most support wins; the weighted mean of its proposals is the
+    guess, its share of all weights times 2^-(d / reach)^2 at the nearest one's distance d the
+    confidence. Measured depth stays as it is, bit for bit.
     """
 
     name = "complete"

@@ -60,11 +60,7 @@ class Edges(Repair):
 
 
 def depth_offset(colour: Pixels, inverse: Pixels, settings: EdgesSettings) -> tuple[int, int]:
-    """Return by how many pixels depth must move, down and to the right, to meet its colour.
-
-    (0, 0) where no offset stands out: too few jumps, too little evidence, or a best one at the very
-    end of the search, which may go on beyond.
-    """
+    """Return how far depth must move, down and right, to meet its colour; (0, 0) if unclear."""
     most, contrast, count = settings.most, 0.0, 0
     for axis in (0, 1):
         here, before = np.moveaxis(inverse, axis, 0)[1:], np.moveaxis(inverse, axis, 0)[:-1]

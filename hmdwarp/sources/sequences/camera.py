@@ -259,11 +259,7 @@ _WITHIN = 1e-3
 
 
 def square_of(where: str, value: Any) -> Matrix:
-    """Return the numbers of one matrix as 4x4, as they are written.
-
-    value: 4x4, 3x4 or, by columns, 4x3; or their numbers in one list, of which 12 are by rows
-    unless a rotation stands only in their columns. Errors: InputError.
-    """
+    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
     try:
         found = np.array(value, np.float64)
     except (TypeError, ValueError):
@@ -283,11 +279,7 @@ def square_of(where: str, value: Any) -> Matrix:
 
 
 def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assumption]:
-    """Return the matrices of one file by rows, and who says which way they are written.
-
-    The last row or the last column of 0, 0, 0, 1 decides for all, wherever another place than the
-    origin makes them differ. Errors: InputError where two of a file are written in both ways.
-    """
+    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
     below, beside = (
         np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
         for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])

@@ -92,11 +92,7 @@ class FrameFile:
 def assumptions_of(
     found: FrameFile, camera: Camera | None = None, scale: float | None = None, encoding: str | None = None
 ) -> list[Assumption]:
-    """Return the facts by which a frame is read, with who says so.
-
-    camera, scale, encoding: intrinsics, metres per unit and encoding of float colour that the user
-    states in place of the files.
-    """
+    """Return the facts by which a frame is read, those the user states included."""
     if camera is not None or "fov" not in found.facts:
         stated = camera or camera_of(found.where, found.facts)
         by = By.FILE if camera is None else By.USER
@@ -235,11 +231,7 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
 
 
 def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
-    """Return the view of a POSE.json: position_m (3), orientation_xyzw (4), fov (4) or intrinsics.
-
-    size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
-    InputError.
-    """
+    """Return the view of a POSE.json. size: (w, h) that intrinsics are for. Errors: InputError."""
     path = as_path(path)
     data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))

@@ -256,11 +256,7 @@ class ExrPicture:
         return np.concatenate([rgb / np.where(alpha > 0, alpha, 1)[..., None], alpha[..., None]], axis=2)
 
     def depth(self) -> NDArray[np.float32] | None:
-        """Return (h, w) along -z in the file's units, inf beyond FAR_M; None where no name says so.
-
-        By name: of a layer called Depth, else Z alone or of the colour's layer; of the colour's
-        view. Errors: InputError for several, and for depth of another view.
-        """
+        """Return (h, w) in the file's units, inf beyond FAR_M, or None. Errors: InputError."""
         view, beside = next(iter(self._of_colour()), ("", ""))
         found: list[tuple[int, str, str, str]] = []
         for (of, layer), own in self._layers().items():
@@ -316,11 +312,7 @@ def read_exr(path: Path) -> ExrPicture:
 
 
 def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m: NDArray[Any]) -> None:
-    """Write linear light and coverage as half floats, depth as Z in floats, NaN for none.
-
-    colour: (h, w, 3), not premultiplied; the file's is, as EXR has it. Errors: MachineError without
-    the optional package; OSError where the file cannot be written.
-    """
+    """Write light, not premultiplied, coverage in halves, and depth as Z, NaN for none."""
     library = _library()
     alpha = np.clip(coverage, 0, 1)
     half = np.finfo(np.float16)

@@ -150,10 +150,7 @@ class Sequence:
         return attrs.evolve(self, repair=repair, notes=(*self.notes, note))
 
     def masked(self, mask: Path) -> Sequence:
-        """Return the sequence without what a lens hides: black pixels of a picture of its size.
-
-        Of each column the pixels from the first to the last other one are seen. Errors: InputError.
-        """
+        """Return the sequence without what a mask of its size has black. Errors: InputError."""
         seen = flip_rows(read_colour(mask)[..., :3].max(axis=2) > 0)
         wide, high = self.frames[0].size
         if seen.shape != (high, wide) or not seen.any():
@@ -234,11 +231,7 @@ _STANDARD, _REVERSED = 0.9, 0.05
 
 
 def depth_notes(sequence: Sequence) -> list[str]:
-    """Return what some frames of a sequence suggest.
-
-    No depth at all, values that are no measurement, sky that was written as no depth, depth that is
-    not in metres, intrinsics of another picture size.
-    """
+    """Return what some frames suggest: no depth, wrong values, unit or intrinsics, sky as none."""
     last = len(sequence.frames) - 1
     looked = [sequence.frames[at] for at in sorted({round(last * k / (LOOKED_AT - 1)) for k in range(LOOKED_AT)})]
     depths = [frame.depth_m for frame in looked]
@@ -309,10 +302,8 @@ def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
 def about_unit(
     depths: Several[NDArray[np.floating]], moved_m: float, option: str, raw: Several[NDArray[Any]] = ()
 ) -> list[str]:
-    """Return a note on depth that is hardly in metres.
+    """Return a note on depth that is hardly in metres: far, a depth buffer's values, or tiny.
 
-    In a smaller unit: far away, while the eye hardly moves. The values of a depth buffer: all
-    within 1, and crowded at one end. Metres that a scale has shrunk: mostly within centimetres.
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
     raw: depths as files have them, where they do.
     """

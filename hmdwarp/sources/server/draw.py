@@ -82,11 +82,7 @@ class Server(Renderer):
         return Server(self.gpu, scene, lighting=lighting, samples=self.samples, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
-
-        into: the target, None for one from the server's pool. Errors: InputError for a size of 0 or
-        beyond the GL limit, or for another size than the target's.
-        """
+        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`. Errors: InputError."""
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
     def _draw(

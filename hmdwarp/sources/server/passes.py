@@ -108,11 +108,7 @@ class ConvergedLight(Lighting):
 
 
 class ArrivingLight(ConvergedLight):
-    """Light of a scene whose meshes arrive: what is here stops the lamps' light.
-
-    scene: its lamps stand still; its meshes may be empty. atlas: indirect light of the whole scene.
-    most_blockers: see Lighting.
-    """
+    """Light of a scene whose meshes arrive and stop its still lamps' light. atlas: of the whole."""
 
     def __init__(self, gpu: Gpu, scene: Scene, atlas: NDArray[np.float16], most_blockers: int) -> None:
         super().__init__(gpu, scene, most_blockers)
@@ -150,9 +146,8 @@ SAME_SURFACE = 2.0**-16
 class ScenePasses:
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and the background.
 
-    colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
-    behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
-    light: of what kind that of lamps is. lighting: in place of that; its maker closes it.
+    colour: with inverse depth, else that alone. peel: only what lies behind an earlier picture, see
+    shaders/lib/peel.glsl. light: kind of the lamps' light; lighting: in its place, the caller's.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
@@ -324,11 +319,7 @@ def draw_moving(
     textured: bool = True,
     emitting: bool = False,
 ) -> None:
-    """Draw one moving thing at that instant into the bound framebuffer, by any program.
-
-    The program takes clip_from_scene. textured: bind each batch's texture to unit 0.
-    emitting: it includes lib/emission.glsl.
-    """
+    """Draw one moving thing by a program that takes clip_from_scene, textures on unit 0."""
     one.set_time(time_ns)
     place = one.place(view)
     clip = clip_from_eye(view.fov) @ place.eye_from_here

@@ -110,11 +110,7 @@ def may_be_seen(
 def boxes_at(
     scene: Scene, bodies: NDArray[np.int64], centres: Array, halves: Array, time_ns: int
 ) -> tuple[Array, Array]:
-    """Return centres and halves of boxes at an instant; those of bodies hold them however turned.
-
-    bodies: (n,) the body of each, 0 for none. centres, halves: (n, 3), of bodies in their own axes,
-    of all others relative to the scene's origin, as what is returned.
-    """
+    """Return centres and halves (n, 3) at an instant; bodies' from their axes, however turned."""
     centres, halves = centres.copy(), halves.copy()
     for number in set(bodies.tolist()) - {0}:
         world_from_body = scene.bodies[number - 1].motion.state(time_ns).pose.matrix()

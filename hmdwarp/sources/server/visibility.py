@@ -29,12 +29,7 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
 
 @lru_cache(maxsize=64)  # few fields of view, used at every frame
 def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
-    """Return the 4x4 asymmetric projection with an infinite far plane; read-only.
-
-    w is metres along -z, window depth is 1 - near/w.
-
-    Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2.
-    """
+    """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
     left, right, down, up = fov.tangents
     return _read_only(
         [
@@ -74,11 +69,7 @@ def boxes_around(low: Array, high: Array) -> Array:
 
 
 def side_planes(clip: Array) -> Array:
-    """Return the planes (5, 4) of `clip` (4x4 from some space): left, bottom, near, right, top.
-
-    n . (x, y, z, 1) >= 0 inside. There is no far plane.
-    Source: Gribb and Hartmann 2001, Fast Extraction of Viewing Frustum Planes.
-    """
+    """Return planes (5, 4), n . (x, y, z, 1) >= 0 inside. Source: Gribb and Hartmann 2001."""
     planes = np.empty((5, 4))
     np.add(clip[3], clip[:3], out=planes[:3])
     np.subtract(clip[3], clip[:2], out=planes[3:])
@@ -99,13 +90,9 @@ def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
-    """Return a class 0 .. classes - 1 for each box, as many boxes in each.
-
-    Boxes are ordered by the distance of their farthest corner from `eye`.
-
-    Near surfaces are drawn first and occlude those behind before they are textured: 1.6 textured
-    pixels per pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
-    """
+    """Return a class 0 .. classes - 1 for each box, as many in each, by its farthest corner."""
+    # Near surfaces drawn first occlude others before they are textured: 1.6 textured pixels per
+    # pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
     corner = np.abs(boxes[:3] - eye[:, None])
     corner += boxes[4:]
     x, y, z = corner * corner
@@ -172,11 +159,7 @@ _Cell = tuple[Any, ...]  # whole steps of the quaternion, then of the eye; the f
 
 @attrs.define
 class Visibility:
-    """The draws of static chunks, computed once for all views of a cell.
-
-    Most refreshes find them cached. They depend on the view and nothing else, so the order, which
-    decides between surfaces at the same depth, is reproducible.
-    """
+    """The draws of static chunks, computed once for all views of a cell, so reproducible."""
 
     _chunks: Chunks
     _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)

@@ -221,10 +221,7 @@ class Folder:
         own_scale: float | None = None,
         by: By | None = None,
     ) -> None:
-        """Take camera and depth scale of options, else of camera.json, own files, or the layout.
-
-        Errors: InputError where nothing states one, or where the layout's y must not point up.
-        """
+        """Take camera and scale of options, camera.json, own files, layout. Errors: InputError."""
         known: Any = self.layout
         camera, unit, by = camera or known.camera, unit or known.unit, by or known.by
         folder = self.path if self.path.is_dir() else self.path.parent
@@ -349,11 +346,7 @@ class Folder:
         return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
 
     def sequence(self) -> Sequence:
-        """Return the sequence of what was added, whose clock begins with the first frame.
-
-        Errors: InputError without frames, for two of one instant, for several sizes, and for
-        pictures of another size than the layout's numbers are for.
-        """
+        """Return the sequence of what was added, from the first frame on. Errors: InputError."""
         frames = sorted(self.frames or self._frames(), key=lambda frame: frame.time_ns)
         if not frames:
             self.refuse_apart()
@@ -552,10 +545,7 @@ def through_cameras(
 
 
 def shared_camera(cameras: Rows[Camera], size: Size) -> tuple[Camera | None, list[str]]:
-    """Return one camera for frames whose focus breathes, and the note on it; None for none or many.
-
-    It is the median, where no pixel moves by more than 0.5 % of the width; a replay takes one.
-    """
+    """Return the median camera, with a note, where focus breathes by 0.5 % of the width."""
     if not cameras:
         return None, []
     numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])

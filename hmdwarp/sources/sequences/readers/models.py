@@ -42,12 +42,7 @@ def _sequences_in(path: Path) -> list[str]:
     camera=Camera(585.0, 585.0, 320.0, 240.0, VGA), unit=1e-3, by=By.DEFAULT, no_depth="0 or 65535", pose=MATRICES,
 )  # fmt: skip
 def seven_scenes(at: Folder) -> None:
-    """Sequences of 7-Scenes; matrices from camera to world, depth in millimetres.
-
-    Source: Shotton et al. 2013, Scene coordinate regression forests for camera relocalization in
-    RGB-D images (the data set's page: the files of a frame, 65535 for no depth, 585/320/240). The
-    same names with info.txt: 12-Scenes, BundleFusion, 3RScan; with camera-intrinsics.txt: 3DMatch.
-    """
+    """Source: Shotton et al. 2013, Scene coordinate regression forests (its page); 3DMatch."""
     if inner := _sequences_in(at.path):
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
     own, depth_camera, scale = None, None, None
@@ -117,11 +112,7 @@ def _scannet_file(path: Path, name: str) -> Path | None:
     clock=f"{RATE_HZ:g} frames per second",
 )  # fmt: skip
 def scannet(at: Folder) -> None:
-    """Read scans of ScanNet; matrices from camera to world, those of -inf where tracking was lost.
-
-    Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions of indoor scenes (its
-    SensReader: names, depth shift 1000, 4x4 intrinsics and extrinsics; 30 Hz).
-    """
+    """Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions (SensReader)."""
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
             _base.refuse_moved(file, _base.matrix_in(file))
@@ -179,11 +170,7 @@ def _trajectory(path: Path) -> Path | None:
     pose="camera from world, inverted; matrices by columns", takes=("frames_camera",),
 )  # fmt: skip
 def open3d(at: Folder) -> None:
-    """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
-
-    Source: Open3D documentation, io.write_pinhole_camera_trajectory, camera.PinholeCameraParameters
-    and geometry.RGBDImage (depth_scale 1000).
-    """
+    """Source: Open3D documentation, io.write_pinhole_camera_trajectory, geometry.RGBDImage."""
     file = _trajectory(at.path)
     if file is None:
         raise InputError(f"{at.path}: no JSON file of class {_CLASS}; expected {at.layout.summary}")
@@ -233,10 +220,7 @@ def _images(path: Path) -> Path | None:
     pose="camera from world, inverted; qw qx qy qz tx ty tz", takes=("frames_camera",),
 )  # fmt: skip
 def colmap(at: Folder) -> None:
-    """Models of COLMAP with depth; poses are camera from world and inverted, in the model's unit.
-
-    Source: COLMAP documentation, output format (cameras, images, depth maps) and camera models.
-    """
+    """Source: COLMAP documentation, output format (cameras, images, depth maps), camera models."""
     model = _images(at.path)
     if model is None:
         raise InputError(
@@ -330,11 +314,7 @@ def _transforms(path: Path) -> Path:
     looks="x right, y up, -z forward, in a world of z up",
 )  # fmt: skip
 def nerfstudio(at: Folder) -> None:
-    """Read data sets of nerfstudio and instant-ngp that have depth.
-
-    Source: nerfstudio documentation, data conventions; depth_unit_scale_factor and applied_scale as
-    its parser of these files has them; instant-ngp's nerf_loader (integer_depth_scale, depth_path).
-    """
+    """Source: nerfstudio documentation, data conventions, and its parser; nerf_loader."""
     file = _transforms(at.path)
     data = read_json(file)
     enter(file.parent)

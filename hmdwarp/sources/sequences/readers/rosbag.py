@@ -56,11 +56,7 @@ _HEADER = 12  # bytes before the PNG of a compressed depth
     axes="world=-y,z,x head=x,-y,z",  # the world is x forward, y left, z up; the frame of a picture is optical
 )  # fmt: skip
 def rosbag(at: Folder) -> None:
-    """Bags of ROS 1 and ROS 2.
-
-    Source: ROS REP 103 and 105 (axes, frames), REP 118 (depth: millimetres or floats of metres),
-    sensor_msgs/CameraInfo (K, D, P; frame_id is the optical frame).
-    """
+    """Source: ROS REP 103, 105 (axes, frames), 118 (depth); sensor_msgs/CameraInfo (K, D, P)."""
     place = bag_at(at.path)
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")

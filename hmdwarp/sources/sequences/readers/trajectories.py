@@ -39,12 +39,7 @@ _SECONDS = Assumption(CLOCK, "seconds in the lists of pictures", By.FILE)
     only_for=VGA, looks="x right, y down, z forward, in a world of z up", clock=_SECONDS,
 )  # fmt: skip
 def tum(at: Folder) -> None:
-    """TUM RGB-D sequences, and those of ETH3D SLAM, which state their camera.
-
-    Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (its page of
-    file formats: depth / 5000, cameras, associations within 20 ms); Schöps et al. 2019, BAD SLAM
-    (calibration.txt, depth / 5000).
-    """
+    """Source: Sturm et al. 2012, A benchmark for RGB-D SLAM; Schöps et al. 2019, BAD SLAM."""
     name, own = at.path.resolve().name, None
     if (file := at.path / "calibration.txt").exists():
         if len(rows := at.rows(file.name)) != 1:
@@ -99,11 +94,7 @@ def _listed(row: Row) -> tuple[int, str]:
     looks="x right, y up, z forward, in a left-handed world", clock=f"{RATE_HZ:g} frames per second",
 )  # fmt: skip
 def icl_nuim(at: Folder) -> None:
-    """ICL-NUIM sequences in their form for TUM's tools, by a renderer whose y points up.
-
-    Source: Handa et al. 2014, A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM
-    (its page: camera, depth / 5000, 30 Hz).
-    """
+    """Source: Handa et al. 2014, A benchmark for RGB-D visual odometry (its page)."""
     at.state()
     colours, depths = ({one.stem: one for one in _base.pictures_in(at.path / side)} for side in ("rgb", "depth"))
     file = min(at.path.glob("*.gt.freiburg"), default=at.path / "trajectory.gt.freiburg")
@@ -121,11 +112,7 @@ def icl_nuim(at: Folder) -> None:
     takes=("frames_camera",),
 )  # fmt: skip
 def redwood(at: Folder) -> None:
-    """Redwood and Open3D sequences, whose world is the first camera; Open3D's own camera and unit.
-
-    Source: Choi, Zhou and Koltun 2015, Robust reconstruction of indoor scenes (.log files); Open3D
-    documentation, camera.PinholeCameraIntrinsic and the reconstruction system.
-    """
+    """Source: Choi et al. 2015, Robust reconstruction of indoor scenes; Open3D documentation."""
     file = _log(at.path)
     if file is None:
         raise InputError(f"{at.path}: no trajectory.log; expected {at.layout.summary}")
@@ -237,11 +224,7 @@ def _side(path: Path) -> str:
     axes="world=y,-z,x head=y,-z,x",  # x forward, y right, z down, of the world and of the camera
 )  # fmt: skip
 def tartanair(at: Folder) -> None:
-    """Trajectories of TartanAir and TartanAir V2, the left camera if it is there.
-
-    Source: Wang et al. 2020, TartanAir: a dataset to push the limits of visual SLAM (its tools'
-    data_type.md: camera, metres, NED); tartanair.org, modalities (V2: 10 Hz, depth as four bytes).
-    """
+    """Source: Wang et al. 2020, TartanAir (its data_type.md); tartanair.org, modalities (V2)."""
     side = _side(at.path)
     if not side:
         raise InputError(f"{at.path}: no camera with pictures, depth and poses; expected {at.layout.summary}")
@@ -278,11 +261,7 @@ _STRAY_HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
     axes="world=x,y,-z head=x,-y,z",  # the world is ARKit's, y up; the camera was turned to x right, y down, z forward
 )  # fmt: skip
 def stray_scanner(at: Folder) -> None:
-    """Read recordings of Stray Scanner, whose depth has fewer pixels and the same field of view.
-
-    Later ones have intrinsics in each row, which hold before those of the file.
-    Source: Stray Robots documentation, data specification; for the axes, the app's OdometryEncoder.
-    """
+    """Source: Stray Robots documentation, data specification; the app's OdometryEncoder."""
     head, *rows = at.rows("odometry.csv") or [Row(str(at.path / "odometry.csv"), ["nothing"])]
     if head.words[: len(_STRAY_HEADER)] != _STRAY_HEADER:
         raise head.wrong(f"the header {', '.join(_STRAY_HEADER)}")
@@ -321,11 +300,7 @@ def _rtabmap_poses(path: Path) -> Path | None:
     axes="world=-y,z,x head=x,-y,z",  # the world is that of ROS, x forward and z up; the camera is optical
 )  # fmt: skip
 def rtabmap(at: Folder) -> None:
-    """Read exports of `rtabmap-export --images --poses_camera` (or --poses), which name a map NAME.
-
-    Source: RTAB-Map, tools/Export (folders, formats of poses; 11 is its default: stamp x y z qx qy
-    qz qw id) and CameraModel (calibration of ROS, with local_transform).
-    """
+    """Source: RTAB-Map, tools/Export (folders, format 11) and CameraModel (local_transform)."""
     file = _rtabmap_poses(at.path)
     if file is None:
         raise InputError(f"{at.path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {at.layout.summary}")

@@ -50,13 +50,9 @@ _Run = tuple[int, int, Mapping[int, int]]  # of triangles that one call draws: f
 class Sheets:
     """Some meshes of a scene on the GPU, drawn in order of distance.
 
-    All meshes share one index buffer, which one call draws: a vertex knows its mesh, so that those
-    in between each other cost no more than those apart. Where the meshes have more textures than
-    a call can choose from, it is a call for each run of triangles whose textures fit.
-
-    Triangles that intersect, or large ones close together, may come in the wrong order where they
-    overlap. That changes how much of each one's own light is seen; what passes them all, and how
-    near they are, does not depend on the order.
+    All share one index buffer, which one call draws, or one for each run of triangles whose
+    textures fit. Triangles that intersect, or large ones close together, may come in the wrong
+    order: that changes how much of each one's own light is seen, not what passes nor how near.
     """
 
     def __init__(self, context: DrawContext, meshes: Sequence[Mesh]) -> None:
@@ -107,11 +103,7 @@ class Sheets:
         *,
         hidden_by_surfaces: bool = False,
     ) -> None:
-        """Draw all sheets of `view` at that instant, farthest first.
-
-        program: of program() or colour(). blending: None to draw depth, of which the nearest wins.
-        hidden_by_surfaces: whether blended sheets are tested against the depth buffer.
-        """
+        """Draw all sheets, farthest first; without blending depth, of which the nearest wins."""
         (_, runs, eye_from), gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
         if runs:
             clip = clip_from_eye(view.fov)
@@ -209,10 +201,7 @@ def _middles(positions: Array, triangles: NDArray[np.uint32]) -> Array:
 
 
 def _farthest_first(squared: Array) -> NDArray[np.intp]:
-    """Return np.argsort(-squared, kind="stable"), of numbers of 0 or more, in a fifth of the time.
-
-    A radix sort, 16 bits at a time: read as integers, such numbers are in the same order.
-    """
+    """Return np.argsort(-squared, kind="stable") by a radix sort, in a fifth of the time."""
     digits = np.ascontiguousarray((~squared.view(np.uint64)).astype("<u8").view("<u2").reshape(-1, 4).T)
     order = np.argsort(digits[0], kind="stable")
     for digit in digits[1:]:
@@ -313,9 +302,8 @@ class Overlay(SheetsPart):
 class Transparency(SheetsPart):
     """Blended into the picture, sheets keep the depth of what lies behind.
 
-    As a layer, all sheets of a pixel are one veil at the depth of the nearest. A sheet that the
-    picture occludes is left out where another is visible; elsewhere it is kept for when the head
-    moves and uncovers it.
+    As a layer, all sheets of a pixel are one veil at the depth of the nearest; one that the picture
+    occludes is left out where another is visible.
     """
 
     name = "transparency"

@@ -73,12 +73,9 @@ class _Sender(Sender):
         return self.book.update(order, self._budget, now_ns)
 
     def _order(self, views: Sequence[View], head: Head, now_ns: int) -> Iterator[int]:
-        """Yield what to send: first what makes a whole picture.
-
-        Then what is visible from any place that the head can reach until it arrives, what covers
-        most of the picture for its bytes first, with coarse textures and then sharper ones; then
-        the rest. Of what is visible the last texels come after all triangles.
-        """
+        """Yield what to send: first what makes a whole picture."""
+        # Then what is visible from wherever the head can be until it arrives, what covers most for
+        # its bytes first, coarse textures before sharper ones; then the rest.
         yield from self._pieces.first
         scene, origin = self._pieces.scene, self._pieces.scene.origin_m
         centres, halves = boxes_at(scene, self._bodies, self._centres, self._halves, now_ns)

@@ -39,11 +39,7 @@ _COARSE = 8  # the choice is made at this part of the resolution, on both axes
 
 @parts.register
 class Views(Part):
-    """Whole pictures, drawn without layers, from the places that chosen() takes.
-
-    They are chosen once for each frame, by the first eye's depth, and are as far from each eye. How
-    fast the head moves is taken from the frame before.
-    """
+    """Whole pictures from the places of chosen(), by the first eye's depth and the head's speed."""
 
     name = "views"
     order = 130
