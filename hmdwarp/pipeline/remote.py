@@ -25,7 +25,7 @@ from ..poses import PoseSample
 from ..scenes import InputEvent
 from ..sources.feed import bounds
 from ..sources.feed.caller import Arrival, Caller
-from ..sources.feed.key_pairs import public_key
+from ..sources.feed.options import public_key
 from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted

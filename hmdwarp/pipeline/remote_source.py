@@ -21,7 +21,7 @@ from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import InputEvent, Scene
 from ..sources.feed.caller import Viewer
-from ..sources.feed.key_pairs import public_key
+from ..sources.feed.options import public_key
 from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, secret_in
 from ..sources.server import Renderer, Target

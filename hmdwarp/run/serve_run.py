@@ -34,7 +34,7 @@ from ..resources import import_extra, recording_names
 from ..scenes import InputBook, load_scene
 from ..sources import sequences
 from ..sources.feed import bounds
-from ..sources.feed.key_pairs import KeyPair
+from ..sources.feed.options import KeyPair
 from ..sources.feed.listener import Asked, Listener, listening
 from ..sources.feed.message import (
     ANY,
