@@ -259,7 +259,7 @@ class Channel:
             return False
         self._skipped += 1
         if self._overload is not None:
-            self._overload.busy(now_ns, self._free_ns)
+            self._overload.lower(now_ns, self._free_ns - now_ns)
         return True
 
     @property
