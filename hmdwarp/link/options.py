@@ -61,7 +61,8 @@ def _response(text: str) -> StageTimes | None:
         raise wrong
     if not colon:
         return StageTimes()
-    times, said = dict[str, float | None].fromkeys(attrs.fields_dict(StageTimes), 0.0), set[str]()
+    times: dict[str, float | None] = dict.fromkeys(attrs.fields_dict(StageTimes), 0.0)
+    said = set[str]()
     for part in rest.split(","):
         stage, _, value = (bit.strip() for bit in part.partition("="))
         if stage not in times or stage in said:

@@ -126,7 +126,7 @@ class Loop:
         frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
-        head = self._requested.for_display(shown_ns)
+        head = self._requested.source.head_at(shown_ns)
         inputs = self._inputs(frame, head, shown_ns)
         eyes, laps = [], []
         for eye_inputs in inputs:
