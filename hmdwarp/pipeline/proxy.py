@@ -32,8 +32,7 @@ from ..sources.server.draw import MIRRORS
 from .channel import Channel, ChannelSetup
 from .frame_coder import Coder
 from .loop import Loop, Refresh
-from .options import PipelineOptions
-from .proxy_options import PROXY, RECORDING, REMOTE
+from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import (

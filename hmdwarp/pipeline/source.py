@@ -45,8 +45,7 @@ from ..scenes import (
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup
 from .frame_coder import Coder, Reads
-from .options import PipelineOptions
-from .proxy_options import SCENE, SourceKind
+from .options import SCENE, PipelineOptions, SourceKind
 from .recorded_renderer import MomentOf
 from .remote import Remote
 
