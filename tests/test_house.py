@@ -247,7 +247,6 @@ ENTRIES = (
     "client/warps",
     "frames/layers",
     "link/codec/codecs",
-    "link/delays",
     "metrics/library",
     "poses/formats",
     "poses/predictors",

@@ -11,8 +11,7 @@ import typer
 
 from .. import geometry
 from ..options import Declared, force_field, names_in, option, out_field, same_as
-from ..pipeline.options import PipelineOptions
-from ..pipeline.proxy_options import SINGLE_FILL
+from ..pipeline.options import SINGLE_FILL, PipelineOptions
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import JSON, Said, as_json, takes
