@@ -121,12 +121,7 @@ class Compensator:
                 for fill in plan.fills
             ]
             tools = Tools(
-                carry,
-                pictures,
-                images_read(plan.needs),
-                geometry,
-                lens if plan.fused else None,
-                plan.hands_panels_on,
+                carry, pictures, images_read(plan.needs), geometry, lens if plan.fused else None, plan.hands_panels_on
             )
             self._expand = (
                 ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None

@@ -99,13 +99,7 @@ class HolePieces:
     """
 
     def __init__(
-        self,
-        gpu: Gpu,
-        name: str,
-        size: tuple[int, int],
-        *,
-        with_depth: bool = False,
-        coarse: bool = False,
+        self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, coarse: bool = False
     ) -> None:
         self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
         self._program = gpu.shaders.compute(

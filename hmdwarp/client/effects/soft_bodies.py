@@ -128,13 +128,7 @@ class SoftBodiesPass(ShownPass):
     name = "soft bodies"
     takes_out = True
     carries = True  # the depth of what is shown; what samples a cube map would also show the late body
-    reads = (
-        "shown.colour",
-        "shown.inverse_depth",
-        "rendered.colour",
-        "rendered.inverse_depth",
-        "client.soft_bodies",
-    )
+    reads = ("shown.colour", "shown.inverse_depth", "rendered.colour", "rendered.inverse_depth", "client.soft_bodies")
     writes = ("shown.colour", "shown.inverse_depth")
 
     def prepare(self) -> None:

@@ -81,10 +81,7 @@ class Memory(Fill):
         if count < 1:
             wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
-        self._holes, self._keeper = (
-            HoleFiller(self.gpu, self.shown_size, CELL),
-            Keeper(self.gpu, self.rendered_size),
-        )
+        self._holes, self._keeper = (HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.rendered_size))
         self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
         self._seeds = seeds_for(self.gpu, self.rendered_size)
         self._kept: list[Keyframe] = []

@@ -170,10 +170,7 @@ class ResampledLens(LensPass):
 
 
 lenses: Registry[type[LensPass]] = Registry(
-    "lens",
-    __name__,
-    modules=dict.fromkeys(("none", "radial", "table", "vive", "mesh"), "models"),
-    columns="source",
+    "lens", __name__, modules=dict.fromkeys(("none", "radial", "table", "vive", "mesh"), "models"), columns="source"
 )
 
 __all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "ResampledLens", "bind_texels", "lenses"]

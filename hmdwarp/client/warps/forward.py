@@ -189,11 +189,7 @@ class ForwardOrdered(OrderedScatter):
         if self.settings.sheets == "rings":
             greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
         start = tuple((greatest if sense > 0 else -least).tolist())
-        return {
-            "epipole": tuple(pixel),
-            "sense": sense,
-            "start": start,
-        }
+        return {"epipole": tuple(pixel), "sense": sense, "start": start}
 
 
 def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:
