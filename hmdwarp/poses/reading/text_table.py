@@ -1,8 +1,7 @@
 """From the text of a trace to columns of numbers: a first look at the file, then its rows.
 
-A fast C parser reads chunk by chunk, and a tolerant reader takes the chunks that it refuses. Memory
-stays at the size of the result plus one chunk. Every row keeps the number of its line, for
-messages.
+A fast C parser reads chunk by chunk, a tolerant reader takes the chunks that it refuses: memory
+stays at the size of the result plus one chunk. Every row keeps its line, for messages.
 """
 
 from __future__ import annotations
@@ -13,9 +12,10 @@ import itertools
 import math
 import os
 import re
+import tomllib
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -50,6 +50,7 @@ _MATRIX_OFF = 0.05
 _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
+_TOLD = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))
 _WORDS = {"nan", "inf", "infinity", "null", "none"}
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
@@ -96,7 +97,7 @@ class Head:
 
     @property
     def kind(self) -> str:
-        """Return "text", or what the rows were made of, for instance "json"."""
+        """Of the rows: "text", or what they were made of, such as "json"."""
         return "text" if self.made is None else self.made.kind
 
     @property
@@ -105,7 +106,7 @@ class Head:
         return len(self.rows[0])
 
     def numbers(self, columns: tuple[int, ...], commas: bool = True) -> Array:
-        """Return these columns of the first rows, (n, columns), of those with a number in each."""
+        """Return (n, columns) of those of the first rows that have a number in each."""
         rows = [[row[c] for c in columns] for row in self.rows if len(row) > max(columns)]
         rows = [[f.replace(",", ".") if commas else f for f in row] for row in rows]
         good = [row for row in rows if all(is_number(field) and "," not in field for field in row)]
@@ -116,7 +117,6 @@ class Head:
         return self.names.index(name) if self.names and name in self.names else None
 
     def describe(self) -> str:
-        """Return one phrase for error messages."""
         how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
         named = f"the columns {', '.join(self.names)}" if self.names else "no header"
         return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
@@ -270,9 +270,6 @@ class Segment:
     taken: bool  # whether it was used
 
 
-Found = tuple[Any, ...] | None  # of a step of cleaning: the rows concerned, None for all, and words
-
-
 @attrs.define(eq=False)
 class Recording:
     """The rows of a file on their way to a track, a column each, and what was found of them."""
@@ -296,6 +293,7 @@ class Recording:
     taken: str = ""  # the device whose rows are kept
     segments: list[Segment] = attrs.field(factory=list)
     jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
+    judged: Any = None  # its axes, see `axes.JudgedAxes`
 
     def __len__(self) -> int:
         return len(self.line)
@@ -311,10 +309,20 @@ class Recording:
             if (column := getattr(self, name)) is not None and len(column):
                 setattr(self, name, column[which])
 
-    def note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None) -> None:
+    def note(self, kind: str, what: str, done: str, at: Sequence[int] | NDArray[np.integer] | None = None) -> None:
         """Record a defect and its repair. at: the rows concerned."""
         count, line = (1, None) if at is None else (len(at), int(self.line[at[0]]))
         self.defects.append(Defect(kind, what, done, count, line))
+
+    def found(self, kind: str, at: Sequence[int] | NDArray[np.integer] | None, *words: object) -> None:
+        """Tell of a defect by cleaning.toml, and drop its rows if that says so. at: or None."""
+        if at is None or len(at):
+            told = _TOLD[kind]
+            self.note(kind, told.get("text", "{}").format(*words), told["done"].format(*words), at)
+            if told.get("drops"):
+                kept = np.ones(len(self), bool)
+                kept[at] = False
+                self.keep(kept)
 
 
 class RowReader:
@@ -351,7 +359,13 @@ class RowReader:
         if again := self._repeated_headers:
             what = f"the header comes again {counted(len(again), 'time')}"
             self.defects.append(Defect("header-repeated", what, "skipped", len(again), again[0]))
-        self._judge_bad_rows(count)
+        if self._first_bad is not None:  # up to a share of rows without a pose are dropped; else it was misread
+            (line, reason), bad, rows = self._first_bad, self._bad_rows, self._bad_rows + count
+            if bad > self.options.lost_rows * rows:
+                rest = f"; --lost-rows {math.ceil(100 * bad / rows) / 100:g} reads the others" if count > 1 else ""
+                raise TraceError(f"{head.path}: line {line}: {reason} ({bad} of {rows} rows hold no pose{rest})")
+            what = f"{bad} of {rows} rows hold no pose, the first in line {line} ({reason.removesuffix(_REPAIR)})"
+            self.defects.append(Defect("row-without-pose", what, "dropped", bad, line))
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{head.path} holds no usable row{cut}")
@@ -359,24 +373,13 @@ class RowReader:
         for name, pieces in self._parts.items():
             columns[name] = np.concatenate(pieces)
             pieces.clear()  # at once: the peak is the result and one column
-        clock = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
-        whole, parts, decimals = clock
+        stamps = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
+        whole, parts, decimals = stamps
         if self.layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
             whole, parts = np.divmod(parts, BILLION)
         columns["orientation"] = self._quaternions(columns["orientation"])
-        stamps = Stamps(whole, parts, self._is_clock, decimals)
-        return Recording(head, self.layout, self.options, self._is_cut, self.defects, stamps, **columns)
-
-    def _judge_bad_rows(self, good: int) -> None:
-        """Drop up to a share of rows without a pose; else the file was misread: TraceError."""
-        if self._first_bad is None:
-            return
-        (line, reason), count, rows = self._first_bad, self._bad_rows, self._bad_rows + good
-        if count > self.options.lost_rows * rows:
-            rest = f"; --lost-rows {math.ceil(100 * count / rows) / 100:g} reads the others" if good > 1 else ""
-            raise TraceError(f"{self.head.path}: line {line}: {reason} ({count} of {rows} rows hold no pose{rest})")
-        what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason.removesuffix(_REPAIR)})"
-        self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
+        clock = Stamps(whole, parts, self._is_clock, decimals)
+        return Recording(head, self.layout, self.options, self._is_cut, self.defects, clock, **columns)
 
     def _wrong_width(self, found: int, wanted: int) -> str:
         what = f"{found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
@@ -425,21 +428,15 @@ class RowReader:
             if column is not None:
                 self._parts[name].append(column)
 
-    def _prepared(self, text: bytes) -> bytes:
-        if self.head.newline == b"\r":
-            text = text.replace(b"\r", b"\n")
-        if self.head.decimal_comma:
-            text = text.replace(b",", b".")
-        if self.head.separator is not None:
-            mark = self.head.separator.encode()
-            for blank in (b" ", b"\t"):
-                if blank != mark and blank in text:
-                    text = text.replace(mark + blank, mark)
-        return text
-
     def _read_fast(self, text: bytes, line: int, count: int) -> bool:
         """Parse the whole chunk by numpy's C parser; return False for anything unusual."""
-        text, layout = self._prepared(text), self.layout
+        layout = self.layout
+        text = text.replace(b"\r", b"\n") if self.head.newline == b"\r" else text
+        text = text.replace(b",", b".") if self.head.decimal_comma else text
+        mark = None if self.head.separator is None else self.head.separator.encode()
+        for blank in (b" ", b"\t"):
+            if mark is not None and mark != blank and blank in text:
+                text = text.replace(mark + blank, mark)
         if not self._regular(text, count):
             return False
         texts = {"t": layout.time, "d": layout.device, "r": layout.rest}
