@@ -18,8 +18,7 @@ from ..reading import layouts
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import LoadedTrace, clean
 from ..reading.header import is_number
-from ..reading.text_table import Head, RowReader, read_head
-from ..reading.times import UNIT_NAMES
+from ..reading.text_table import UNIT_NAMES, Head, RowReader, read_head
 from ..track import PoseTrack
 from ..writing import WRITERS
 

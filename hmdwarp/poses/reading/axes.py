@@ -46,8 +46,7 @@ _PARTS = re.compile(r"\b(world|head)\s*=\s*([^\s;]+)")
 class Axes:
     """Axes of a file, relative to OpenXR's, of the world and of the head.
 
-    A rotation carries points of the head into the world in both, so both have the same handedness:
-    orientation_openxr = world @ orientation_file @ head.T, where both are matrices.
+    Both have the same hand: orientation_openxr = world @ orientation_file @ head.T, as matrices.
     """
 
     world: Array  # (3, 3), rows are OpenXR's right, up and back in the file's world axes
@@ -79,9 +78,8 @@ class Axes:
     def apply(self, position: Array | None, orientation: Array) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
 
-        Under a change of basis B a rotation about v by an angle becomes one about B v by det(B)
-        times the angle; a left-handed file (det -1) needs no other treatment. Where the head's
-        basis is another one, a fixed turn of the head follows.
+        Under a change of basis B a rotation about v becomes one about B v by det(B) times the
+        angle; where the head's basis is another one, a fixed turn of the head follows.
         """
         if not np.array_equal(self.world, np.eye(3)):
             orientation[:, :3] = orientation[:, :3] @ (round(np.linalg.det(self.world)) * self.world).T
@@ -99,7 +97,6 @@ class Axes:
 
 
 def preset_names() -> list[str]:
-    """Return the names of the presets."""
     return sorted(p.stem for p in _PRESETS.glob("*.toml"))
 
 
@@ -128,7 +125,7 @@ def load_preset(name: str) -> Preset:
 def parse_axes(text: str) -> Axes:
     """Parse `--axes`: a preset, or "world=right,up,forward head=right,up,forward".
 
-    One of world and head, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
+    One of the two, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
     """
     text = text.strip().lower()
     found: dict[str, str] = dict(_PARTS.findall(text))
@@ -147,11 +144,9 @@ def parse_axes(text: str) -> Axes:
 def parse_up(text: str) -> Axes:
     """Parse `--up`: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
 
-    An axis: world and head are both turned so that it becomes +y; for z that is (x, y, z) -> (x, z,
-    -y). Three axes: all of them stated, left-handed ones included. Three numbers: the direction
-    that is really up in a y-up file whose gravity is tilted; only the world is turned, by the
-    smallest angle.
-    Errors: InputError.
+    An axis: world and head are both turned so that it becomes +y. Three numbers: what is really up
+    in a y-up file of tilted gravity; only the world is turned, by the smallest angle. Errors:
+    InputError.
     """
     text = text.strip().lower().removeprefix("+")
     if text in _LIFTS:
@@ -182,7 +177,7 @@ def _basis(words: str) -> Array:
 
 
 def axis_word(direction: Array) -> str:
-    """Return the axis that a direction (3,) points along most, for instance "-z"."""
+    """Return the axis that a direction (3,) points along most, such as "-z"."""
     k = int(np.abs(direction).argmax())
     return ("-" if direction[k] < 0 else "") + "xyz"[k]
 
@@ -319,8 +314,7 @@ class Verdict:
 def judge(evidence: Evidence, axes: Axes) -> Verdict:
     """Compare axes with all others: 6 ups of the world, 24 directions of the head.
 
-    Motion does not determine the hand of a file and the directions on the ground: a mirror image of
-    a walk is a walk.
+    Motion shows neither the hand of a file nor directions on the ground: a mirrored walk is a walk.
     """
     here = _reading_of(axes)
     faults = evidence.faults(here)
@@ -361,34 +355,28 @@ _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet":
 
 
 def place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
-    """Return what is odd about a head's places, and a scale that helps; "" where nothing is.
-
-    height_m: over the origin where it is steady, else 0.
-    """
+    """Return what is odd about places, and a scale that helps, or "" twice. height_m: or 0."""
     at = every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
     far = float(np.median(np.linalg.norm(p, axis=1)))
     speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
     fast = float(np.quantile(speed, 0.9))
-    if far <= _FARTHEST_M and fast <= _FASTEST_WALK_M_S:
-        for name, metres in _LENGTHS.items():
-            if height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
-                what = f"the head is {height_m:.3g} m above the origin"
-                return what, f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
-        return "", ""
+    odd = far > _FARTHEST_M or fast > _FASTEST_WALK_M_S
     what = f"the head is {far:.4g} m from the origin" if far > _FARTHEST_M else f"the head moves at {fast:.4g} m/s"
     for name, metres in _LENGTHS.items():
-        if far * metres < 5 and fast * metres <= 3:
+        if odd and far * metres < 5 and fast * metres <= 3:
             found = f"{far * metres:.3g} m, {fast * metres:.2g} m/s"
             return what, f"--scale {metres:g} takes the positions as {name}: {found}"
-    return what, "--scale gives metres per unit"
+        if not odd and height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
+            remedy = f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
+            return f"the head is {height_m:.3g} m above the origin", remedy
+    return (what, "--scale gives metres per unit") if odd else ("", "")
 
 
 def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
-    """Collect the evidence of (n, 4) unit quaternions xyzw and (n, 3) positions in the file's axes.
+    """Collect the evidence of unit quaternions (n, 4) and positions (n, 3) in the file's axes.
 
-    gravity: (3,) of the file, any length; zeros: unknown. Steps of 0.1 s are compared, so that
-    noise of single rows matters little; steps over gaps and teleports are left out.
+    gravity: (3,), zeros: unknown. Steps of 0.1 s are compared, none over a gap or teleport.
     """
     at = every(time_ns)
     q, t = orientation[at], time_ns[at] * 1e-9
@@ -485,15 +473,13 @@ def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
 
 
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Return the direction in the world, (3,), that is up for the head.
+    """Return the direction in the world, (3,), that is up for the head; None if that is not clear.
 
-    None if the motion is ambiguous. People turn and nod far more than they tilt their heads
-    sideways, so the axis through the ears stays level: up is the direction it has the smallest
-    component in. That is trusted if this component is small (5 %, an rms roll of 13 degrees) and
-    the next direction has five times as much, and 5 % at least (the head has turned). At most
-    100,000 rows, evenly spaced, are used.
+    The axis through the ears stays level, as people turn and nod far more than they tilt: up is
+    where it has the smallest component, which is small (5 %, an rms roll of 13 degrees), and the
+    next five times as much, 5 % at least (the head has turned).
     """
-    q = orientation[:: max(1, len(orientation) // 100_000)]
+    q = orientation[:: max(1, len(orientation) // 100_000)]  # of so many rows at most
     if len(q) < 100:
         return None
     right = quaternions.rotate(q, np.array([[1.0, 0, 0]]))
@@ -520,28 +506,23 @@ class JudgedAxes:
         self.r, self.options = r, r.options
         stated, by = self.options.pose, r.layout.direction_by
         self.is_inverse, self._pose_by = (stated == INVERSE, By.USER) if stated else (r.layout.inverse, by)
-        self.axes, self.axes_by = self._stated_axes()
         self._wrong = self._gaze_unclear = False
-        self._tilt_deg = 0.0
-        self._leaves_open = ""
+        self._tilt_deg, self._leaves_open = 0.0, ""
         self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
-
-    def _stated_axes(self) -> tuple[Axes, By]:
-        """Return the axes and who says so: the options before the file and its format."""
-        own, by = parse_axes(self.r.layout.axes), self.r.layout.axes_by
-        up, stated = self.options.up, self.options.axes if self.options.axes != AUTO else None
+        # The options come before the file and its format.
+        self.axes, self.axes_by = parse_axes(r.layout.axes), r.layout.axes_by
+        up = r.options.up
         is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers
-        if up is not None and not is_tilt and self.options.axes is not None:
+        if up is not None and not is_tilt and r.options.axes is not None:
             raise InputError(
                 "--axes and --up both name axes: say one; beside --axes, --up may be three numbers, a tilt"
             )
-        if stated is not None:
-            own, by = parse_axes(stated), By.USER
+        if r.options.axes not in (None, AUTO):
+            self.axes, self.axes_by = parse_axes(r.options.axes), By.USER
         if up is not None and is_tilt:
-            return attrs.evolve(own, tilt=parse_up(up).tilt), by
-        if up is None or own.up() == up.strip().lower().removeprefix("+"):
-            return own, by
-        return parse_up(up), By.USER
+            self.axes = attrs.evolve(self.axes, tilt=parse_up(up).tilt)
+        elif up is not None and self.axes.up() != up.strip().lower().removeprefix("+"):
+            self.axes, self.axes_by = parse_up(up), By.USER
 
     def assumptions(self) -> tuple[Assumption, ...]:
         """Return every fact by which rows became poses."""
@@ -640,9 +621,8 @@ class JudgedAxes:
     def _contradict_pose(self, evidence: Evidence, metres: Array | None, contradicted: bool) -> bool:
         """Suggest the other direction of the poses where only that one makes a person's motion.
 
-        Axes aside. A head that turns on the spot hardly moves, while its inverse swings about the
-        origin: each halving of the way is worth a point. Measured over 15 recordings: the inverse
-        way is 1.2 to 19 times as long.
+        The inverse of a head that turns on the spot swings about the origin: each halving of the
+        way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
         """
         at = every(self.r.time_ns)  # first, as an inverse copies all poses
         poses = inverted(self.r.orientation[at], None if metres is None else metres[at])
@@ -696,11 +676,8 @@ class JudgedAxes:
         return f"{words}; the motion agrees"
 
     def report_tilt(self) -> None:
-        """Report gravity that is not along +y, judged by how the head is held.
-
-        Wrong axes are another matter: turning the world alone would leave the head on its side.
-        """
-        axis = None if self._wrong else gravity_axis(self.r.orientation)
+        """Report gravity that is not along +y, judged by how the head is held."""
+        axis = None if self._wrong else gravity_axis(self.r.orientation)  # a turn of the world mends no wrong axes
         if axis is not None and (tilt := _tilt_of(axis)) > _TILT_SHOWN_DEG:
             self._tilt_deg, shown = tilt, ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"

@@ -21,8 +21,7 @@ from ..track import PoseTrack, gap_limit_ns
 from .axes import JudgedAxes, find_jumps, inverted
 from .header import head_rank
 from .layouts import columns_read
-from .text_table import Recording, Segment
-from .times import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Stamps
+from .text_table import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Recording, Segment, Stamps
 
 
 @attrs.frozen(eq=False)
