@@ -16,7 +16,7 @@ from ....colour import linear_from_srgb
 from ....errors import InputError, TraceError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter, named_in, opened
 from ....poses.assumptions import Assumption, By, first_stated
-from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
+from ....poses.reading.made_rows import ColmapCamera, read_cameras, read_images
 from .. import camera as _camera
 from ..camera import Camera, Size, camera_of, read_json
 from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth

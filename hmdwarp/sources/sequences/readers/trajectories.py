@@ -16,7 +16,7 @@ from ....errors import InputError, TraceError, are_digits
 from ....options.named_files import TABLE, named_in, text_in
 from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By
-from ....poses.load import find_format
+from ....poses.formats import find_format
 from ....poses.reading.cleaning import LoadedTrace
 from ....poses.reading.text_table import read_head
 from ..camera import Camera, camera_of, number_of, read_json, refuse_distortion, unread_notes
