@@ -34,15 +34,11 @@ _MOST_BODIES = np.iinfo(np.uint16).max  # numbers on the GPU have 16 bits
 class HeldLayer(ABC):
     """One layer's textures."""
 
-    # What the caller passes, in words.
-    expected: ClassVar[str]
-    # Its textures; of a layer with an amount, those of one.
-    kinds: ClassVar[tuple[tuple[int, str], ...]] = (COLOUR,)
+    expected: ClassVar[str]  # what the caller passes, in words
+    kinds: ClassVar[tuple[tuple[int, str], ...]] = (COLOUR,)  # its textures; of a layer with an amount, those of one
     has_amount: ClassVar[bool] = False
-    # Whether it has the size of the result instead of the picture's.
-    is_shown: ClassVar[bool] = False
-    # Whether a picture may lack it: it is empty then.
-    is_optional: ClassVar[bool] = False
+    is_shown: ClassVar[bool] = False  # whether it has the size of the result instead of the picture's
+    is_optional: ClassVar[bool] = False  # whether a picture may lack it: it is empty then
 
     def __init__(self, gpu: Gpu, size: Size, amount: Any) -> None:
         self._size, self._amount = size, amount if self.has_amount else 1

@@ -60,8 +60,7 @@ _LARGEST, _UNIT, _CORNERS, _HOLES = "largest", "unit", "corners", "holes"  # wha
 _CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
-# A thread that holds it may take it again.
-_turn = threading.RLock()
+_turn = threading.RLock()  # a thread that holds it may take it again
 
 
 @contextmanager
@@ -88,18 +87,15 @@ def _close_shared(shared: Gpu) -> None:
 class WarpedImage:
     """A warped picture; row 0 is at the top."""
 
-    # (h, w, 3), black in holes; see `encoding`.
-    colour: NDArray[Any]
+    colour: NDArray[Any]  # (h, w, 3), black in holes; see `encoding`
     # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
     # there, so less than 1 where that was a guess. A fill sets 1.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
     # the call. Of a chain each fill has its own, such as "fill memory".
     time_ms: dict[str, float]
-    # Share of pixels without coverage after the warp and before the fill.
-    hole_share: float
-    # Of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32).
-    encoding: str = LINEAR
+    hole_share: float  # share of pixels without coverage after the warp and before the fill
+    encoding: str = LINEAR  # of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32)
     # (h, w) float32 metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
     # requested.
     depth_m: NDArray[Any] | None = None
@@ -164,13 +160,11 @@ class _Flight:
 
     pictures: list[RawPicture]
     views: tuple[View, View]
-    # The encoding of the result.
-    result: str
+    result: str  # the encoding of the result
     out: Mapping[str, NDArray[Any]]
     eye: int
     buffers: PixelBuffers
-    # What has run, and what of the buffers has the result, by name.
-    plan: Plan
+    plan: Plan  # what has run, and what of the buffers has the result, by name
     made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)
 
 
@@ -206,12 +200,10 @@ class WarpedTextures:
     The textures belong to the Warper, which overwrites them at the next picture of the same eye.
     """
 
-    # rgba16f: linear light, coverage in alpha, 0 in holes.
-    colour: moderngl.Texture
+    colour: moderngl.Texture  # rgba16f: linear light, coverage in alpha, 0 in holes
     # r32f in 1/m in the shown view, -1 where it is unknown; None unless asked for.
     inverse_depth: moderngl.Texture | None
-    # Keeps the textures.
-    _warper: Warper = attrs.field(repr=False)
+    _warper: Warper = attrs.field(repr=False)  # keeps the textures
 
 
 class Warper:

@@ -37,8 +37,7 @@ _PLACES = Input.COVERAGE | Input.DEPTH | Input.RENDERED  # what tells where an e
 class Compared:
     """What the eye was shown and what it should have seen."""
 
-    # sRGB pictures, (h, w, 3), top row first.
-    shown: NDArray[Any]
+    shown: NDArray[Any]  # sRGB pictures, (h, w, 3), top row first
     truth: NDArray[Any]
     view: View
 
@@ -62,24 +61,18 @@ class QualityJob:
     Errors: InputError for sizes that do not belong together.
     """
 
-    # After the fill, before the lens.
-    now: Compared
-    # The neighbouring frame of the same eye.
-    previous: Compared | None = None
+    now: Compared  # after the fill, before the lens
+    previous: Compared | None = None  # the neighbouring frame of the same eye
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
     covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
-    # (h, w), 1/m in the shown view, top row first.
-    truth_inverse_depth: NDArray[Any] | None = None
-    # View and (w, h) of the late frame.
-    rendered: View | None = None
+    truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
+    rendered: View | None = None  # view and (w, h) of the late frame
     rendered_size: tuple[int, int] | None = None
     rendered_picture: NDArray[Any] | None = None  # the late frame's, for reports only
-    # FLIP, SSIM and flicker, where a PairPass has found them.
-    alike: Alike | None = None
+    alike: Alike | None = None  # FLIP, SSIM and flicker, where a PairPass has found them
     # (name, picture, FLIP map as bytes) of other warps on the same late frame, for reports only.
     beside: tuple[tuple[str, NDArray[Any], NDArray[np.uint8]], ...] = ()
-    # Whether the result has the FLIP map.
-    error_map: bool = False
+    error_map: bool = False  # whether the result has the FLIP map
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.
     regions: bool = False
 
@@ -120,12 +113,9 @@ class QualityJob:
 class QualityResult:
     """The figures of one job."""
 
-    # By metric; None where nothing could be measured.
-    values: dict[str, float | None]
-    # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it.
-    error_map: NDArray[np.uint8] | None = None
-    # As region_sums, if the job requests it.
-    regions: dict[str, dict[str, float]] | None = None
+    values: dict[str, float | None]  # by metric; None where nothing could be measured
+    error_map: NDArray[np.uint8] | None = None  # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it
+    regions: dict[str, dict[str, float]] | None = None  # as region_sums, if the job requests it
 
 
 class Measurement:

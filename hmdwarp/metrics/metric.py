@@ -36,19 +36,15 @@ class Metric:
     This is the only declaration of a metric: everything else reads it from here.
     """
 
-    # Key in summary.json and bench.json, column of frames.csv and stem of its file.
-    name: str
-    # Place among the metrics in every file, table and page.
-    order: int
+    name: str  # key in summary.json and bench.json, column of frames.csv and stem of its file
+    order: int  # place among the metrics in every file, table and page
     compute: Callable[[Measurement], float | None]
     # What it is of a picture of which no pixel is alike, from that of one with a share that is
     # black in both: hidden pixels. By default of a mean of errors.
     of_seen_share: Callable[[float, float], float] = lambda value, share: value / share
-    # Without one of these there is no figure (None). A live run has no TRUTH.
-    needs: Input = Input.TRUTH
+    needs: Input = Input.TRUTH  # Without one of these there is no figure (None). A live run has no TRUTH.
     higher_is_better: bool = False
-    # No value is beyond these: neither is the interval of a mean.
-    least: float = 0.0
+    least: float = 0.0  # no value is beyond these: neither is the interval of a mean
     most: float = math.inf
     # Whether the better of two runs is marked. False for holes: a run without a warp has none.
     is_contest: bool = True
@@ -112,8 +108,7 @@ _FAMILIES = {
 metrics: Registry[Metric] = Registry(
     "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_FAMILIES
 )
-# Decides which pictures are the worst and, by default, which method is the best.
-PRIMARY = "flip"
+PRIMARY = "flip"  # decides which pictures are the worst and, by default, which method is the best
 
 
 @functools.cache

@@ -84,12 +84,9 @@ SSIM_SIGMA = 1.5
 class Alike:
     """What a PairPass finds of two pictures."""
 
-    # (h, w) LDR-FLIP error, 0..1.
-    flip_map: NDArray[np.float32]
-    # Mean structural similarity, at most 1, over all pixels and channels.
-    ssim: float
-    # As flicker; None where the pass did not find it.
-    flicker: float | None = None
+    flip_map: NDArray[np.float32]  # (h, w) LDR-FLIP error, 0..1
+    ssim: float  # mean structural similarity, at most 1, over all pixels and channels
+    flicker: float | None = None  # as flicker; None where the pass did not find it
 
 
 BLOCKS = 8  # on each side of a picture
@@ -137,10 +134,8 @@ DEPTH_FLOOR = 0.002  # 1/m: differences below this count as equal
 class Mismatch:
     """Counts of left-eye pixels."""
 
-    # Pixels whose surface both eyes see.
-    seen_by_both: int = 0
-    # Of these, the holes for exactly one eye.
-    one_eyed: int = 0
+    seen_by_both: int = 0  # pixels whose surface both eyes see
+    one_eyed: int = 0  # of these, the holes for exactly one eye
 
     def __add__(self, other: Mismatch) -> Mismatch:
         return Mismatch(self.seen_by_both + other.seen_by_both, self.one_eyed + other.one_eyed)

@@ -23,8 +23,7 @@ from .declared import Option
 OUTSIDE = Option(
     "Open files outside of the folder of the file that names them, too.", bool, False, name="allow_outside"
 )
-# In the environment, so that processes that a run starts keep to it as well.
-_VARIABLE = "HMDWARP_ALLOW_OUTSIDE"
+_VARIABLE = "HMDWARP_ALLOW_OUTSIDE"  # in the environment, so that processes that a run starts keep to it as well
 _MIB = 1 << 20
 _GIB = 1 << 30
 _STEP = 1 << 24

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
-from ...options.tables import Table
+from ...options import Table
 from .. import quaternions
 
 OPENXR = "openxr"
