@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from ..errors import MachineError
 from ..resources import import_extra, missing_extra
-from .job import Compared
-from .metric import Figure
+from .metric import Compared, Figure
 from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}

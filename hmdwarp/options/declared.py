@@ -9,7 +9,7 @@ import os
 import re
 import typing
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, get_type_hints
@@ -241,10 +241,14 @@ def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> A
     )
 
 
-@cache
+_KNOWN: dict[type[Declared], tuple[Option, ...]] = {}
+
+
 def options_of(kind: type[Declared]) -> tuple[Option, ...]:
     """Return the options of a class in the order of its fields, those of its groups included."""
-    return tuple(found for found in _all_of(kind) if found.name not in kind.not_offered)
+    if kind not in _KNOWN:
+        _KNOWN[kind] = tuple(found for found in _all_of(kind) if found.name not in kind.not_offered)
+    return _KNOWN[kind]
 
 
 def _all_of(kind: type) -> Iterator[Option]:
