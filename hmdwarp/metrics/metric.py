@@ -143,10 +143,7 @@ class Figure:
 
 @attrs.frozen(kw_only=True)
 class Metric:
-    """A figure of one eye's picture, with everything that files, tables, charts and pages need.
-
-    This is the only declaration of a metric: everything else reads it from here.
-    """
+    """A figure of one eye's picture, with everything that files, tables, charts and pages need."""
 
     name: str  # key in summary.json and bench.json, column of frames.csv and stem of its file
     order: int  # place among the metrics in every file, table and page
@@ -268,14 +265,12 @@ def border_holes(
 ) -> NDArray[np.bool_]:
     """Return the holes beyond the rendered field of view, (h, w).
 
-    The truth says what belongs there. Each hole's pixel and its true inverse depth go through the
-    warp map to the rendered view. Beyond the edges of that picture, or beside or behind its eye (w
-    <= 0), no frame could have held it. The other holes are disocclusions and gaps between stretched
-    pixels.
+    Each hole's pixel and its true inverse depth go through the warp map to the rendered view:
+    beyond the edges of that picture, or beside or behind its eye (w <= 0), no frame could have held
+    it. The other holes are disocclusions and gaps between stretched pixels.
 
-    coverage, truth_inverse_depth: (h, w), top row first; the former after the warp and before the
-    fill, 0 is a hole; the latter in 1/m in the shown view, 0 (or NaN) = infinitely far.
-    rendered_size: (w, h) of the late frame.
+    coverage, truth_inverse_depth: (h, w), top row first; 0 of the former is a hole; the latter in
+    1/m in the shown view, 0 (or NaN) = infinitely far. rendered_size: (w, h) of the late frame.
     Errors: InputError if their sizes differ.
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
@@ -302,11 +297,7 @@ def border_holes(
 def region_of(
     coverage: NDArray[Any], truth_inverse_depth: NDArray[Any], beyond: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
-    """Return the region of each pixel, (h, w), as an index into REGIONS.
-
-    coverage, truth_inverse_depth: as of border_holes, which `beyond` are. A hole near a jump of
-    depth is a hole.
-    """
+    """Return the region of each pixel, (h, w), as an index into REGIONS; beyond: border_holes."""
     region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(2), np.uint8(3))
     region[np.asarray(coverage) == 0] = 1
     region[beyond] = 0
@@ -341,10 +332,7 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
 def region_sums(
     shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
 ) -> dict[str, dict[str, float]]:
-    """Return the SUMS of one picture by region.
-
-    They are its pixels, the squared sRGB error over pixels and channels, and the FLIP error.
-    Squared errors are summed in integers, so their order does not matter.
+    """Return the SUMS of one picture by region: squared sRGB errors as integers, and FLIP errors.
 
     shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
     Errors: InputError for sizes that do not belong together.

@@ -35,10 +35,7 @@ def names_in(folder: str, pattern: str = "*", without: Collection[str] = (), *, 
 
 @attrs.frozen
 class Number:
-    """Check that a value, or each of a tuple, is None, or finite and within the limits.
-
-    Errors: InputError.
-    """
+    """Check that a value, or each of a tuple, is None, or finite and within the limits."""
 
     least: float = 0.0
     most: float = math.inf
@@ -69,10 +66,8 @@ class Number:
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
     """Return the name and unit (" ms") by which the user knows a field."""
-    if _KEY not in field.metadata:
-        return field.name, ""
-    declared = option_of(field)
-    return declared.flag, f" {declared.unit}" if declared.unit else ""
+    declared = option_of(field) if _KEY in field.metadata else None
+    return (declared.flag, f" {declared.unit}".rstrip()) if declared else (field.name, "")
 
 
 def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], None]:
@@ -172,26 +167,18 @@ def option(
 ) -> Any:
     """Return an attrs field that is an option.
 
-    value: default of the field. valid, convert: validator and converter of the field. beside:
-    options that affect the same field, see Declared.values_of. about: attributes of Option; what
-    they leave out is that of the field: kind and default of its default (without one, the kind of
-    its annotation), the unit at the end of its name, the limits of `valid`.
+    value, valid, convert: default, validator and converter of the field. beside: options that
+    affect the same field, see Declared.values_of. about: attributes of Option; by default kind and
+    default are those of the value (without one, the kind of the annotation), the unit that at the
+    end of the name, the limits those of `valid`.
     """
     required = value is attrs.NOTHING
     kind = _Annotated if value is None or required else type(value)
     about = {"kind": kind, "default": None if required else value, "required": required, **about}
-
-    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
-        _of_its_kind(instance, field, value)
-        if valid is not None:
-            valid(instance, field, value)
-
-    return attrs.field(
-        default=value,
-        validator=valid if isinstance(valid, Number) else check,  # Number looks at the kind itself
-        converter=convert,
-        metadata={_KEY: (Option(help, **about), *beside)},
-    )
+    # Number looks at the kind itself, and option_of at its limits.
+    check = valid if isinstance(valid, Number) else [_of_its_kind, *([] if valid is None else [valid])]
+    metadata = {_KEY: (Option(help, **about), *beside)}
+    return attrs.field(default=value, validator=check, converter=convert, metadata=metadata)
 
 
 def group(kind: type[Declared]) -> Any:
@@ -231,14 +218,10 @@ def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> A
 
     default: in place of its own. about: attributes of Option that differ.
     """
-    if default is not None:
-        about = {"default": default, **about}
-    return attrs.field(
-        default=field.default if default is None else default,
-        validator=field.validator,
-        converter=field.converter,
-        metadata={_KEY: (attrs.evolve(option_of(field), **about), *field.metadata[_KEY][1:])},
-    )
+    about = about if default is None else {"default": default, **about}
+    value, metadata = field.default if default is None else default, field.metadata[_KEY]
+    metadata = {_KEY: (attrs.evolve(option_of(field), **about), *metadata[1:])}
+    return attrs.field(default=value, validator=field.validator, converter=field.converter, metadata=metadata)
 
 
 _KNOWN: dict[type[Declared], tuple[Option, ...]] = {}
@@ -276,7 +259,7 @@ class Declared:
         """Return the object for the options that were set; the others keep their defaults.
 
         said: values by option name, as the command line or a study's file reads them. fields: by
-        field name, overriding `said`. Errors: InputError for a value out of range.
+        field name, overriding `said`. Errors: InputError.
         """
         return cls(**{**cls.values_of(said), **fields})
 
@@ -298,8 +281,7 @@ class Declared:
                 values[field.name] = field.metadata[_GROUP].of(said)
             elif _KEY in field.metadata:
                 own = option_of(field)
-                value = said.get(own.name)
-                if value is not None:
+                if (value := said.get(own.name)) is not None:
                     values[field.name] = value if own.parse is None else own.parse(value)
         return values
 
@@ -328,10 +310,7 @@ def force_field(study: str = CONDITION) -> Any:
     return option(False, FORCE.help, study=study)
 
 
-Split = Callable[[str], list[str]]
-
-
-def split_values(text: str) -> list[str]:
+def _split_values(text: str) -> list[str]:
     """Return what stands between commas; a text that names a file is one value."""
     try:
         is_file = Path(text).exists()
@@ -350,7 +329,7 @@ def several(
     default: tuple[Any, ...],
     help: str = "",
     *,
-    split: Split = split_values,
+    split: Callable[[str], list[str]] = _split_values,
     each: Callable[[Any], Any] = lambda value: value,
     **about: Any,
 ) -> Any:
@@ -370,38 +349,25 @@ def several(
             raise InputError(f"{option_of(field).flag}: expected at least one value")
         return found
 
-    return option(
-        default,
-        f"{said}{shown}. For several, repeat it{' or use commas' if not about.get('positional') else ''}.",
-        **{
-            "name": one.name,
-            "kind": list,
-            "default": None,
-            "unit": one.unit,
-            "metavar": one.metavar or one.name.upper(),
-            "limits": one.limits,
-            "parse": lambda texts: [_value(one, part) for text in texts for part in split(text)],
-            "convert": attrs.Converter(distinct, takes_field=True),
-            "valid": field.validator,
-            **about,
-        },
-    )
+    def value_of(text: str) -> Any:
+        try:
+            return one.kind(text) if one.parse is None else one.parse(text)
+        except ValueError as error:
+            meaning = one.help[0].lower() + one.help[1:].removesuffix(".")
+            raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
+
+    usual = {"name": one.name, "kind": list, "default": None, "unit": one.unit, "limits": one.limits}
+    usual |= {"metavar": one.metavar or one.name.upper(), "valid": field.validator}
+    usual |= {"parse": lambda texts: [value_of(part) for text in texts for part in split(text)]}
+    usual |= {"convert": attrs.Converter(distinct, takes_field=True)}
+    commas = "" if about.get("positional") else " or use commas"
+    return option(default, f"{said}{shown}. For several, repeat it{commas}.", **{**usual, **about})
 
 
 def _text(value: Any) -> str:
     if isinstance(value, tuple):
         return "x".join(map(str, value))
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _value(one: Option, text: str) -> Any:
-    if one.parse is not None:
-        return one.parse(text)
-    try:
-        return one.kind(text)
-    except ValueError as error:
-        meaning = one.help[0].lower() + one.help[1:].removesuffix(".")
-        raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
 
 
 AUTO = "auto"
@@ -452,8 +418,7 @@ def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) 
 def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     """Return the field of `--guard`. It stands before that of `--rendered-size`.
 
-    default: a factor, or an attrs.Factory; then `more` says what it makes. more: what only some
-    commands take, added to the help that all share.
+    default: a factor, or an attrs.Factory, which `more` explains: added to the help that all share.
     """
     # No default on the command line, to tell a guard that was set from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
@@ -463,15 +428,12 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
 
 def rendered_size_field(heading: str = "") -> Any:
     """Return the field of `--rendered-size`. heading: as of Option."""
-    return option(
-        None,
+    help = (
         "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
-        "1.25x1.125, and 1.41 times the pixels.",
-        metavar="WxH",
-        heading=heading,
-        parse=partial(parse_size, flag="--rendered-size"),
-        valid=_check_rendered,
+        "1.25x1.125, and 1.41 times the pixels."
     )
+    parse = partial(parse_size, flag="--rendered-size")
+    return option(None, help, metavar="WxH", heading=heading, parse=parse, valid=_check_rendered)
 
 
 def check_one_guard(said: Mapping[str, Any]) -> None:
@@ -494,18 +456,15 @@ PAPER = ("paper/*.tex", "paper/*.csv", "paper/*.md", "paper/*.svg", "paper/*.pdf
 
 
 def _kinds(known: Sequence[str], flag: str) -> Any:
-    check = one_of(*known)
-
     def each(_: object, field: attrs.Attribute[Any], value: tuple[str, ...]) -> None:
         for kind in value if isinstance(value, tuple | list) else (value,):
-            check(None, field, kind)
+            one_of(*known)(None, field, kind)
 
-    names = " and ".join(filter(None, (", ".join(known[:-1]), known[-1])))
+    help = f"Also write the page's {flag} as files for a paper, into paper/: {listed(known)}, with commas."
+    about: dict[str, Any] = {"kind": str, "default": None, "name": flag, "metavar": "KIND,.."}
     return option(
-        (), f"Also write the page's {flag} as files for a paper, into paper/: {names}, with commas.", kind=str,
-        default=None, valid=each, parse=lambda text: tuple(filter(None, map(str.strip, text.split(",")))), name=flag,
-        metavar="KIND,..",
-    )  # fmt: skip
+        (), help, valid=each, parse=lambda text: tuple(filter(None, map(str.strip, text.split(",")))), **about
+    )
 
 
 @attrs.frozen
@@ -520,9 +479,6 @@ class PaperOptions(Declared):
     def is_wanted(self) -> bool:
         """Whether anything is."""
         return bool(self.tables or self.plots)
-
-
-_WANTED = {int: "a whole number", float: "a number"}
 
 
 @attrs.frozen
@@ -542,21 +498,15 @@ Entry = TypeVar("Entry", bound=HasSettings)
 
 @attrs.frozen
 class Choice(Generic[Entry]):
-    """An entry and its settings.
-
-    str() is the shortest equivalent text: settings at their defaults are left out.
-    """
+    """An entry and its settings; str() leaves out those at their defaults."""
 
     entry: type[Entry]
     settings: Any
 
     def __str__(self) -> str:
         default = self.entry.Settings()
-        changed = [
-            f"{field.name}={getattr(self.settings, field.name)}"
-            for field in attrs.fields(self.entry.Settings)
-            if getattr(self.settings, field.name) != getattr(default, field.name)
-        ]
+        said = {field.name: getattr(self.settings, field.name) for field in attrs.fields(self.entry.Settings)}
+        changed = [f"{name}={value}" for name, value in said.items() if value != getattr(default, name)]
         return f"{self.entry.name}:{','.join(changed)}" if changed else self.entry.name
 
 
@@ -573,10 +523,9 @@ def parse_choice(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
 
 
 def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
-    """Return the settings of a kind from 'key=value,key=value'.
+    """Return the settings of a kind from 'key=value,key=value'. Errors: InputError.
 
-    name: of what they belong to. named: that with its settings, as messages call it. Errors:
-    InputError for a setting that it lacks, or a bad value.
+    name: of what they belong to. named: that with its settings, as messages call it.
     """
     fields = {field.name: field for field in attrs.fields(kind)}
     kinds = get_type_hints(kind)
@@ -598,7 +547,7 @@ def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
         try:
             values[key] = kind_of(value.encode("ascii") if kind_of in (int, float) else value)
         except ValueError as error:
-            wanted = _WANTED.get(kind_of, kind_of.__name__)
+            wanted = {int: "a whole number", float: "a number"}.get(kind_of, kind_of.__name__)
             raise InputError(f"{named}: {key} is '{value}': expected {wanted}") from error
         if kind_of is float and not math.isfinite(values[key]):
             raise InputError(f"{named}: {key} is '{value}': expected a finite number")

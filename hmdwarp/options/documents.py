@@ -146,10 +146,7 @@ def quoted(value: object) -> str:
 
 
 class KeyFault(InputError):
-    """A wrong key in a file.
-
-    path: of the key from the top of the file: keys, and indices from 0 within arrays.
-    """
+    """A wrong key in a file; path: from the top, keys, and indices from 0 within arrays."""
 
     def __init__(self, text: str, path: KeyPath) -> None:
         super().__init__(text)
@@ -157,16 +154,13 @@ class KeyFault(InputError):
 
 
 class Table:
-    """A table of a TOML file.
+    """A table of a TOML file: `data` of tomllib, at `path` in the file.
 
-    Getters take a default for an optional key. Errors: KeyFault naming the key.
+    Getters take a default for an optional key. example: a file with all keys, for messages. Errors:
+    KeyFault naming the key.
     """
 
     def __init__(self, data: object, path: KeyPath = (), example: str = "") -> None:
-        """Wrap `data` of tomllib.
-
-        path: in the file. example: a file with all keys, for messages.
-        """
         self.path, self._example = path, example
         if not isinstance(data, dict):
             raise KeyFault(f"{_named(path)} is {quoted(data)}: expected a table of keys", path)
@@ -264,10 +258,7 @@ class Table:
         return self._data.get(key, default)
 
     def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
-        """Return an error about a key, or about this table where key is None.
-
-        within: path inside the key's value.
-        """
+        """Return an error about a key, or this table for None; within: path in the key's value."""
         path = self.path if key is None else (*self.path, key)
         return KeyFault(f"{_named(path)} {says}".lstrip(), (*path, *within))
 
