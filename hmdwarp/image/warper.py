@@ -41,7 +41,6 @@ from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .auto import AutoCompensator, plans_of_levels
 from .layer_arrays import CallerLayers, with_panel_effects, with_panels
 from .picture_arrays import (
     RawPicture,
@@ -55,7 +54,7 @@ from .picture_arrays import (
     without_hidden,
 )
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
-from .usable import plan_of
+from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
