@@ -32,9 +32,8 @@ from ..pipeline.channel import Changes, Channel
 from ..pipeline.frame_coder import Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
-from ..pipeline.options import PREDICTED_GAZE, PipelineOptions
+from ..pipeline.options import PREDICTED_GAZE, REMOTE, SERVER_SCENE, PipelineOptions
 from ..pipeline.proxy import source_of
-from ..pipeline.proxy_options import REMOTE, SERVER_SCENE
 from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import (
     check_held,
