@@ -95,30 +95,18 @@ _STAGES = slice(_FIRST, _FIRST + len(STAGE_COLUMNS))
 assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
 
 
-@attrs.define(eq=False)
+@attrs.frozen(eq=False)
 class Moment:
-    """One refresh, except for the times of each eye's passes.
+    """One refresh, except for the times of each eye's passes."""
 
-    None: not known, or not defined for the first picture.
-    """
-
-    frame: int
-    # Since the start of the trace or the first picture.
-    time_s: float
-    shown_ns: int
-    drawn_ns: int
+    # The columns that figures and charts use, by name; None: not known, or not defined for the
+    # first picture.
+    figures: Row
     # See Frame.
     shows_ns: int
-    age_ms: float
-    # From reading the head pose to submitting the picture.
-    pose_age_ms: float | None
-    # Angular in deg/s, linear in m/s.
-    speeds: Speeds
+    # The head as it was shown, and that which the frame was drawn for.
     shown: PoseSample
-    # The head pose that the frame was drawn for.
     drawn: PoseSample | None
-    warp: str
-    fill: str
     # How many eyes were shown.
     eyes: int
 
@@ -131,39 +119,23 @@ class Moment:
         start_ns: the origin of time. submitted_ns: when the picture was submitted to a display.
         """
         head, frame, plan = refresh.head, refresh.frame, refresh.plan
-        read = submitted_ns is not None and head.read_ns is not None
-        return cls(
-            number,
-            (refresh.shown_ns - start_ns) * 1e-9,
-            refresh.shown_ns,
-            frame.drawn_ns,
-            frame.shows_ns,
-            refresh.age_ns * 1e-6,
-            (submitted_ns - head.read_ns) * 1e-6 if read else None,  # type: ignore[operator]
-            speeds,
-            head,
-            frame.head,
-            str(plan.choice),
-            plan.fill,
-            len(refresh.eyes),
-        )
-
-    def figures(self) -> Row:
-        """Return the columns that figures and charts use, by name."""
-        turning, moving = self.speeds
-        return {
-            "frame": self.frame,
-            "time_s": self.time_s,
-            "shown_ns": self.shown_ns,
-            "drawn_ns": self.drawn_ns,
-            "age_ms": self.age_ms,
-            "pose_age_ms": self.pose_age_ms,
-            "pose_origin": self.shown.origin.name.lower(),
-            "angular_speed_deg_s": turning,
-            "linear_speed_m_s": moving,
-            "warp": self.warp,
-            "fill": self.fill,
+        figures = {
+            "frame": number,
+            "time_s": (refresh.shown_ns - start_ns) * 1e-9,
+            "shown_ns": refresh.shown_ns,
+            "drawn_ns": frame.drawn_ns,
+            "age_ms": refresh.age_ns * 1e-6,
+            # From reading the head pose to submitting the picture.
+            "pose_age_ms": None
+            if submitted_ns is None or head.read_ns is None
+            else (submitted_ns - head.read_ns) * 1e-6,
+            "pose_origin": head.origin.name.lower(),
+            "angular_speed_deg_s": speeds[0],
+            "linear_speed_m_s": speeds[1],
+            "warp": str(plan.choice),
+            "fill": plan.fill,
         }
+        return cls(figures, frame.shows_ns, head, frame.head, len(refresh.eyes))
 
     def poses(self) -> Row:
         """Return the columns of both poses, by name."""
@@ -188,7 +160,7 @@ def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: S
 
     stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels.
     """
-    columns = {**moment.figures(), **moment.poses()}
+    columns = {**moment.figures, **moment.poses()}
     fields = [_text(columns.get(name)) for name in FRAME_COLUMNS]
     lines = []
     for eye in range(moment.eyes):
@@ -244,9 +216,8 @@ class ReplayLog:
         self.moments.append(moment)
         self.responses.append(refresh.response)
         self.timeline.add(refresh)
-        figures = moment.figures()
         for eye, stages in enumerate(refresh.stage_ms):
-            self.rows.append({**figures, "eye": eye, **stage_columns(stages)})
+            self.rows.append({**moment.figures, "eye": eye, **stage_columns(stages)})
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
         """Add the figures of the measured refreshes, by (frame, eye)."""

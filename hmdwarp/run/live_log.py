@@ -300,52 +300,6 @@ class Thinned:
         return kept
 
 
-class Events:
-    """Events of a run: changes by the user and by warp "auto", notices, losses of the display."""
-
-    def __init__(self) -> None:
-        # Settings as [before, after] by name, with the time of the last picture before the change.
-        self.changes: list[dict[str, Any]] = []
-        self.notices: Counter[str] = Counter()
-        # Reason and duration.
-        self.lost: list[dict[str, Any]] = []
-        self.change_count = 0
-        self._lost_at: float | None = None
-
-    def changed(
-        self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str
-    ) -> None:
-        """Add a change of settings. frame, time_s: of the last picture."""
-        what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
-        if what:
-            self.change_count += 1
-            if len(self.changes) < MOST_EVENTS:
-                self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason})
-
-    def noticed(self, notice: str) -> None:
-        """Count a notice shown over a picture."""
-        self.notices[notice if notice in self.notices or len(self.notices) < _MOST_NOTICES else _MORE] += 1
-
-    def on_display_lost(self, frame: int, time_s: float, why: str) -> None:
-        self._lost_at = time.monotonic()
-        if len(self.lost) < MOST_EVENTS:
-            self.lost.append({"time_s": time_s, "frame": frame, "why": why, "away_s": None})
-
-    def came_back(self) -> None:
-        if self._lost_at is not None and self.lost:
-            self.lost[-1]["away_s"] = time.monotonic() - self._lost_at
-        self._lost_at = None
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return its part of summary.json."""
-        return {
-            "changes": self.changes,
-            "change_count": self.change_count,
-            "notices": dict(self.notices.most_common()),
-            "lost": self.lost,
-        }
-
-
 class FrameFates:
     """Fates of the frames, over all links of a run in succession."""
 
@@ -494,7 +448,12 @@ class LiveLog:
             self._pictures = Pictures(self._out, options.images_every)
         # One row for each refresh, under COLUMNS.
         self._times = Thinned(COLUMNS)
-        self._events, self._pauses, self._fates = Events(), Pauses(), FrameFates()
+        self._pauses, self._fates = Pauses(), FrameFates()
+        # Changes by the user and by warp "auto": settings as [before, after] by name, with the time
+        # of the last picture before; notices over pictures; losses of the display, and how long.
+        self._changes: list[dict[str, Any]] = []
+        self._change_count, self._notices, self._lost = 0, Counter[str](), list[dict[str, Any]]()
+        self._lost_at: float | None = None
         self._misses, self._answers = MissTally(), Answers()
         # Refreshes: passed without a new picture, after the first one; before the first frame
         # arrived; while the display was not visible; whose passes and drawing together took longer
@@ -544,9 +503,15 @@ class LiveLog:
         """Log a change of options."""
         if self._running is None:
             return
-        now = host.values()
-        self._events.changed(self.count - 1, self._last_s, self._running.values, now, "manual")
-        self._running.values = now
+        before, self._running.values = self._running.values, host.values()
+        self._changed(before, self._running.values, "manual")
+
+    def _changed(self, before: Mapping[str, object], after: Mapping[str, object], reason: str) -> None:
+        what = {name: [before.get(name), value] for name, value in after.items() if before.get(name) != value}
+        self._change_count += bool(what)
+        if what and len(self._changes) < MOST_EVENTS:
+            about = {"time_s": self._last_s, "frame": self.count - 1}
+            self._changes.append({**about, "what": what, "reason": reason})
 
     def acted(self, event: InputEvent) -> None:
         """Log what somebody did in the scene."""
@@ -554,12 +519,15 @@ class LiveLog:
 
     def on_display_lost(self, why: str) -> None:
         """Log the loss of the display."""
-        self._events.on_display_lost(self.count - 1, self._last_s, why)
-        self._submitted_ns = None
+        self._lost_at, self._submitted_ns = time.monotonic(), None
+        if len(self._lost) < MOST_EVENTS:
+            self._lost.append({"time_s": self._last_s, "frame": self.count - 1, "why": why, "away_s": None})
 
     def came_back(self) -> None:
         """Log the return of the display."""
-        self._events.came_back()
+        if self._lost_at is not None and self._lost:
+            self._lost[-1]["away_s"] = time.monotonic() - self._lost_at
+        self._lost_at = None
 
     def add(self, tick: Tick, refresh: Refresh | None, submitted_ns: int, notice: str) -> None:
         """Log a submitted refresh."""
@@ -580,7 +548,8 @@ class LiveLog:
                 self._misses.add(True, off)
         status.missed, status.notice = counts["missed"], notice
         if notice:
-            self._events.noticed(notice)
+            is_known = notice in self._notices or len(self._notices) < _MOST_NOTICES
+            self._notices[notice if is_known else _MORE] += 1
         before_ns, self._submitted_ns = self._submitted_ns, None if refresh is None else submitted_ns
         if refresh is None:
             counts["waiting" if tick.render else "unseen"] += 1
@@ -593,9 +562,9 @@ class LiveLog:
         self._answers.see(refresh.shown_ns, refresh.frame.shows_ns)
         moment = Moment.of(self.count, refresh, self._first_ns, speeds_between(shown, refresh), submitted_ns)
         period_ms = math.nan if before_ns is None else (submitted_ns - before_ns) * 1e-6
-        status.age_ms.append(moment.age_ms)
-        if moment.pose_age_ms is not None:
-            status.pose_age_ms.append(moment.pose_age_ms)
+        status.age_ms.append(moment.figures["age_ms"])
+        if (pose_age_ms := moment.figures["pose_age_ms"]) is not None:
+            status.pose_age_ms.append(pose_age_ms)
         if before_ns is not None:
             status.period_ms.append(period_ms)
         if self._out is not None:
@@ -607,7 +576,7 @@ class LiveLog:
             running.auto, running.auto_changes = auto, 0
         for change in auto.changes[running.auto_changes :] if auto is not None else ():
             before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
-            self._events.changed(self.count - 1, self._last_s, before, after, change.reason)
+            self._changed(before, after, change.reason)
             running.auto_changes += 1
         self.count += 1
 
@@ -633,9 +602,9 @@ class LiveLog:
         status.holes.append(sum(known) / len(known) if len(known) == len(holes) else math.nan)
         self._counts["timed"] += 1
         self._counts["over"] += render_ms + passes_ms > status.budget_ms
-        pose_age_ms, busy_ms = moment.pose_age_ms, render_ms + passes_ms
-        shared = (moment.time_s, moment.age_ms, pose_age_ms, period_ms, *moment.speeds, render_ms, busy_ms)
-        row: list[float | None] = [*shared]
+        own = {"period_ms": period_ms, "render_ms": render_ms, "busy_ms": render_ms + passes_ms}
+        columns = {**moment.figures, **own}
+        row: list[float | None] = [columns[name] for name in SHARED]
         for stage, share in zip(stages, holes, strict=True):
             row += [*stage, share]
         self._times.add([math.nan if v is None else v for v in (*row, *(_NO_EYE if len(stages) == 1 else ()))])
@@ -700,7 +669,7 @@ class LiveLog:
         both = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
         refresh = {"render": render, **{name.removesuffix("_ms"): values for name, values in both.items()}}
         refresh["total"] = render + refresh["total"]
-        live = {
+        live: dict[str, Any] = {
             "source": running.source,
             "about": running.about,
             "record": str(options.record) if options.record is not None else None,
@@ -710,7 +679,10 @@ class LiveLog:
             **{name: middle_and_tail(times.measured(name)) for name in ("age_ms", "pose_age_ms", "period_ms")},
             "budget_ms": budget_ms,
             "refresh_ms": {name: middle_and_tail(values) for name, values in refresh.items()},
-            **self._events.as_dict(),
+            "changes": self._changes,
+            "change_count": self._change_count,
+            "notices": dict(self._notices.most_common()),
+            "lost": self._lost,
             "garbage_collector": {"between": options.collect, **self._pauses.as_dict()},
             "sampled_every": times.every,
         }
@@ -728,14 +700,14 @@ class LiveLog:
         return {**running.facts, "frames": self.count, **more}
 
     def _notes(self) -> list[str]:
-        notes, events = [], self._events
-        if events.change_count:
-            times = "once" if events.change_count == 1 else f"{events.change_count} times"
+        notes = []
+        if self._change_count:
+            times = "once" if self._change_count == 1 else f"{self._change_count} times"
             notes.append(
                 f"Settings were changed {times} while it ran. Figures are over all of it; frames.csv has each one's "
                 "warp and fill."
             )
-        for lost in events.lost[:5]:
+        for lost in self._lost[:5]:
             away = "and did not come back" if lost["away_s"] is None else f"for {lost['away_s']:.1f} s"
             notes.append(f"The display went away at {lost['time_s']:.2f} s {away}: {lost['why']}")
         if self._out is not None and self._pictures.count:

@@ -174,7 +174,7 @@ def result_of(
         for event in setup.source.scene.inputs:
             log.answers.add(event)
         for moment in log.moments:
-            log.answers.see(moment.shown_ns, moment.shows_ns)
+            log.answers.see(moment.figures["shown_ns"], moment.shows_ns)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -185,7 +185,7 @@ def result_of(
         "timeline": log.timeline.as_list(),
     }
     summary |= more
-    shown = [(moment.shown_ns, moment.shown.pose) for moment in log.moments]
+    shown = [(moment.figures["shown_ns"], moment.shown.pose) for moment in log.moments]
     facts, about = setup.server.truth_facts(shown, without_truth, setup.pixels_per_degree, own_head=not options.trace)
     summary |= facts
     if about:

@@ -220,7 +220,7 @@ MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 
 @functools.cache
-def _examined() -> tuple[dict[str, Any], float]:
+def examined() -> tuple[dict[str, Any], float]:
     """Return what bench.json says of this machine, and most_bytes: once in each process."""
     with Gpu() as gpu:
         clocks = check_clocks(gpu.gl, gpu.timer.clock)
@@ -252,7 +252,7 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
     """Time and measure all combinations of a case; return the machine and ROWS."""
     work: BenchCase = prepared(case.what)
     options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
-    about, most = _examined()
+    about, most = examined()
     seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
     chosen = work.batched(most)
     rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
@@ -263,14 +263,14 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
 
     rows: list[tuple[Combination, dict[str, Any]]] = []
     for batch in chosen:
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+        with work.set_up(batch) as setup:
             comparison = Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
     ratings: dict[tuple[str, ...], dict[str, Any]] = {}
     for batch in rated:  # after all times: no timed run has these refreshes between its own
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
+        with work.set_up(batch) as setup:
             found = rate_clips(setup, batch, options.instants, steps)
         ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
     measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]

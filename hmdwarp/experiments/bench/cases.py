@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from ...client.effects import effects
-from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
+from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan, needs_of
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
@@ -27,7 +27,7 @@ from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_traces_of_one_name
-from ...run.run import first_shown_s, schedule_for, schedule_of
+from ...run.run import ReplayRun, first_shown_s, schedule_for, schedule_of, set_up_replay
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions
@@ -245,6 +245,10 @@ class BenchCase:
         (one,) = batch
         of = {"strategy": one.strategy} if one.strategy else {"warp": one.warp, "fill": one.fill}
         return own_run(self.options, self.case, **of)
+
+    def set_up(self, batch: Sequence[Combination]) -> ReplayRun:
+        """Return the set-up of that run, with frames for all of the batch."""
+        return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
 
     def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together, each with some pictures."""

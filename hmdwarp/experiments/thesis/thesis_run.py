@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import functools
-import platform
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -15,9 +13,8 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...gpu import Gpu
 from ...report import jpeg_bytes, plain, render_thesis_page
-from ...run.run_summary import machine_of
+from ..bench.bench_run import examined
 from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
 from .experiment import (
     QUICK_SCALE,
@@ -76,8 +73,7 @@ def run_thesis(
     pictured: set[Run] = {run for each in experiments() for run in each.pictures}
     cases = cases_of(runs, pictured, how)
 
-    work = ThesisWork(runs, ratings)
-    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
+    with experiment(options, FILES, ThesisWork(runs, ratings), cases, progress, say) as (out, swept, described):
         made_on = swept.rows(lambda data: (data,))[0]
         figures = figures_by_run(swept.results())
         judged = [judge(each, figures) for each in chosen]
@@ -142,58 +138,50 @@ class ThesisWork:
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
         """Open a folder for the traces of heads."""
-        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-            yield _Runner(self, Path(name))
-
-
-@functools.cache
-def _examined() -> dict[str, Any]:
-    """Return what this machine is, found out once in each process."""
-    with Gpu() as gpu:
-        return {"machine": {**machine_of(gpu), "host": platform.node()}, "clock": gpu.timer.clock}
-
-
-class _Runner:
-    """Runs one case after the other; what was looked at together waits for its turn."""
-
-    def __init__(self, work: ThesisWork, folder: Path) -> None:
-        self._work, self._folder = work, folder
-        self._looked: dict[Run, Looked] = {}
+        # What was looked at together waits for its turn.
+        looked: dict[Run, Looked] = {}
         # Frames on which not all could be looked at: there each is looked at by itself.
-        self._apart: set[Any] = set()
+        apart: set[Any] = set()
 
-    def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
-        part: ThesisPart = case.what
-        machine, run, files = _examined(), part.run, dict[str, bytes]()
-        if isinstance(run, PictureRun):
-            looked = self._look(run, part.how)
-            figures = looked.figures
-            if run.timed and machine["clock"] == "gpu":
-                (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, self._folder)
-                figures = beyond(figures, least.figures)
-            files = {PICTURE: jpeg_bytes(looked.picture), TRUTH: jpeg_bytes(looked.truth)}
-        elif isinstance(run, StreamRun):
-            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
-            files = {TIMELINE: drawn.encode()}
-        elif isinstance(run, RatingsRun):
-            figures = self._work.ratings(run.part, run.latency_ms)
-        else:
-            figures = {"value": FACTS[run.fact]()}
-        return Result({**machine, "figures": figures}, files if part.is_pictured else {})
+        def look_at(run: PictureRun, how: Thoroughness) -> Looked:
+            frames = _frames(run)
+            if run not in looked:
+                together = [each for each in self.runs if isinstance(each, PictureRun) and _frames(each) == frames]
+                chosen = [run] if frames in apart else together
+                try:
+                    found: dict[Run, Looked] = {each.run: each for each in look(chosen, how, folder)}
+                except Exception:
+                    if len(chosen) == 1:
+                        raise
+                    apart.add(frames)  # one of them is at fault: the others go on
+                    return look_at(run, how)
+                looked.clear()
+                looked.update(found)
+            return looked[run]
 
-    def _look(self, run: PictureRun, how: Thoroughness) -> Looked:
-        frames = _frames(run)
-        if run not in self._looked:
-            together = [each for each in self._work.runs if isinstance(each, PictureRun) and _frames(each) == frames]
-            chosen = [run] if frames in self._apart else together
-            try:
-                self._looked = {looked.run: looked for looked in look(chosen, how, self._folder)}
-            except Exception:
-                if len(chosen) == 1:
-                    raise
-                self._apart.add(frames)  # one of them is at fault: the others go on
-                return self._look(run, how)
-        return self._looked[run]
+        def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
+            part: ThesisPart = case.what
+            run, files = part.run, dict[str, bytes]()
+            about = {key: examined()[0][key] for key in ("machine", "clock")}
+            if isinstance(run, PictureRun):
+                found = look_at(run, part.how)
+                figures = found.figures
+                if run.timed and about["clock"] == "gpu":
+                    (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
+                    figures = beyond(figures, least.figures)
+                files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
+            elif isinstance(run, StreamRun):
+                figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
+                files = {TIMELINE: drawn.encode()}
+            elif isinstance(run, RatingsRun):
+                figures = self.ratings(run.part, run.latency_ms)
+            else:
+                figures = {"value": FACTS[run.fact]()}
+            return Result({**about, "figures": figures}, files if part.is_pictured else {})
+
+        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
+            folder = Path(name)
+            yield runner
 
 
 def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
@@ -249,10 +237,17 @@ def csv_rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def _pictures(chosen: Sequence[Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
     """Return (caption, data URI or <svg> element) of each experiment's pictures, by its name."""
+    from PIL import Image
+
     done = {case.what.run: case.identity for case in swept.done}
 
     def file(run: Run, name: str) -> Path:
         return swept.kept.file(done[run], name)
+
+    def uri(run: Run, name: str) -> str:
+        picture = Image.open(file(run, name))
+        picture.thumbnail((PAGE_WIDTH, PAGE_WIDTH), Image.Resampling.LANCZOS)
+        return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(picture))).decode()}"
 
     found: dict[str, list[tuple[str, str]]] = {}
     for each in chosen:
@@ -260,17 +255,8 @@ def _pictures(chosen: Sequence[Experiment], swept: Swept) -> dict[str, list[tupl
         pictures = [run for run in known if isinstance(run, PictureRun)]
         truths = {(run.scene, run.motion): run for run in pictures}.values()
         found[each.name] = [
-            *((run.caption, _uri(file(run, PICTURE))) for run in pictures),
-            *((f"what should be seen: {run.motion}", _uri(file(run, TRUTH))) for run in truths),
+            *((run.caption, uri(run, PICTURE)) for run in pictures),
+            *((f"what should be seen: {run.motion}", uri(run, TRUTH)) for run in truths),
             *((run.caption, file(run, TIMELINE).read_text("utf-8")) for run in known if isinstance(run, StreamRun)),
         ]
     return found
-
-
-def _uri(path: Path) -> str:
-    """Return a picture at most PAGE_WIDTH pixels wide."""
-    from PIL import Image
-
-    picture = Image.open(path)
-    picture.thumbnail((PAGE_WIDTH, PAGE_WIDTH), Image.Resampling.LANCZOS)
-    return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(picture))).decode()}"
