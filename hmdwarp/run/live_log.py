@@ -34,17 +34,7 @@ from ..pipeline.loop import Refresh
 from ..poses import quaternions
 from ..report import OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
-from .frame_rows import (
-    HEADER,
-    NOT_KNOWN,
-    STAGE_COLUMNS,
-    Answers,
-    Moment,
-    Timeline,
-    rows_text,
-    speeds_between,
-    stage_columns,
-)
+from . import frame_rows
 from .options import OPENXR, LiveOptions
 from .recorder import Lines
 from .run_summary import EYES, OWNED, summary_of
@@ -252,9 +242,9 @@ MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
 MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second
 _MOST_NOTICES = 50  # different ones
 _MORE = "others"
-OF_EYE = (*STAGE_COLUMNS, "hole_share")
+OF_EYE = (*frame_rows.STAGE_COLUMNS, "hole_share")
 _NO_EYE = (math.nan,) * len(OF_EYE)  # columns of an absent eye
-_STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
+_STAGES = tuple(name.removesuffix("_ms") for name in frame_rows.STAGE_COLUMNS[:-1])
 SHARED = (
     *("time_s", "age_ms", "pose_age_ms", "period_ms", "angular_speed_deg_s", "linear_speed_m_s"),
     *("render_ms", "busy_ms"),
@@ -307,14 +297,14 @@ class FrameFates:
         self._past: Counter[str] = Counter()
         self._channel: Channel | None = None
         self._responses = Thinned(_RESPONSE)
-        self._timeline = Timeline()
+        self._timeline = frame_rows.Timeline()
         self._seen = 0
 
     def follow(self, channel: Channel) -> None:
         """Count on this channel from now on; the previous one is closed."""
         if channel is self._channel:
             return
-        self._timeline = Timeline()
+        self._timeline = frame_rows.Timeline()
         if self._channel is not None:
             self._past.update(self._channel.fates())
         self._channel = channel
@@ -454,7 +444,7 @@ class LiveLog:
         self._changes: list[dict[str, Any]] = []
         self._change_count, self._notices, self._lost = 0, Counter[str](), list[dict[str, Any]]()
         self._lost_at: float | None = None
-        self._misses, self._answers = MissTally(), Answers()
+        self._misses, self._answers = MissTally(), frame_rows.Answers()
         # Refreshes: passed without a new picture, after the first one; before the first frame
         # arrived; while the display was not visible; whose passes and drawing together took longer
         # than a refresh, out of `timed`.
@@ -466,7 +456,7 @@ class LiveLog:
         self._first_ns = 0
         self._submitted_ns: int | None = None
         # The entry still to be logged: its times are known at the next refresh.
-        self._pending: tuple[Moment, Refresh, float] | None = None
+        self._pending: tuple[frame_rows.Moment, Refresh, float] | None = None
         self._summary: dict[str, Any] = {}
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
@@ -492,7 +482,7 @@ class LiveLog:
         )
         self.status.budget_ms = 1e3 / display.rate_hz
         if self._out is not None:
-            self._rows.add(HEADER)
+            self._rows.add(frame_rows.HEADER)
 
     @property
     def _last_s(self) -> float:
@@ -560,7 +550,9 @@ class LiveLog:
             # Not sooner: GarbageControl starts with a large collection.
             self._pauses.start()
         self._answers.see(refresh.shown_ns, refresh.frame.shows_ns)
-        moment = Moment.of(self.count, refresh, self._first_ns, speeds_between(shown, refresh), submitted_ns)
+        moment = frame_rows.Moment.of(
+            self.count, refresh, self._first_ns, frame_rows.speeds_between(shown, refresh), submitted_ns
+        )
         period_ms = math.nan if before_ns is None else (submitted_ns - before_ns) * 1e-6
         status.age_ms.append(moment.figures["age_ms"])
         if (pose_age_ms := moment.figures["pose_age_ms"]) is not None:
@@ -592,7 +584,7 @@ class LiveLog:
         if self._pending is None:
             return
         (moment, refresh, period_ms), self._pending = self._pending, None
-        stages = [tuple(stage_columns(of_eye).values()) for of_eye in refresh.stage_ms]
+        stages = [tuple(frame_rows.stage_columns(of_eye).values()) for of_eye in refresh.stage_ms]
         holes = self._running.holes.shares() or (None,) * moment.eyes
         render_ms = sum(ms for _, ms in refresh.frame.drawing.read()) if refresh.frame.drawing is not None else 0.0
         passes_ms = sum(stage[-1] for stage in stages)
@@ -610,7 +602,7 @@ class LiveLog:
         self._times.add([math.nan if v is None else v for v in (*row, *(_NO_EYE if len(stages) == 1 else ()))])
         self._fates.add(refresh)
         if self._out is not None:
-            self._rows.add(rows_text(moment, stages, holes))
+            self._rows.add(frame_rows.rows_text(moment, stages, holes))
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
@@ -650,7 +642,7 @@ class LiveLog:
     def _write(self, out: OutputFolder, running: _Running) -> None:
         if self._pending is not None:  # the GPU went away before its times could be read
             moment = self._pending[0]
-            self._rows.add(rows_text(moment, [NOT_KNOWN] * moment.eyes, (None,) * moment.eyes))
+            self._rows.add(frame_rows.rows_text(moment, [frame_rows.NOT_KNOWN] * moment.eyes, (None,) * moment.eyes))
         try:
             self._rows.close()
         finally:
@@ -666,7 +658,10 @@ class LiveLog:
         of_eyes = {name: times.measured(*(f"{name}/{eye}" for eye in (0, 1))) for name in OF_EYE}
         seconds, render = times.column("time_s"), times.column("render_ms")
         # All eyes together: drawing, each stage, and the sum.
-        both = {name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0) for name in STAGE_COLUMNS}
+        both = {
+            name: np.nansum([times.column(f"{name}/{eye}") for eye in (0, 1)], axis=0)
+            for name in frame_rows.STAGE_COLUMNS
+        }
         refresh = {"render": render, **{name.removesuffix("_ms"): values for name, values in both.items()}}
         refresh["total"] = render + refresh["total"]
         live: dict[str, Any] = {

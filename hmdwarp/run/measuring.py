@@ -15,6 +15,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import metrics
 from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import History, PassInputs
 from ..client.plan import Plan, build_plan, needs_of
@@ -26,21 +27,7 @@ from ..frames.layers import PICTURE, Layer, layers
 from ..geometry import Fov, View, WarpMap, gaze_tangent, looking
 from ..gpu.textures import Canvas, download, flip_rows, upload
 from ..link import Link, LinkOptions, Pacer
-from ..metrics import (
-    LEAST_STEP,
-    RELATIVE_STEP,
-    Clips,
-    Compared,
-    Mismatch,
-    QualityJob,
-    QualityPool,
-    SharedSurface,
-    ShownOn,
-    block_means,
-    error_image,
-    pixel_centres,
-    psnr,
-)
+from ..metrics import psnr
 from ..options import Choice, NoSettings
 from ..pipeline.frame_coder import Reads
 from ..pipeline.loop import Loop, Refresh
@@ -454,7 +441,7 @@ def from_late(
     """
     height, width = true_depth.shape
     high, wide = late_depth.shape
-    centres = pixel_centres(slice(0, height), width)
+    centres = metrics.pixel_centres(slice(0, height), width)
     with np.errstate(invalid="ignore"):
         place, expected, w = mapping.apply(centres, flip_rows(true_depth).astype(np.float64))
         place, expected = flip_rows(place), flip_rows(expected)
@@ -467,7 +454,7 @@ def from_late(
     shares = [(1 - below) * (1 - right), (1 - below) * right, below * (1 - right), below * right]
     both = np.dstack([late, late_depth]).astype(np.float64)
     found = np.sum([share[..., None] * both[corner] for share, corner in zip(shares, corners, strict=True)], axis=0)
-    same = np.abs(found[..., 3] - expected) <= RELATIVE_STEP * expected + LEAST_STEP
+    same = np.abs(found[..., 3] - expected) <= metrics.RELATIVE_STEP * expected + metrics.LEAST_STEP
     return found[..., :3], inside & same
 
 
@@ -550,22 +537,22 @@ class SideBySide:
         """Return what an eye should see in the middle of a refresh."""
         return draw_truth(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
 
-    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[Compared]:
+    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[metrics.Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
         shown = []
         for compensator in self.compensators:
             result = compensator.run(self.inputs(compensator, refresh)[eye])
-            shown.append(Compared(shown_picture(result), truth.picture, result.view))
+            shown.append(metrics.Compared(shown_picture(result), truth.picture, result.view))
         self._setup.target.gpu.timer.collect()
         return shown
 
 
-def clips_of(setup: ReplayRun) -> Clips:
+def clips_of(setup: ReplayRun) -> metrics.Clips:
     """Return what rates clips of the run's length. Errors: as Clips."""
     headset = setup.source.headset
     given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
     known = {name: value for name, value in given.items() if value is not None}
-    return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
+    return metrics.Clips(setup.options.jod_s, metrics.ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
 
 
 def clips_before(instants: Sequence[int], length: int) -> dict[int, int]:
@@ -619,7 +606,7 @@ class Measured:
     # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
     keys: list[PictureKey] = attrs.field(factory=list)
-    mismatch: list[Mismatch] = attrs.field(factory=list)
+    mismatch: list[metrics.Mismatch] = attrs.field(factory=list)
     # Of each measured picture, by its refresh: see metrics.block_means.
     blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
     # Of each, where the late frame saw what the eye should see: pixels of the picture, those seen,
@@ -636,7 +623,7 @@ class Comparison:
     """
 
     def __init__(
-        self, setup: ReplayRun, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int
+        self, setup: ReplayRun, case: Case, combinations: Sequence[Combination], pool: metrics.QualityPool, rounds: int
     ) -> None:
         self._setup, self._case, self._pool, self._rounds = setup, case, pool, rounds
         self.measured = [Measured(combination) for combination in combinations]
@@ -647,7 +634,7 @@ class Comparison:
     def run(self, instants: int, step: Callable[[], None]) -> None:
         """Visit that many refreshes, calling step() after each. Free what was allocated here."""
         turns = {number: turn for turn, number in enumerate(instants_of(self._setup.schedule.count, instants))}
-        before: list[Compared] = []
+        before: list[metrics.Compared] = []
         neighbours = {number - 1 for number in turns}
         with self._beside as beside:
             for number, refresh in beside.refreshes({*turns, *neighbours, *beside.run_in(turns)}):
@@ -680,7 +667,7 @@ class Comparison:
                         self.measured[index].times.append(row)
             self._turn += round_number >= 0
 
-    def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
+    def _measure(self, number: int, refresh: Refresh, eye: int, before: list[metrics.Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
         truths = [self._beside.truth(inputs) for inputs in refresh.inputs]
         shared = None  # with one eye nothing is seen by both
@@ -688,10 +675,10 @@ class Comparison:
             left, right = (inputs.shown for inputs in refresh.inputs)
             near, other = (truth.inverse_depth for truth in truths)
             assert near is not None and other is not None
-            shared = SharedSurface(left, right, near, other)
+            shared = metrics.SharedSurface(left, right, near, other)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
-        handed_in: dict[str, list[tuple[PictureKey, QualityJob]]] = {}
+        handed_in: dict[str, list[tuple[PictureKey, metrics.QualityJob]]] = {}
         warps = [each.combination.warp for each in self.measured]
         seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
@@ -702,12 +689,12 @@ class Comparison:
                 measured.mismatch.append(shared.compare(*coverages[warp]))
             shown = shown_picture(results[eye])
             if seen is not None:
-                error = error_image(shown[seen], truth.picture[seen])
+                error = metrics.error_image(shown[seen], truth.picture[seen])
                 measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
-            now, previous = Compared(shown, truth.picture, results[eye].view), before[index] if before else None
+            now, previous = metrics.Compared(shown, truth.picture, results[eye].view), before[index] if before else None
             form = (truth.inverse_depth, rendered.view, rendered.size)
-            job = QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
-            measured.blocks[number] = block_means(job.now.shown)
+            job = metrics.QualityJob(now, previous, coverages[warp][eye], *form, regions=True)
+            measured.blocks[number] = metrics.block_means(job.now.shown)
             same = next((key for key, other in handed_in.get(warp, []) if _same_pictures(job, other)), None)
             key = same or (self._case, warp, measured.combination.fill, number, eye)
             measured.keys.append(key)
@@ -716,7 +703,7 @@ class Comparison:
                 self._setup.hand_in(self._pool, key, job)
 
 
-def _same_pictures(one: QualityJob, other: QualityJob) -> bool:
+def _same_pictures(one: metrics.QualityJob, other: metrics.QualityJob) -> bool:
     """Return whether two fills gave identical pictures, so that one measurement serves both."""
     pairs = ((one.now, other.now), (one.previous, other.previous))
     return all(np.array_equal(a.shown, b.shown) for a, b in pairs if a and b)
@@ -735,7 +722,7 @@ class NearGaze:
     _psnr_db: list[float] = attrs.field(factory=list)
     _off_deg: list[float] = attrs.field(factory=list)
 
-    def add(self, now: Compared, shown: View, rendered: View) -> None:
+    def add(self, now: metrics.Compared, shown: View, rendered: View) -> None:
         """Add a picture. shown: of the eye, with its gaze at that instant. rendered: drawn."""
         near = flip_rows(near_gaze(shown, now.shown.shape[1::-1]))
         if near.any():  # as a picture one pixel high
@@ -782,7 +769,7 @@ class Probe:
     before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(self, setup: ReplayRun, pool: QualityPool) -> None:
+    def __init__(self, setup: ReplayRun, pool: metrics.QualityPool) -> None:
         self._setup, self.pool = setup, pool
         self._every, images = setup.options.metrics_every, setup.options.images
         # One of so many measured pictures is kept, for about options.images of them.
@@ -800,7 +787,7 @@ class Probe:
         # Rates all pictures; None where the options do not ask for it.
         self.clips = clips_of(setup) if setup.options.jod_s else None
         self._whole = WholePictures(setup.server)
-        self._before: dict[tuple[int, int], tuple[int, Compared]] = {}
+        self._before: dict[tuple[int, int], tuple[int, metrics.Compared]] = {}
         self._empty: dict[str, list[float]] = {}
         # Pictures that were to be measured.
         self.without_truth = 0
@@ -891,10 +878,12 @@ class Probe:
         self._setup.target.gpu.timer.collect()
         return made
 
-    def _job(self, key: tuple[int, int, int], rendered: EyeImage, result: EyeResult, truth: Truth) -> QualityJob | None:
+    def _job(
+        self, key: tuple[int, int, int], rendered: EyeImage, result: EyeResult, truth: Truth
+    ) -> metrics.QualityJob | None:
         """Return what is to be measured; None for a refresh that only flicker and clips need."""
         number, eye, which = key
-        now = Compared(shown_picture(result), truth.picture, result.view)
+        now = metrics.Compared(shown_picture(result), truth.picture, result.view)
         if self.clips is not None:
             self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
@@ -906,7 +895,7 @@ class Probe:
         if which == MAIN and PICTURE[0] not in rendered.left_out:
             late = picture_from_linear(download(rendered.colour))
         more: dict[str, Any] = {"rendered_picture": late, "regions": which == MAIN}
-        return QualityJob(now, previous, coverage(result), truth.inverse_depth, *shape, **more)
+        return metrics.QualityJob(now, previous, coverage(result), truth.inverse_depth, *shape, **more)
 
 
 def method_name(warp: str, fill: str) -> str:

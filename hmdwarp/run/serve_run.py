@@ -33,21 +33,8 @@ from ..poses.track import folded
 from ..resources import import_extra, recording_names
 from ..scenes import InputBook, load_scene
 from ..sources import sequences
-from ..sources.feed import bounds
+from ..sources.feed import bounds, message
 from ..sources.feed.listener import Asked, Listener, listening
-from ..sources.feed.message import (
-    ANY,
-    BYTES,
-    DEPTH_CODES,
-    MOST_FATES,
-    NONE,
-    RGBA8,
-    Ask,
-    DepthCodes,
-    FrameMessage,
-    Picture,
-    Session,
-)
 from ..sources.feed.options import KeyPair
 from ..sources.feed.parts import Layers
 from ..sources.repairs import parse_repairs
@@ -58,7 +45,7 @@ from .run import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
-_MOST_UNTOLD = 2 * MOST_FATES  # frames of a client that never tells
+_MOST_UNTOLD = 2 * message.MOST_FATES  # frames of a client that never tells
 _NO_CONTENT = np.zeros(0, np.uint8)
 AS_RECORDED = "as-recorded"  # the head of recorded frames: where the camera was
 _WAIT_MS = 200  # between looks at whether to stop
@@ -167,7 +154,7 @@ class _Coders:
         self._listener = listener
         self._of: dict[bytes, FeedEncoder] = {}
 
-    def coded(self, asked: Asked, frame: FrameMessage) -> FrameMessage:
+    def coded(self, asked: Asked, frame: message.FrameMessage) -> message.FrameMessage:
         """Return the frame as its client would have it. Errors: MachineError without the codec."""
         for gone in [who for who in self._of if who not in self._listener.clients]:
             del self._of[gone]
@@ -222,7 +209,7 @@ class _Answers:
         for gone in [who for who in sessions if who not in self._listener.clients]:
             server.forget(gone)
             del sessions[gone]
-        told, found = asked.ask.session or Session(0), sessions.get(asked.client)
+        told, found = asked.ask.session or message.Session(0), sessions.get(asked.client)
         if found is None or found.number != told.number:
             server.begin_anew(asked.client)
             changes = Changes(server.scene, server.content) if told.only_changes else None
@@ -268,7 +255,7 @@ class _Answers:
             session.is_told = True
             listener.tell(asked, f"its inputs are left out: {server.scene.name} does not react to what people do")
         server.gpu.wait()
-        packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
+        packs = not {ask.wish.colour, ask.wish.depth} <= {message.ANY, message.NONE, message.RGBA8, message.DEPTH_CODES}
         further = parts_of(frame, needs, packs=packs) if needs else ()
         sent = frame
         if fovea is not None:
@@ -284,13 +271,13 @@ class _Answers:
         takes: dict[str, Any] = dict.fromkeys(("takes_hidden", "takes_session"), True)
         takes |= {"takes_fovea": not is_recorded, "takes_inputs": server.reacts_to(asked.client)}
         began = session.began & 0xFFFF
-        drawn = FrameMessage(*times, views, colours, depths, layers=further, began=began, **takes)
+        drawn = message.FrameMessage(*times, views, colours, depths, layers=further, began=began, **takes)
         coded = self._coders.coded(attrs.evolve(asked, ask=ask), drawn)
         sent_ns = time.monotonic_ns()
         listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
 
-def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
+def _check_bytes(ask: message.Ask, needs: Needs, *, is_software: bool) -> None:
     """Check what a frame will weigh. Errors: InputError, bounds.OutOfBounds."""
     of_eye = 13 * ask.size[0] * ask.size[1]
     if ask.wanted is not None:
@@ -310,7 +297,7 @@ def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
 
 def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     ask = asked.ask
-    reads = {ask.wish.colour, ask.wish.depth} != {NONE} or any(not layers.get(name).per_frame for name in needs)
+    reads = {ask.wish.colour, ask.wish.depth} != {message.NONE} or any(not layers.get(name).per_frame for name in needs)
     if ask.wanted is None or not isinstance(server, Server):
         return server.draw_frame(ask.views, ask.time_ns, ask.size, needs=needs, pictures=reads)
     age_ns = ask.session.age_ns if ask.session is not None else 0
@@ -318,7 +305,7 @@ def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, *form, age_ns=age_ns, client=asked.client, pictures=reads)
 
 
-def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
+def _coarser(frame: Frame, ask: message.Ask) -> tuple[Frame, tuple[Layers, ...], message.Ask]:
     """Return a frame whose pictures are the foveated ones, their grids, and a request of that size.
 
     Errors: InputError for eyes that would have pictures of two sizes.
@@ -333,16 +320,16 @@ def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
     return attrs.evolve(frame, eyes=tuple(coarse)), grids, attrs.evolve(ask, size=small)
 
 
-def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+def _pictures(server: Renderer, frame: Frame, ask: message.Ask) -> Iterator[list[message.Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
-        as_bytes = colour in BYTES and LIGHT not in eye  # which keep no light beyond 1
-        half = server.give_codes(eye) if as_bytes or depth == DEPTH_CODES else None
+        as_bytes = colour in message.BYTES and LIGHT not in eye  # which keep no light beyond 1
+        half = server.give_codes(eye) if as_bytes or depth == message.DEPTH_CODES else None
         yield [
-            b"" if colour == NONE else half[0] if half and as_bytes else download(eye.colour),
+            b"" if colour == message.NONE else half[0] if half and as_bytes else download(eye.colour),
             b""
-            if depth == NONE
-            else DepthCodes(*half[1:])
-            if half and depth == DEPTH_CODES
+            if depth == message.NONE
+            else message.DepthCodes(*half[1:])
+            if half and depth == message.DEPTH_CODES
             else download(eye.inverse_depth),
         ]

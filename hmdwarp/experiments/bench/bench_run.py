@@ -56,18 +56,7 @@ from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
 from ...report.bench.rows import COLUMNS, Columns, cases, first_cases, row_name, table_of
 from ...resources import __version__, import_extra
-from ...run.measuring import (
-    GPU_BATCH_BYTES,
-    MEMORY_PART,
-    ORACLE,
-    Case,
-    Combination,
-    Comparison,
-    Measured,
-    SideBySide,
-    instants_of,
-    rate_clips,
-)
+from ...run import measuring
 from ...run.options import refuse_one_name
 from ...run.run import ReplayRun, set_up_replay
 from ...run.run_summary import machine_of, summary_of_rows
@@ -102,7 +91,9 @@ OF_NOTEBOOK = tuple(COLUMNS[name] for name in _SHOWN)
 NAMES = [column.name for column in COLUMNS.values() if column.is_filed]
 
 
-def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, client: Client) -> dict[str, Any]:
+def row_of(
+    setup: ReplayRun, case: measuring.Case, measured: measuring.Measured, pool: QualityPool, client: Client
+) -> dict[str, Any]:
     """Return one row of bench.json: the keys of summary.json, and those of a bench alone."""
     combination = measured.combination
     # Nothing without an oracle.
@@ -111,7 +102,7 @@ def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, 
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
     base = summary_of_rows(setup, passes, [*measured.times, *pictures])
-    lacks = ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
+    lacks = ORACLE_LACKS if combination.warp == measuring.ORACLE else OUTSIDE_LACKS
     return {
         **base,
         "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
@@ -194,7 +185,7 @@ def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
 
     rows: of bench.json. Empty if the client can run all of them.
     """
-    rows = [row for row in rows if row["warp"] != ORACLE]
+    rows = [row for row in rows if row["warp"] != measuring.ORACLE]
     lacking = [row for row in rows if row["lacks"]]
     if not lacking:
         return []
@@ -245,7 +236,7 @@ def check_room(works: Sequence[BenchCase]) -> None:
 
 def _most_bytes(gpu: Gpu) -> float:
     """Return what the compensators of one batch may take."""
-    return MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
+    return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
 
 
 def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
@@ -261,17 +252,17 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
     def steps() -> None:
         step(next(shares))
 
-    rows: list[tuple[Combination, dict[str, Any]]] = []
+    rows: list[tuple[measuring.Combination, dict[str, Any]]] = []
     for batch in chosen:
         with work.set_up(batch) as setup:
-            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+            comparison = measuring.Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
     ratings: dict[tuple[str, ...], dict[str, Any]] = {}
     for batch in rated:  # after all times: no timed run has these refreshes between its own
         with work.set_up(batch) as setup:
-            found = rate_clips(setup, batch, options.instants, steps)
+            found = measuring.rate_clips(setup, batch, options.instants, steps)
         ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
     measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
     crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
@@ -279,7 +270,10 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
 
 
 def _crops(
-    work: BenchCase, chosen: Sequence[Sequence[Combination]], rows: Sequence[tuple[Combination, Row]], pool: QualityPool
+    work: BenchCase,
+    chosen: Sequence[Sequence[measuring.Combination]],
+    rows: Sequence[tuple[measuring.Combination, Row]],
+    pool: QualityPool,
 ) -> list[Crops]:
     """Show the best of each of the first warps again: at the worst instant and a typical one."""
     (case,), made_by = cases(row for _, row in rows), {id(row): c for c, row in rows}
@@ -294,9 +288,9 @@ def _crops(
             continue
         with (
             set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
-            SideBySide(setup, wanted) as beside,
+            measuring.SideBySide(setup, wanted) as beside,
         ):
-            measured = instants_of(setup.schedule.count, work.options.instants)
+            measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
                 if number not in turns:
@@ -314,7 +308,7 @@ def _crops(
     ]
 
 
-def _named(combination: Combination) -> tuple[str, ...]:
+def _named(combination: measuring.Combination) -> tuple[str, ...]:
     return combination.strategy, combination.warp, combination.fill
 
 
@@ -488,7 +482,7 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
     for name in options.scenes:
         scene = source.scene if source.kind.has_head else source_of(options, name).scene
         build_plan_for(
-            run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
+            run_options(options, measuring.Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
             scene,
         )
