@@ -82,8 +82,7 @@ class Found:
 
     def __init__(self, gpu: Gpu, pictures: int) -> None:
         self.buffer = gpu.gl.buffer(reserve=4 * _WORDS * (pictures + 1))
-        # Where the pass that reads results counts holes.
-        self.holes_slot = _WORDS * pictures
+        self.holes_slot = _WORDS * pictures  # where the pass that reads results counts holes
         self._words = np.zeros(_WORDS * (pictures + 1), np.uint32)
 
     def clear(self) -> None:

@@ -63,8 +63,7 @@ class Repair(ABC):
     summary: ClassVar[str]
     needs: ClassVar[str]  # What it runs on, in words.
     source: ClassVar[str]
-    # False for the repair that does nothing, which is left out.
-    is_pass: ClassVar[bool] = True
+    is_pass: ClassVar[bool] = True  # false for the repair that does nothing, which is left out
     Settings: ClassVar[type] = NoSettings  # An attrs class of the settings, each with a default.
 
     def __init__(self, settings: Any = None) -> None:

@@ -19,10 +19,8 @@ _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 @attrs.frozen
 class EdgesSettings(SurfaceSettings):
-    # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
-    most: int = 6
-    # Standard deviations by which the best offset must stand out from the others.
-    evidence: float = 5.0
+    most: int = 6  # most pixels by which depth may be off its colour, on each axis; 0 never moves it
+    evidence: float = 5.0  # standard deviations by which the best offset must stand out from the others
 
     def __attrs_post_init__(self) -> None:
         if not 0 <= self.most <= 64:

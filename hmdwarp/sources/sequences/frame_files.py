@@ -120,8 +120,7 @@ def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None
     Errors: InputError naming the file and its fault; MachineError for EXR without its package.
     """
     found = find_frame(path, depth, camera)
-    # What is wrong is found here, not at the first use.
-    _ = found.view, found.colour, found.depth_scale
+    _ = found.view, found.colour, found.depth_scale  # what is wrong is found here, not at the first use
     return found
 
 
@@ -200,8 +199,7 @@ def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
-    # What is no picture is refused when it is read.
-    shape: tuple[int, ...] = ()
+    shape: tuple[int, ...] = ()  # what is no picture is refused when it is read
     if "colour" in data:
         with data.zip.open(f"colour{NPY}") as file:
             version = np.lib.format.read_magic(file)

@@ -200,8 +200,7 @@ class VideoPictures:
             yield from pictures if instant is None else (shown for shown in pictures if shown.pts >= instant)
 
 
-# Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
-FAR_M = 1e9
+FAR_M = 1e9  # renderers write a large number where nothing was hit: Blender 1e10, others the largest float
 _COLOUR = ("R", "G", "B")
 _SOLE = ("R", "V", "Y", "Z")  # what a file of one channel calls its values
 _NO_COLOUR = ("depth", "z", "n", "normal", "p", "position", "vector", "velocity", "motion", "uv", "mist")

@@ -16,9 +16,9 @@ from .targets import display_bytes as display_bytes
 from .upload import DeformingMesh as DeformingMesh
 from .upload import SceneBuffers as SceneBuffers
 from .upload import SceneTextures as SceneTextures
+from .upload import Visibility as Visibility
+from .upload import boxes_of as boxes_of
+from .upload import clip_from_eye as clip_from_eye
+from .upload import draws_of as draws_of
+from .upload import eye_from_scene as eye_from_scene
 from .upload import moving_parts as moving_parts
-from .visibility import Visibility as Visibility
-from .visibility import boxes_of as boxes_of
-from .visibility import clip_from_eye as clip_from_eye
-from .visibility import draws_of as draws_of
-from .visibility import eye_from_scene as eye_from_scene

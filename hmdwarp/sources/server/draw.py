@@ -61,8 +61,7 @@ class Server(Renderer):
         self._moving = moving_parts(gpu, scene, self._textures)
         self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
         self._depth: ScenePasses | None = None
-        # By client and name; None for those that all share.
-        self._parts: dict[tuple[Hashable, str], Part] = {}
+        self._parts: dict[tuple[Hashable, str], Part] = {}  # by client and name; None for those that all share
         self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
         self._context = DrawContext(
             gpu,

@@ -15,8 +15,20 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Draw, Uniforms
 from ...gpu.textures import COLOUR, allocate, drawing_into, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blocking, indirect_atlas, lamps_at
-from .upload import STAYS, Moving, Place, SceneBuffers, emits
-from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
+from .upload import (
+    STAYS,
+    Draws,
+    Moving,
+    Place,
+    SceneBuffers,
+    Visibility,
+    clip_from_eye,
+    draws_of,
+    emits,
+    eye_from_scene,
+    visible,
+    world_from_ndc,
+)
 
 EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
 INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7

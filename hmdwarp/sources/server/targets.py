@@ -21,15 +21,13 @@ from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload
 from .passes import ScenePasses
 
-# Settings of a layer for which something is kept, of all clients: those of one request, at most.
-MOST_SETTINGS = 8
+MOST_SETTINGS = 8  # settings of a layer for which something is kept, of all clients: those of one request, at most
 K = TypeVar("K")
 V = TypeVar("V")
 Size = tuple[int, int]
 Kind = tuple[int, str]  # of a texture: components and type, as in gpu.textures
 Forget = Callable[[moderngl.Texture], None]  # is called with each texture before it is freed
-# After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
-IDLE_AFTER = 2048
+IDLE_AFTER = 2048  # after so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz
 # What trim() leaves of each kind of memory that the last frame did not need.
 MOST_IDLE_BYTES, MOST_IDLE = 16 << 20, 64
 
@@ -77,10 +75,8 @@ _NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 class Target:
     """The textures that one eye is drawn into."""
 
-    # rgba16f, or the format of its pool.
-    colour: moderngl.Texture
-    # r32f of the same size, None where only colour is kept.
-    depth: moderngl.Texture | None = None
+    colour: moderngl.Texture  # rgba16f, or the format of its pool
+    depth: moderngl.Texture | None = None  # r32f of the same size, None where only colour is kept
 
     @property
     def inverse_depth(self) -> moderngl.Texture:
@@ -123,8 +119,7 @@ class TargetPool:
         self._gpu, self._size, self._kinds, self._forget = gpu, size, (kind, SCALAR) if depth else (kind,), forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
-        # Those that are in use, by their colour texture.
-        self.out: dict[moderngl.Texture, Target] = {}
+        self.out: dict[moderngl.Texture, Target] = {}  # those that are in use, by their colour texture
         # Hand-outs since idle ones were freed, and how many targets were out at most meanwhile.
         self._handed = self._most_out = 0
 
@@ -181,8 +176,7 @@ class Renderer:
     """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
-    # Returns a frame with all eyes, and the needed layers, see Server.draw_frame.
-    draw_frame: Callable[..., Frame]
+    draw_frame: Callable[..., Frame]  # returns a frame with all eyes, and the needed layers, see Server.draw_frame
     # Draws inverse depth alone, where the client has the geometry, see Server.draw_depth.
     draw_depth: Callable[..., moderngl.Texture]
 

@@ -18,13 +18,13 @@ from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
 from .. import camera as _camera
+from .. import readers as layouts
 from ..camera import Camera, Size, camera_of, read_json
 from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth
 from ..options import RATE_HZ
 from ..picture_files import EXR, PICTURES, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, as_pictures, in_metres
-from . import _base
-from ._base import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout
+from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout
 
 _MATRIX = "camera-intrinsics.txt"
 
@@ -52,7 +52,7 @@ def seven_scenes(at: Folder) -> None:
     if info is not None and "m_calibrationColorIntrinsic" in text:
         own, depth_camera, scale = _of_info(info, text)
     elif file is not None:
-        own = depth_camera = camera_of(file, {"intrinsic_matrix": _base.matrix_in(file, 3).tolist()})
+        own = depth_camera = camera_of(file, {"intrinsic_matrix": layouts.matrix_in(file, 3).tolist()})
     at.state(own=own, own_scale=scale)
     if not (own or at.options.camera):
         at.notes.append("Colour and depth of 7-Scenes are of two cameras and not registered to each other.")
@@ -67,7 +67,7 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
         at.add(colours[number], depths[number], number, poses[number])
     if whole:
         sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
-        at.fit = _base.through_cameras(*sizes, at.camera, depth_camera)
+        at.fit = layouts.through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
 
 
@@ -88,7 +88,7 @@ def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float
         at = numbers(f"m_calibration{side}Intrinsic", 16, 12)
         wide, high = (round(numbers(f"m_{side.lower()}{way}", 1)[0]) for way in ("Width", "Height"))
         if (moved := f"m_calibration{side}Extrinsic") in values:
-            _base.refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
+            layouts.refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
         return camera_of(file, {"intrinsic_matrix": [at[0:3], at[4:7], at[8:11]], "w": wide, "h": high})
 
     shift = _camera.number_of(file, "m_depthShift", numbers("m_depthShift", 1)[0], "units per metre, above 0", above=0)
@@ -115,15 +115,15 @@ def scannet(at: Folder) -> None:
     """Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions (SensReader)."""
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
-            _base.refuse_moved(file, _base.matrix_in(file))
-    colours = {int(one.stem): one for one in _base.pictures_in(at.path / "color") if are_digits(one.stem)}
+            layouts.refuse_moved(file, layouts.matrix_in(file))
+    colours = {int(one.stem): one for one in layouts.pictures_in(at.path / "color") if are_digits(one.stem)}
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
         raise InputError(f"{at.path}: no number in both color and depth; expected {at.layout.summary}")
     stated: list[Camera | None] = []
     for file in (_scannet_file(at.path, f"intrinsic_{side}") for side in ("color", "depth")):
-        matrix = np.eye(4) if file is None else _base.matrix_in(file)
+        matrix = np.eye(4) if file is None else layouts.matrix_in(file)
         fx, fy, cx, cy = map(float, matrix[(0, 1, 0, 1), (0, 1, 2, 2)])
         if not np.isfinite(matrix).all() or min(fx, fy) <= 0:
             raise InputError(f"{file}: focal lengths {fx:g}, {fy:g}; expected a 4x4 matrix, both above 0, in pixels")
@@ -253,7 +253,7 @@ def colmap(at: Folder) -> None:
     at.depth_of = _depth_of_colmap
     for number, image, depth in chosen:
         camera = own[image.camera_id] if at.options.camera is None else None
-        pose = _base.pose_of(at.axes, image.position, image.rotation)
+        pose = layouts.pose_of(at.axes, image.position, image.rotation)
         at.add(pictures / image.name, depth, number, pose, camera=camera)
     at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.DEFAULT))
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
@@ -362,7 +362,7 @@ def nerfstudio(at: Folder) -> None:
         colour, depth = (_picture(file, where, name) for name in (facts.get("file_path"), _depth_key(facts)))
         at.pairs.append(Pair(colour, depth, times[number], pose, own))
     assert camera is not None, "each frame has one"
-    at.facts += [_base.intrinsics_fact(camera, camera_by), _base.scale_fact(at.scale, scale_by)]
+    at.facts += [layouts.intrinsics_fact(camera, camera_by), layouts.scale_fact(at.scale, scale_by)]
 
 
 def _depth_key(entry: Mapping[str, Any]) -> Any:
@@ -411,7 +411,7 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
 
 
 def _frames_in(path: Path) -> list[Path]:
-    found = [picture for picture in _base.pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
+    found = [picture for picture in layouts.pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
     return [path for path in found if path.suffix.lower() == NPZ] or found
 
 

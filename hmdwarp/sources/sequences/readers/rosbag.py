@@ -19,7 +19,7 @@ from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
 from ..camera import Camera, Matrix, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from ._base import Folder, layout, pose_of_square
+from . import Folder, layout, pose_of_square
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -39,8 +39,7 @@ _COLOURS = {
     "mono8": (1, (0, 0, 0)),
     "8UC1": (1, (0, 0, 0)),
 }
-# Type and metres per unit.
-_DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}
+_DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  # type and metres per unit
 _COMPRESSED_DEPTH = "compressedDepth"
 _HEADER = 12  # bytes before the PNG of a compressed depth
 

@@ -24,10 +24,8 @@ from ....gpu.shaders import Draw
 from ....gpu.textures import drawing_into, release_all
 from ....scenes import Material, Mesh, Panel, Scene, is_cutout, only_light
 from ..passes import SAME_SURFACE, ScenePasses
-from ..sending import Sender, Sending
-from ..upload import Moving, SceneBuffers, SceneTextures, moving_parts
-from ..visibility import clip_from_eye
-from . import DrawContext, Drawing, Part, parts
+from ..upload import Moving, SceneBuffers, SceneTextures, clip_from_eye, moving_parts
+from . import DrawContext, Drawing, Part, Sender, Sending, parts
 
 Array = NDArray[np.float64]
 # How source and destination are combined: of rgb and alpha the factor of each, and the equation.

@@ -16,8 +16,7 @@ from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
 from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from ..targets import Target
-from ..upload import Place
-from ..visibility import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
+from ..upload import NEAR_M, Place, clip_from_eye, eye_from_scene, world_from_ndc
 from . import DrawContext, Drawing, Part, parts
 
 

@@ -15,9 +15,21 @@ from ....frames.layers.scene_parts import Delivery, Simplified
 from ....geometry import View
 from ....gpu.textures import COLOUR
 from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
-from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
-from . import DrawContext, Drawing, Part, parts
+from . import (
+    FIRST_ROUND_TRIP_NS,
+    NEAREST_M,
+    DrawContext,
+    Drawing,
+    Head,
+    Part,
+    Sender,
+    Sending,
+    boxes_at,
+    distances,
+    may_be_seen,
+    parts,
+)
 
 Array = NDArray[np.float64]
 
