@@ -54,7 +54,6 @@ _STATED_BY = ("--intrinsics", "--depth-scale", "--no-depth", "", "", "--frames-r
 _STATES = {recorded.INTRINSICS: "--intrinsics FX,FY,CX,CY", recorded.DEPTH_SCALE: "--depth-scale METRES"}
 # Beyond the first, an instant is in another unit than its file says; beyond the second it may be.
 _APART_S, _USUAL_S = (0.9e-4, 1.1e4), (0.9e-3, 10.0)
-_BREATHES = 0.005  # of the width: telephones focus within it
 Said = str | tuple[str, By] | Assumption
 
 
@@ -174,14 +173,6 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
     return pictures
 
 
-def intrinsics_fact(camera: Camera, by: By) -> Assumption:
-    return Assumption(recorded.INTRINSICS, camera.text, by, "--intrinsics")
-
-
-def scale_fact(scale: float, by: By) -> Assumption:
-    return Assumption(recorded.DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
-
-
 @attrs.frozen(eq=False)
 class Pair:
     """Files of one frame."""
@@ -245,12 +236,17 @@ class Folder:
             )
         self.camera, self.scale = found, float(scale)
         camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
-        self.facts += [intrinsics_fact(found, camera_by), scale_fact(self.scale, scale_by)]
+        self.say(found, camera_by, scale_by)
         if found.is_y_up:
             if not known.y_up:
                 raise InputError(f"{self.path}: fy is {found.fy:g}; expected above 0, as its layout has it")
             self.axes = parse_axes("unity")  # left-handed, and so is its world
         self.only_for = known.only_for
+
+    def say(self, camera: Camera, camera_by: By, scale_by: By) -> None:
+        """State the camera and the scale, with who says them."""
+        self.facts.append(Assumption(recorded.INTRINSICS, camera.text, camera_by, "--intrinsics"))
+        self.facts.append(Assumption(recorded.DEPTH_SCALE, _scale_text(self.scale), scale_by, "--depth-scale"))
 
     def instant_ns(self, number: int, stated_ns: int | None = None) -> int:
         """Return the instant of a frame: as stated unless there is a rate, else by its number."""
@@ -340,7 +336,7 @@ class Folder:
             said = f"{fact.value}, their scale of {1 / scale if inverse else scale:.6g} divided out"
             fact = attrs.evolve(fact, value=said, by=By.FILE)
         self.facts.append(fact)
-        return [pose_of_square(self.axes, where, one, unit) for (where, _), one in zip(given, turned, strict=True)]
+        return [pose_in(self.axes, where, one, unit) for (where, _), one in zip(given, turned, strict=True)]
 
     def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
         """Return world_from_eye of files of a matrix each; not those of inf or NaN."""
@@ -436,7 +432,7 @@ def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> P
     return pose
 
 
-def pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
+def pose_in(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
     """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than turn and move."""
     turn = matrix[:3, :3]
     if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
@@ -518,46 +514,6 @@ def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     return sorted(
         found, key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in re.split(r"([0-9]+)", path.stem)]
     )
-
-
-def refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:
-    """Raise InputError where colour and depth were taken from different places."""
-    if np.abs(matrix - np.eye(4)).max() > 1e-3:
-        raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
-
-
-def through_cameras(
-    size: Size, of_depth: Size, camera: Camera, depth_camera: Camera | None
-) -> Callable[..., NDArray[Any]]:
-    """Return what takes depth of another camera in the same place to the colour's pixels."""
-
-    def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
-        if size == of_depth and (high, wide) != (rows, columns):
-            raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
-        if size == of_depth or depth_camera is None:
-            return fitted_depth(depth, colour, where)
-        row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
-        column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
-        found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
-        inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
-        return np.asarray(np.where(inside, found, found.dtype.type(0)))
-
-    return through
-
-
-def shared_camera(cameras: Rows[Camera], size: Size) -> tuple[Camera | None, list[str]]:
-    """Return the median camera, with a note, where focus breathes by 0.5 % of the width."""
-    if not cameras:
-        return None, []
-    numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])
-    fx, fy, cx, cy = middle = np.median(numbers, axis=0)
-    apart = np.abs(numbers - middle)
-    moved = (apart[:, :2] / (fx, fy) * size / 2 + apart[:, 2:]).max()
-    if moved > _BREATHES * size[0]:
-        return None, []
-    note = f"Intrinsics differ from frame to frame, by up to {moved:.2g} px at the border: their median is taken."
-    return attrs.evolve(cameras[0], fx=fx, fy=fy, cx=cx, cy=cy), [note] if moved > 0 else []
 
 
 RIGHT = "right"  # folder of what the right eye saw, in that of the left one

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import reprlib
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,12 @@ from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
 from .. import camera as _camera
-from .. import readers as layouts
 from ..camera import Camera, Size, camera_of, read_json
 from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth
 from ..options import RATE_HZ
-from ..picture_files import EXR, PICTURES, read_depth, size_of
+from ..picture_files import EXR, PICTURES, fitted_depth, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, as_pictures, in_metres
-from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout
+from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout, matrix_in, pictures_in, pose_of
 
 _MATRIX = "camera-intrinsics.txt"
 
@@ -52,7 +51,7 @@ def seven_scenes(at: Folder) -> None:
     if info is not None and "m_calibrationColorIntrinsic" in text:
         own, depth_camera, scale = _of_info(info, text)
     elif file is not None:
-        own = depth_camera = camera_of(file, {"intrinsic_matrix": layouts.matrix_in(file, 3).tolist()})
+        own = depth_camera = camera_of(file, {"intrinsic_matrix": matrix_in(file, 3).tolist()})
     at.state(own=own, own_scale=scale)
     if not (own or at.options.camera):
         at.notes.append("Colour and depth of 7-Scenes are of two cameras and not registered to each other.")
@@ -67,8 +66,34 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
         at.add(colours[number], depths[number], number, poses[number])
     if whole:
         sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
-        at.fit = layouts.through_cameras(*sizes, at.camera, depth_camera)
+        at.fit = _through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
+
+
+def _through_cameras(
+    size: Size, of_depth: Size, camera: Camera, depth_camera: Camera | None
+) -> Callable[..., NDArray[Any]]:
+    """Return what takes depth of another camera in the same place to the colour's pixels."""
+
+    def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
+        if size == of_depth and (high, wide) != (rows, columns):
+            raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
+        if size == of_depth or depth_camera is None:
+            return fitted_depth(depth, colour, where)
+        row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
+        column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
+        found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
+        inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
+        return np.asarray(np.where(inside, found, found.dtype.type(0)))
+
+    return through
+
+
+def _refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:
+    """Raise InputError where colour and depth were taken from different places."""
+    if np.abs(matrix - np.eye(4)).max() > 1e-3:
+        raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
 
 
 def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float | None]:
@@ -88,7 +113,7 @@ def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float
         at = numbers(f"m_calibration{side}Intrinsic", 16, 12)
         wide, high = (round(numbers(f"m_{side.lower()}{way}", 1)[0]) for way in ("Width", "Height"))
         if (moved := f"m_calibration{side}Extrinsic") in values:
-            layouts.refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
+            _refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
         return camera_of(file, {"intrinsic_matrix": [at[0:3], at[4:7], at[8:11]], "w": wide, "h": high})
 
     shift = _camera.number_of(file, "m_depthShift", numbers("m_depthShift", 1)[0], "units per metre, above 0", above=0)
@@ -115,15 +140,15 @@ def scannet(at: Folder) -> None:
     """Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions (SensReader)."""
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
-            layouts.refuse_moved(file, layouts.matrix_in(file))
-    colours = {int(one.stem): one for one in layouts.pictures_in(at.path / "color") if are_digits(one.stem)}
+            _refuse_moved(file, matrix_in(file))
+    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if are_digits(one.stem)}
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
         raise InputError(f"{at.path}: no number in both color and depth; expected {at.layout.summary}")
     stated: list[Camera | None] = []
     for file in (_scannet_file(at.path, f"intrinsic_{side}") for side in ("color", "depth")):
-        matrix = np.eye(4) if file is None else layouts.matrix_in(file)
+        matrix = np.eye(4) if file is None else matrix_in(file)
         fx, fy, cx, cy = map(float, matrix[(0, 1, 0, 1), (0, 1, 2, 2)])
         if not np.isfinite(matrix).all() or min(fx, fy) <= 0:
             raise InputError(f"{file}: focal lengths {fx:g}, {fy:g}; expected a 4x4 matrix, both above 0, in pixels")
@@ -253,7 +278,7 @@ def colmap(at: Folder) -> None:
     at.depth_of = _depth_of_colmap
     for number, image, depth in chosen:
         camera = own[image.camera_id] if at.options.camera is None else None
-        pose = layouts.pose_of(at.axes, image.position, image.rotation)
+        pose = pose_of(at.axes, image.position, image.rotation)
         at.add(pictures / image.name, depth, number, pose, camera=camera)
     at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.DEFAULT))
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
@@ -362,7 +387,7 @@ def nerfstudio(at: Folder) -> None:
         colour, depth = (_picture(file, where, name) for name in (facts.get("file_path"), _depth_key(facts)))
         at.pairs.append(Pair(colour, depth, times[number], pose, own))
     assert camera is not None, "each frame has one"
-    at.facts += [layouts.intrinsics_fact(camera, camera_by), layouts.scale_fact(at.scale, scale_by)]
+    at.say(camera, camera_by, scale_by)
 
 
 def _depth_key(entry: Mapping[str, Any]) -> Any:
@@ -411,7 +436,7 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
 
 
 def _frames_in(path: Path) -> list[Path]:
-    found = [picture for picture in layouts.pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
+    found = [picture for picture in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
     return [path for path in found if path.suffix.lower() == NPZ] or found
 
 

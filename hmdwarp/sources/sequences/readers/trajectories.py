@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from functools import partial
 from pathlib import Path
@@ -19,12 +20,25 @@ from ....poses.assumptions import AXES_BY, Assumption, By
 from ....poses.load import find_format
 from ....poses.reading.cleaning import LoadedTrace
 from ....poses.reading.text_table import read_head
-from .. import readers as layouts
-from ..camera import Camera, camera_of, number_of, read_json, refuse_distortion, unread_notes
+from ..camera import Camera, Size, camera_of, number_of, read_json, refuse_distortion, unread_notes
 from ..options import RATE_HZ
 from ..picture_files import NPY, VideoPictures, read_colour, read_depth
 from ..recorded import AXES, CLOCK, POSE
-from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Row, layout
+from . import (
+    CAMERA,
+    COLOURS,
+    DEPTHS,
+    MATRICES,
+    VGA,
+    Folder,
+    Pair,
+    Row,
+    layout,
+    matrix_in,
+    pictures_in,
+    pose_in,
+    rows_of,
+)
 
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
@@ -65,7 +79,7 @@ def tum(at: Folder) -> None:
                 lost += 1
             else:
                 files = named_in(at.path, colour), named_in(at.path, depths[nearest][1])
-                at.pairs.append(layouts.Pair(*files, sample.time_ns, sample.pose))
+                at.pairs.append(Pair(*files, sample.time_ns, sample.pose))
     # Axes are the layout's, and no option changes them.
     by_layout = (str(defect).replace(AXES_BY[By.USER], AXES_BY[By.FORMAT]) for defect in trace.defects)
     at.notes += [note.replace("--axes '", "axes '") for note in by_layout]
@@ -96,7 +110,7 @@ def _listed(row: Row) -> tuple[int, str]:
 def icl_nuim(at: Folder) -> None:
     """Source: Handa et al. 2014, A benchmark for RGB-D visual odometry (its page)."""
     at.state()
-    colours, depths = ({one.stem: one for one in layouts.pictures_in(at.path / side)} for side in ("rgb", "depth"))
+    colours, depths = ({one.stem: one for one in pictures_in(at.path / side)} for side in ("rgb", "depth"))
     file = min(at.path.glob("*.gt.freiburg"), default=at.path / "trajectory.gt.freiburg")
     for row in at.rows(file.name):
         number = int(row.floats(8)[0])
@@ -155,7 +169,7 @@ def _fits_numbered(path: Path) -> int:
     file = next((path / name for name in ("pose.txt", "poses.txt") if (path / name).exists()), None)
     if file is None or not (path / "depth").is_dir():
         return 0
-    return 80 if all(len(row.words) == 7 for row in layouts.rows_of(file)[:1]) else 20
+    return 80 if all(len(row.words) == 7 for row in rows_of(file)[:1]) else 20
 
 
 @layout(
@@ -235,7 +249,7 @@ def tartanair(at: Folder) -> None:
         at.rate_hz = rate_hz
         at.clock(by=By.FORMAT)
     rows, colours = at.rows(f"pose_{side}.txt"), at.numbered(f"image_{side}/*.png")
-    found = layouts.pictures_in(at.path / f"depth_{side}", DEPTHS)
+    found = pictures_in(at.path / f"depth_{side}", DEPTHS)
     depths = {int(picture.name.split("_")[0]): picture for picture in found}
     for number in _with_a_line(colours, depths, rows, f"{at.path}: "):
         at.add(colours[number], depths[number], number, rows[number].pose(at.axes))
@@ -249,6 +263,23 @@ def _depth_of_tartanair(path: Path) -> NDArray[Any]:
     if pixels.shape[2] != 4 or pixels.dtype != np.uint8:
         raise InputError(f"{path}: {pixels.shape[2]} channels; expected four bytes a pixel, of one float")
     return np.ascontiguousarray(pixels[..., [2, 1, 0, 3]]).view("<f4")[..., 0]
+
+
+_BREATHES = 0.005  # of the width: telephones focus within it
+
+
+def _shared_camera(cameras: Sequence[Camera], size: Size) -> tuple[Camera | None, list[str]]:
+    """Return the median camera, with a note, where focus breathes by 0.5 % of the width."""
+    if not cameras:
+        return None, []
+    numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])
+    fx, fy, cx, cy = middle = np.median(numbers, axis=0)
+    apart = np.abs(numbers - middle)
+    moved = (apart[:, :2] / (fx, fy) * size / 2 + apart[:, 2:]).max()
+    if moved > _BREATHES * size[0]:
+        return None, []
+    note = f"Intrinsics differ from frame to frame, by up to {moved:.2g} px at the border: their median is taken."
+    return attrs.evolve(cameras[0], fx=fx, fy=fy, cx=cx, cy=cy), [note] if moved > 0 else []
 
 
 _STRAY_HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
@@ -265,14 +296,12 @@ def stray_scanner(at: Folder) -> None:
     head, *rows = at.rows("odometry.csv") or [Row(str(at.path / "odometry.csv"), ["nothing"])]
     if head.words[: len(_STRAY_HEADER)] != _STRAY_HEADER:
         raise head.wrong(f"the header {', '.join(_STRAY_HEADER)}")
-    matrix, video = layouts.matrix_in(at.path / "camera_matrix.csv", 3), VideoPictures(at.path / "rgb.mp4")
+    matrix, video = matrix_in(at.path / "camera_matrix.csv", 3), VideoPictures(at.path / "rgb.mp4")
     cameras = [Camera.of(row.floats(4, 9, whole=False)) for row in rows if len(row.words) >= 13]
-    shared, at.notes = layouts.shared_camera(cameras, video.size)
+    shared, at.notes = _shared_camera(cameras, video.size)
     at.state(own=shared or Camera.of(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
     own = shared is None and len(cameras) == len(rows) and at.options.camera is None
-    depths = {
-        int(one.stem): one for one in layouts.pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)
-    }
+    depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
     at.size = video.size
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
@@ -307,7 +336,7 @@ def rtabmap(at: Folder) -> None:
     if file is None:
         raise InputError(f"{at.path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {at.layout.summary}")
     rgb, depth, calib = (min(at.path.glob(f"*_{one}"), default=at.path / one) for one in ("rgb", "depth", "calib"))
-    colours, depths = ({picture.stem: picture for picture in layouts.pictures_in(side)} for side in (rgb, depth))
+    colours, depths = ({picture.stem: picture for picture in pictures_in(side)} for side in (rgb, depth))
     found, cameras = [], []
     for number, row in enumerate(at.rows(file.name)):
         if len(row.words) != 9:
@@ -320,11 +349,11 @@ def rtabmap(at: Folder) -> None:
             cameras.append(camera)
     if not cameras:
         raise InputError(f"{at.path}: no row of {file.name} has a picture and depth; expected {at.layout.summary}")
-    shared, at.notes = layouts.shared_camera(cameras, cameras[0].size or (1, 1))
+    shared, at.notes = _shared_camera(cameras, cameras[0].size or (1, 1))
     at.state(own=shared or cameras[0])
     own = shared is None and at.options.camera is None
     for camera, (stem, number, row, matrix) in zip(cameras, found, strict=True):
-        pose = layouts.pose_of_square(at.axes, row.where, matrix)
+        pose = pose_in(at.axes, row.where, matrix)
         at.add(colours[stem], depths[stem], number, pose, row.nanoseconds(), camera=camera if own else None)
     at.left_out(len(colours), "no depth or no pose")
 

@@ -30,6 +30,7 @@ from . import DrawContext, Drawing, Part, Sender, Sending, parts
 Array = NDArray[np.float64]
 # How source and destination are combined: of rgb and alpha the factor of each, and the equation.
 Blending = tuple[tuple[int, int, int, int], int]
+_Rgba = tuple[float, float, float, float]
 _TWO_DEPTHS = (2, "f4")  # rg32f
 _SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589  # OpenGL's names; moderngl lacks them
 _OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO), moderngl.FUNC_ADD
@@ -338,14 +339,7 @@ class Transparency(SheetsPart):
             self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
         return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
 
-    def _draw(
-        self,
-        program: Draw,
-        eye: EyeImage,
-        into: moderngl.Texture,
-        empty: tuple[float, float, float, float],
-        blending: Blending,
-    ) -> None:
+    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: _Rgba, blending: Blending) -> None:
         framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear(color=empty)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -35,7 +35,6 @@ class Reflections(Part):
         self._mirrored: MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
-        self._march: Compute | None = None
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -43,12 +42,8 @@ class Reflections(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed = drawing.needs.get("reflection", Mirrored(0))
-        layered = [
-            surface
-            for surface in self._surfaces
-            if (Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE) in needed
-        ]
-        baked = [surface for surface in self._surfaces if surface not in layered]
+        kinds = [(one, Mirrored.CURVED if one.mirror.shape.is_curved else Mirrored.PLANE) for one in self._surfaces]
+        layered, baked = ([one for one, kind in kinds if (kind in needed) is given] for given in (True, False))
         if baked:
             seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
@@ -69,7 +64,10 @@ class Reflections(Part):
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(surface.mirror.shape for surface in layered)
-        bounds = bounds_of_all(shapes, eye.view, eye.size)
+        # The pixels in which any of them may be visible.
+        found = [one for shape in shapes if (one := bounds_in_view(shape, eye.view, eye.size)) is not None]
+        low_x, low_y, high_x, high_y = zip(*found or [(0, 0, 0, 0)], strict=True)
+        bounds = min(low_x), min(low_y), max(high_x), max(high_y)
         mirrored = Surface(seen.colour, seen.inverse_depth)
         return eye.having(reflection=Reflection(mirrored, surface.colour, shapes, bounds))
 
@@ -93,17 +91,15 @@ class Reflections(Part):
                 around = self.kept(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
+                program, behind = self._take, Target(eye.colour, eye.inverse_depth)
                 if marched:
-                    if self._march is None:
-                        self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
-                    self._store(self._march, Target(eye.colour, eye.inverse_depth), number, planes, bounds, seen)
+                    program = self.context.gpu.shaders.compute("server/mirror_march.comp")
                 else:
-                    if self._mirrored is None:
-                        self._mirrored = MirroredPasses(self.context)
+                    self._mirrored = self._mirrored or MirroredPasses(self.context)
                     behind = self.kept("behind", eye.size)
                     onto = over(behind.colour, behind.inverse_depth)
                     self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
-                    self._store(self._take, behind, number, planes, bounds, seen)
+                self._store(program, behind, number, planes, bounds, seen)
 
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
@@ -145,15 +141,6 @@ def plane_in_eye(mirror: Mirror, view: View) -> Array:
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
-def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) -> Bounds:
-    """Return the pixels in which any of the mirrors may be visible, an empty rectangle for none."""
-    found = [one for mirror in mirrors if (one := bounds_in_view(mirror, view, size)) is not None]
-    if not found:
-        return 0, 0, 0, 0
-    low_x, low_y, high_x, high_y = zip(*found, strict=True)
-    return min(low_x), min(low_y), max(high_x), max(high_y)
-
-
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
     """Return the pixels in which a mirror (a plane one: with its apron) may be visible, or None."""
     if mirror.is_curved:  # the bounds of the cube around a ball; near the eye, those of the picture
@@ -167,8 +154,15 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
     corners = mirror.centre_m + signs @ np.array(grow) - view.pose.position_m
-    corners = _before(corners @ view.pose.rotation_matrix, NEAR_M)
-    return _bounds_of(corners, view, size) if len(corners) else None
+    corners = corners @ view.pose.rotation_matrix
+    ahead, kept = -corners[:, 2] - NEAR_M, []  # what of it is ahead (Sutherland and Hodgman 1974)
+    for here, there in ((0, 1), (1, 2), (2, 3), (3, 0)):
+        if ahead[here] >= 0:
+            kept.append(corners[here])
+        if (ahead[here] >= 0) != (ahead[there] >= 0):
+            share = ahead[here] / (ahead[here] - ahead[there])
+            kept.append(corners[here] + (corners[there] - corners[here]) * share)
+    return _bounds_of(np.array(kept), view, size) if kept else None
 
 
 def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
@@ -177,18 +171,6 @@ def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | No
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)), 0, size).astype(int)
     return (int(low[0]), int(low[1]), int(high[0]), int(high[1])) if (high > low).all() else None
-
-
-def _before(polygon: Array, near_m: float) -> Array:
-    """Return what of a polygon (n, 3) is at least near_m ahead (Sutherland and Hodgman 1974)."""
-    kept = []
-    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        ahead_a, ahead_b = -a[2] - near_m, -b[2] - near_m
-        if ahead_a >= 0:
-            kept.append(a)
-        if (ahead_a >= 0) != (ahead_b >= 0):
-            kept.append(a + (b - a) * (ahead_a / (ahead_a - ahead_b)))
-    return np.array(kept).reshape(-1, 3)
 
 
 class MirroredPasses(ScenePasses):
@@ -244,17 +226,14 @@ class MirrorSurface:
         self._vertices = gl.buffer(rows.astype(np.float32).tobytes())
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
         self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
-        names, layout = (("in_position", "in_uv"), "3f4 2f4 12x") if mapped else (("in_position",), "3f4 20x")
-        self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, layout, *names)])
+        inputs = ("3f4 2f4 12x", "in_position", "in_uv") if mapped else ("3f4 20x", "in_position")
+        self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, *inputs)])
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the mirror's properties where the picture of `eye` shows it."""
         clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
-        uniforms: dict[str, object] = {
-            "reflectivity": self.mirror.shape.reflectivity,
-            "shown_inverse_depth": 1,
-            "keep": 1 - SAME_SURFACE,
-        }
+        uniforms: dict[str, object] = {"reflectivity": self.mirror.shape.reflectivity}
+        uniforms |= {"shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}
         if self.mirror.normal_map >= 0:
             self._context.textures[self.mirror.normal_map].use(0)
             uniforms |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}

@@ -60,23 +60,18 @@ class Views(Part):
         motion = Motion.of(first, velocity, drawing.age_ns * 1e-9)
         size = (max(1, drawing.size[0] // _COARSE), max(1, drawing.size[1] // _COARSE))
         count = drawing.needs.get("views", 0)
-        self._ways = (
-            chosen(first, size, motion, count, lambda view: self._depth_of(view, size, drawing.time_ns))
-            if count
-            else []
-        )
+
+        def depth_of(view: View) -> Array:
+            depth = self.kept("depth", size, SCALAR, depth=False).colour
+            self._passes.draw(view, self.context.framebuffers.over(depth), drawing.time_ns)
+            return flip_rows(download(depth)).astype(np.float64)
+
+        self._ways = chosen(first, size, motion, count, depth_of) if count else []
         return {}
 
-    def _depth_of(self, view: View, size: tuple[int, int], time_ns: int) -> Array:
-        depth = self.kept("depth", size, SCALAR, depth=False).colour
-        self._passes.draw(view, self.context.framebuffers.over(depth), time_ns)
-        return flip_rows(download(depth)).astype(np.float64)
-
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        views = [moved(eye.view, way) for way in self._ways]
-        return eye.having(
-            views=tuple(self.context.draw(view, eye.size, drawing.of_light(view, eye.size)) for view in views)
-        )
+        size, views = eye.size, [moved(eye.view, way) for way in self._ways]
+        return eye.having(views=tuple(self.context.draw(view, size, drawing.of_light(view, size)) for view in views))
 
     def close(self) -> None:
         self._passes.close()
