@@ -293,7 +293,7 @@ class Folder:
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
         """Return pictures with depth, by names, numbers, else instants. Errors: InputError."""
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
-        first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
+        first, second = images_in(colours), images_in(depths, DEPTHS)
         first, wanted = of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""
         second = [path for path in second if wanted in path.stem] or second
         parts = [[[int(one) for one in re.findall(r"\d+", path.stem)] for path in side] for side in (first, second)]
@@ -505,7 +505,7 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
+def images_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     """Return the pictures of a folder in the order of the numbers in their names."""
     files = folder.iterdir() if folder.is_dir() else ()
     found = [

@@ -23,7 +23,7 @@ from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_
 from ..options import RATE_HZ
 from ..picture_files import EXR, PICTURES, fitted_depth, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, as_pictures, in_metres
-from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout, matrix_in, pictures_in, pose_of
+from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, images_in, layout, matrix_in, pose_of
 
 _MATRIX = "camera-intrinsics.txt"
 
@@ -141,7 +141,7 @@ def scannet(at: Folder) -> None:
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
             _refuse_moved(file, matrix_in(file))
-    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if are_digits(one.stem)}
+    colours = {int(one.stem): one for one in images_in(at.path / "color") if are_digits(one.stem)}
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
@@ -436,7 +436,7 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
 
 
 def _frames_in(path: Path) -> list[Path]:
-    found = [picture for picture in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
+    found = [picture for picture in images_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
     return [path for path in found if path.suffix.lower() == NPZ] or found
 
 

@@ -24,21 +24,7 @@ from ..camera import Camera, Size, camera_of, number_of, read_json, refuse_disto
 from ..options import RATE_HZ
 from ..picture_files import NPY, VideoPictures, read_colour, read_depth
 from ..recorded import AXES, CLOCK, POSE
-from . import (
-    CAMERA,
-    COLOURS,
-    DEPTHS,
-    MATRICES,
-    VGA,
-    Folder,
-    Pair,
-    Row,
-    layout,
-    matrix_in,
-    pictures_in,
-    pose_in,
-    rows_of,
-)
+from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, Row, images_in, layout, matrix_in, pose_in, rows_of
 
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
@@ -110,7 +96,7 @@ def _listed(row: Row) -> tuple[int, str]:
 def icl_nuim(at: Folder) -> None:
     """Source: Handa et al. 2014, A benchmark for RGB-D visual odometry (its page)."""
     at.state()
-    colours, depths = ({one.stem: one for one in pictures_in(at.path / side)} for side in ("rgb", "depth"))
+    colours, depths = ({one.stem: one for one in images_in(at.path / side)} for side in ("rgb", "depth"))
     file = min(at.path.glob("*.gt.freiburg"), default=at.path / "trajectory.gt.freiburg")
     for row in at.rows(file.name):
         number = int(row.floats(8)[0])
@@ -249,7 +235,7 @@ def tartanair(at: Folder) -> None:
         at.rate_hz = rate_hz
         at.clock(by=By.FORMAT)
     rows, colours = at.rows(f"pose_{side}.txt"), at.numbered(f"image_{side}/*.png")
-    found = pictures_in(at.path / f"depth_{side}", DEPTHS)
+    found = images_in(at.path / f"depth_{side}", DEPTHS)
     depths = {int(picture.name.split("_")[0]): picture for picture in found}
     for number in _with_a_line(colours, depths, rows, f"{at.path}: "):
         at.add(colours[number], depths[number], number, rows[number].pose(at.axes))
@@ -301,7 +287,7 @@ def stray_scanner(at: Folder) -> None:
     shared, at.notes = _shared_camera(cameras, video.size)
     at.state(own=shared or Camera.of(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
     own = shared is None and len(cameras) == len(rows) and at.options.camera is None
-    depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
+    depths = {int(one.stem): one for one in images_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
     at.size = video.size
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
@@ -336,7 +322,7 @@ def rtabmap(at: Folder) -> None:
     if file is None:
         raise InputError(f"{at.path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {at.layout.summary}")
     rgb, depth, calib = (min(at.path.glob(f"*_{one}"), default=at.path / one) for one in ("rgb", "depth", "calib"))
-    colours, depths = ({picture.stem: picture for picture in pictures_in(side)} for side in (rgb, depth))
+    colours, depths = ({picture.stem: picture for picture in images_in(side)} for side in (rgb, depth))
     found, cameras = [], []
     for number, row in enumerate(at.rows(file.name)):
         if len(row.words) != 9:
