@@ -159,9 +159,12 @@ class TakeIn:
                 np.copyto(view(raw), array, casting="unsafe")
                 if name == "depth" and picture.hidden is not None:
                     view(raw)[picture.hidden] = 0
-            texture = self._texture(name, array)
-            texture.write(buffer)
-            sent.append(texture)
+            key = (name, array.shape[2], _sent_as(name, array).itemsize)
+            if key not in self._staged:
+                texels = -(-self._size[0] // _TEXEL_BYTES) * key[1] * key[2]
+                self._staged[key] = allocate(self._gpu.gl, (texels, self._size[1]), (4, "u4"))
+            self._staged[key].write(buffer)
+            sent.append(self._staged[key])
         return sent[0], sent[1]
 
     def sent(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -177,18 +180,22 @@ class TakeIn:
         """Write rgba16f light with coverage and r32f inverse depth, of what `send` returned."""
         size, light = self._size, self._light_of_byte
         if picture.scaling is not None:
-            size, light = picture.scaling.size, self._bind_scaling(picture.scaling)
+            size, spans = picture.scaling.size, picture.scaling.spans()
+            if self._light is None:
+                self._light = allocate(self._gpu.gl, (256, 1), SCALAR)
+                self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
+            light, at = self._light, spans.shape[1::-1]
+            if at not in self._spans:
+                self._spans[at] = allocate(self._gpu.gl, at, (4, "u4"))
+            self._spans[at].write(spans.tobytes())
+            self._spans[at].bind_to_image(5, read=True, write=False)
         kind, is_whole = _sent_as("colour", picture.colour), picture.depth.dtype.kind == "u"
         form = (_UINT16_INVERSE if is_whole else _INVERSE) if picture.is_inverse else _UINT16 if is_whole else _METRES
         program = self._gpu.shaders.compute(
             "image/take_in.comp",
-            ITEM_BYTES=kind.itemsize,
-            CHANNELS=picture.colour.shape[2],
-            DEPTH=form,
-            ENCODED=int(picture.encoding == SRGB),
-            GUESSED=int(picture.is_guessed),
-            APART=int(picture.is_apart),
-            SCALED=int(picture.scaling is not None),
+            **{"ITEM_BYTES": kind.itemsize, "CHANNELS": picture.colour.shape[2], "DEPTH": form},
+            **{"ENCODED": int(picture.encoding == SRGB), "GUESSED": int(picture.is_guessed)},
+            **{"APART": int(picture.is_apart), "SCALED": int(picture.scaling is not None)},
         )
         into[0].bind_to_image(0, read=False, write=True, format=_RG32UI)
         into[1].bind_to_image(1, read=False, write=True)
@@ -199,27 +206,6 @@ class TakeIn:
         columns = size[0] if picture.scaling is not None else -(-size[0] * kind.itemsize // 16)
         program.run(columns, size[1])
         self._gpu.barrier()
-
-    def _bind_scaling(self, scaling: Scaling) -> moderngl.Texture:
-        """Bind the spans; return the light of each byte."""
-        if self._light is None:
-            self._light = allocate(self._gpu.gl, (256, 1), SCALAR)
-            self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
-        spans = scaling.spans()
-        at = spans.shape[1::-1]
-        if at not in self._spans:
-            self._spans[at] = allocate(self._gpu.gl, at, (4, "u4"))
-        self._spans[at].write(spans.tobytes())
-        self._spans[at].bind_to_image(5, read=True, write=False)
-        return self._light
-
-    def _texture(self, name: str, array: NDArray[Any]) -> moderngl.Texture:
-        """Return the texture that takes the bytes of an array (h, w, c)."""
-        key = (name, array.shape[2], _sent_as(name, array).itemsize)
-        if key not in self._staged:
-            texels = -(-self._size[0] // _TEXEL_BYTES) * key[1] * key[2]
-            self._staged[key] = allocate(self._gpu.gl, (texels, self._size[1]), (4, "u4"))
-        return self._staged[key]
 
     def _staging(
         self, name: str, array: NDArray[Any], buffers: PixelBuffers, number: int

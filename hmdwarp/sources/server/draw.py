@@ -15,9 +15,8 @@ from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import Lighting, ScenePasses
+from .passes import Lighting, SceneBuffers, ScenePasses, SceneTextures, moving_parts
 from .targets import Framebuffers, Multisampled, Renderer, Target
-from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 _MOST_CHOSEN = 256  # sets of parts, by what frames need

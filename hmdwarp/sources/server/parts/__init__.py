@@ -20,9 +20,8 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
-from ..passes import ScenePasses
+from ..passes import ScenePasses, SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
-from ..upload import SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 
 parts: Registry[type[Part]] = Registry(
     "part",

@@ -23,8 +23,7 @@ from ....geometry import Pose, View
 from ....gpu.shaders import Draw
 from ....gpu.textures import drawing_into, release_all
 from ....scenes import Material, Mesh, Panel, Scene, is_cutout, only_light
-from ..passes import SAME_SURFACE, ScenePasses
-from ..upload import Moving, SceneBuffers, SceneTextures, clip_from_eye, moving_parts
+from ..passes import SAME_SURFACE, Moving, SceneBuffers, ScenePasses, SceneTextures, clip_from_eye, moving_parts
 from . import DrawContext, Drawing, Part, Sender, Sending, parts
 
 Array = NDArray[np.float64]

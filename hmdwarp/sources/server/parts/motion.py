@@ -9,8 +9,7 @@ import numpy as np
 
 from ....frames import BodyIds, EyeImage
 from ....gpu.textures import COLOUR, NUMBER, drawing_into, release_all
-from ..passes import SAME_SURFACE, draw_moving
-from ..upload import DeformingMesh, Moving, MovingBody
+from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, draw_moving
 from . import DrawContext, Drawing, Part, parts
 
 

@@ -14,9 +14,18 @@ from ....geometry.view import mirrors_in_eye, tangents_of_pixels
 from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
-from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
+from ..passes import (
+    NEAR_M,
+    SAME_SURFACE,
+    Place,
+    ScenePasses,
+    clear_depth,
+    clip_from_eye,
+    draw_cube,
+    eye_from_scene,
+    world_from_ndc,
+)
 from ..targets import Target
-from ..upload import NEAR_M, Place, clip_from_eye, eye_from_scene, world_from_ndc
 from . import DrawContext, Drawing, Part, parts
 
 
