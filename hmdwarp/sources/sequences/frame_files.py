@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import reprlib
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -93,21 +93,19 @@ def assumptions_of(
     found: FrameFile, camera: Camera | None = None, scale: float | None = None, encoding: str | None = None
 ) -> list[Assumption]:
     """Return the facts by which a frame is read, those the user states included."""
+    text, by = "fov", By.FILE
     if camera is not None or "fov" not in found.facts:
         stated = camera or camera_of(found.where, found.facts)
-        by = By.FILE if camera is None else By.USER
-        intrinsics = Assumption(INTRINSICS, stated.text if stated else "", by, "--intrinsics")
-    else:
-        intrinsics = Assumption(INTRINSICS, "fov", By.FILE, "--intrinsics")
+        text, by = stated.text if stated else "", By.FILE if camera is None else By.USER
+    intrinsics = Assumption(INTRINSICS, text, by, "--intrinsics")
     scale, by = first_stated(scale, found.depth_scale, None)
     if scale is None:
         by, scale = (By.FILE if found.path == found.where else By.DEFAULT), 1.0
     facts = [intrinsics, Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale"), *OWN_FACTS]
     if found.path == found.where and encoding is None and found.encoding is None:  # an .npz file, which takes both
-        if found.arrays()[0].dtype.kind == "f":
-            facts.append(Assumption("encoding", "linear (float colour)", By.DEFAULT, "encoding in the file"))
-        else:
-            facts.append(Assumption("encoding", "sRGB (bytes)", By.FORMAT))
+        floats = Assumption("encoding", "linear (float colour)", By.DEFAULT, "encoding in the file")
+        is_float = found.arrays()[0].dtype.kind == "f"
+        facts.append(floats if is_float else Assumption("encoding", "sRGB (bytes)", By.FORMAT))
     return facts
 
 
@@ -130,20 +128,30 @@ def find_frame(
     """Return the files of a frame as read_frame does, pixels unread. shared: further facts."""
     path, (depth, camera) = as_path(path), (None if one is None else as_path(one) for one in (depth, camera))
     shared, ending = dict(shared or {}), path.suffix.lower()
-    if ending == NPZ:
-        if depth is not None or camera is not None:
-            raise InputError(f"{path}: an .npz file holds its depth and its view: leave out --depth and --camera")
-        return _in_npz(path, shared)
-    if ending != EXR and ending not in PICTURES:
-        if path.exists() and content_of(path, PICTURE_FILE).startswith(b"PK"):
-            return _in_npz(path, shared)
-        if not path.exists():
+    if ending == NPZ and (depth is not None or camera is not None):
+        raise InputError(f"{path}: an .npz file holds its depth and its view: leave out --depth and --camera")
+    if ending == NPZ or ending != EXR and ending not in PICTURES:
+        if ending != NPZ and not path.exists():
             raise InputError(f"{path}: cannot be read (No such file or directory)")
+        if ending == NPZ or content_of(path, PICTURE_FILE).startswith(b"PK"):
+            facts, names, size = _from_npz(path, _head_of_npz)
+            _check_keys(path, {**shared, **names}, _KEYS)
+            plain = {name: one.tolist() if name in (INTRINSICS, "centre") else one for name, one in facts.items()}
+            read = partial(_from_npz, path, lambda data: (data["colour"], data["depth_m"]))
+            return FrameFile(path, path, {**shared, **plain}, size, read)
         raise InputError(
             f"{path}: not an .npz file, nor a picture with depth; expected NumPy's .npz form, as numpy.savez writes "
             f"it, or one of {', '.join((*PICTURES, EXR))}"
         )
-    size, where = size_of(path), _camera_beside(path, camera, shared)
+    size, beside, where = size_of(path), path.with_suffix(JSON), camera
+    if where is None and beside.exists():
+        where = beside
+    if where is None and not _POSE.keys() <= shared.keys():
+        raise InputError(
+            f"{path}: no {beside.name} beside it to say its camera and pose: write it, or name it by --camera; "
+            'expected {"intrinsics": [fx, fy, cx, cy], "position_m": [x, y, z], "orientation_xyzw": [x, y, z, w], '
+            '"depth_scale": 0.001}'
+        )
     own = {} if where is None else read_json(where, _WANTED, None if where is camera else path.parent)
     facts, where = {**shared, **{name: value for name, value in own.items() if value is not None}}, where or path
     refuse_distortion(where, facts)
@@ -169,33 +177,9 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
-def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -> Path | None:
-    if camera is not None:
-        return camera
-    beside = path.with_suffix(JSON)
-    if beside.exists():
-        return beside
-    if _POSE.keys() <= shared.keys():
-        return None
-    raise InputError(
-        f"{path}: no {beside.name} beside it to say its camera and pose: write it, or name it by --camera; expected "
-        '{"intrinsics": [fx, fy, cx, cy], "position_m": [x, y, z], "orientation_xyzw": [x, y, z, w], "depth_scale": '
-        "0.001}"
-    )
-
-
 def is_depth(path: Path) -> bool:
     """Return whether the name of a file is that of the depth of a picture."""
     return path.stem.endswith(_DEPTH_MARKS)
-
-
-def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
-    facts, names, size = _from_npz(path, _head_of_npz)
-    _check_keys(path, {**shared, **names}, _KEYS)
-    plain = {name: value.tolist() if name in (INTRINSICS, "centre") else value for name, value in facts.items()}
-    return FrameFile(
-        path, path, {**shared, **plain}, size, lambda: _from_npz(path, lambda data: (data["colour"], data["depth_m"]))
-    )
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
@@ -216,9 +200,8 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
         raise InputError(f"{path}: not an .npz file; {wanted}")
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as data:
-            size = sum(
-                one.file_size for one in data.zip.infolist() if one.filename.removesuffix(NPY) in (*_KEYS, *_FACTS)
-            )
+            known = (one for one in data.zip.infolist() if one.filename.removesuffix(NPY) in (*_KEYS, *_FACTS))
+            size = sum(one.file_size for one in known)
             if size > MOST_PIXELS_BYTES:
                 raise ValueError(f"arrays of {size} bytes, unpacked; expected at most {MOST_PIXELS_BYTES}")
             return read(data)
@@ -258,22 +241,18 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
     try:
         pose = Pose(position, orientation)
         pose.check_near(str(path))
-        return View(pose, _fov(path, data, size))
+        if "fov" in data:
+            return View(pose, Fov(*_numbers(path, "fov", data["fov"], _FOV["fov"])))
+        camera = camera_of(path, data)
+        assert camera is not None  # there are intrinsics
+        if camera.is_y_up:
+            raise InputError(
+                f"{path}: fy is {camera.fy:g}; expected above 0: position_m and orientation_xyzw are those of "
+                "OpenXR, which has y up already"
+            )
+        return View(pose, camera.fov(size, str(path)))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error
-
-
-def _fov(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> Fov:
-    if "fov" in data:
-        return Fov(*_numbers(path, "fov", data["fov"], _FOV["fov"]))
-    camera = camera_of(path, data)
-    assert camera is not None  # there are intrinsics
-    if camera.is_y_up:
-        raise InputError(
-            f"{path}: fy is {camera.fy:g}; expected above 0: position_m and orientation_xyzw are those of "
-            "OpenXR, which has y up already"
-        )
-    return camera.fov(size, str(path))
 
 
 def _numbers(path: Path, key: str, value: Any, count: int) -> NDArray[np.float64]:

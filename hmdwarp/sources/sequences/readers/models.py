@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....colour import linear_from_srgb
-from ....errors import InputError, TraceError, are_digits, listed
+from ....errors import InputError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter, named_in, opened
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
@@ -251,10 +251,7 @@ def colmap(at: Folder) -> None:
         raise InputError(
             f"{at.path}: no images.txt or images.bin in {', '.join(_SPARSE)}; expected {at.layout.summary}"
         )
-    try:
-        images, cameras = read_images(model), read_cameras(model.with_name(f"cameras{model.suffix}"))
-    except TraceError as error:
-        raise InputError(str(error)) from error
+    images, cameras = read_images(model), read_cameras(model.with_name(f"cameras{model.suffix}"))
     pictures, maps, chosen = at.folder("images", *COLOURS), _first(at.path, _MAPS) or at.path / _MAPS[0], []
     for number, image in enumerate(images):
         names = [maps / f"{image.name}{ending}" for ending in _OWN]
@@ -267,12 +264,16 @@ def colmap(at: Folder) -> None:
     if wanted is not None and wanted not in per:
         raise InputError(f"{model}: --frames-camera is {wanted}; expected one of its cameras: {held}")
     if wanted or 1 < len(per) < len(chosen):  # not a camera for each image: several that moved together
-        key = wanted or per.most_common(1)[0][0]
-        chosen = [one for one in chosen if str(one[1].camera_id) == key]
+        taken = wanted or per.most_common(1)[0][0]
+        chosen = [one for one in chosen if str(one[1].camera_id) == taken]
         by = "" if wanted else ", as it has most images; --frames-camera reads another"
         left = per.total() - len(chosen)
-        at.notes += [f"{left} frames of other cameras than {key} were left out{by} ({held})."] if left else []
-    own = {key: _camera_of_colmap(cameras, key, model) for key in {image.camera_id for _, image, _ in chosen}}
+        at.notes += [f"{left} frames of other cameras than {taken} were left out{by} ({held})."] if left else []
+    own = {}
+    for key in {image.camera_id for _, image, _ in chosen}:
+        if key not in cameras:
+            raise InputError(f"{model}: its images name camera {key}; expected it in cameras{model.suffix}")
+        own[key] = _plain(cameras[key])
     of_stereo = bool(chosen) and chosen[0][2].name.endswith(_OWN)
     at.state(unit=1.0 if of_stereo else None, own=next(iter(own.values()), None))
     at.depth_of = _depth_of_colmap
@@ -284,10 +285,7 @@ def colmap(at: Folder) -> None:
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
 
 
-def _camera_of_colmap(cameras: dict[int, ColmapCamera], key: int, model: Path) -> Camera:
-    if key not in cameras:
-        raise InputError(f"{model}: its images name camera {key}; expected it in cameras{model.suffix}")
-    camera = cameras[key]
+def _plain(camera: ColmapCamera) -> Camera:
     _camera.refuse_distortion(camera.where, {"camera_model": camera.model})
     names, found = _KINDS.get(camera.model, "").split(), camera.parameters
     if len(names) != len(found):

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....errors import InputError, TraceError
+from ....errors import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
@@ -59,13 +59,7 @@ def rosbag(at: Folder) -> None:
     place = bag_at(at.path)
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")
-    try:
-        _read(at, Bag(place))
-    except TraceError as error:
-        raise InputError(str(error)) from error
-
-
-def _read(at: Folder, bag: Bag) -> None:
+    bag = Bag(place)
     moving: list[Any] = []
     still: list[Any] = []
     for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):

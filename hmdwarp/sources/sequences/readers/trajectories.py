@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from decimal import Decimal, InvalidOperation
 from functools import partial
 from pathlib import Path
@@ -13,7 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ....errors import InputError, TraceError, are_digits
+from ....errors import InputError, are_digits
 from ....options.named_files import TABLE, named_in, text_in
 from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By
@@ -48,10 +49,7 @@ def tum(at: Folder) -> None:
     by = By.FORMAT if own or "freiburg" in name else By.DEFAULT
     at.state(FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=by)
     at.only_for = None if own else VGA
-    try:
-        trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
-    except TraceError as error:
-        raise InputError(str(error)) from error
+    trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
     colours, depths = (sorted(map(_listed, at.rows(file))) for file in ("rgb.txt", "depth.txt"))
     at.track, times, lost = trace.track, np.array([time_ns for time_ns, _ in depths]), 0
     if colours and depths:
@@ -395,10 +393,15 @@ def traced(at: Folder) -> None:
         raise InputError(
             f"{at.path}: {names}; expected one head trace, called {_NAMES[0]}.csv, .txt or as its format has it"
         )
-    try:
-        trace, axes = _trace(found[0], at)
-    except TraceError as error:
-        raise InputError(str(error)) from error
+    reading, head = TraceOptions(axes=at.options.frames_axes), read_head(found[0])
+    if find_format(head, reading).layout(head, reading).time is None:
+        reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
+    trace = load_trace(found[0], reading)
+    said = next((fact for fact in trace.assumptions if fact.what == "axes"), Assumption("axes", trace.axes, By.DEFAULT))
+    if said.by is By.DEFAULT:  # then those of a camera
+        trace = load_trace(found[0], attrs.evolve(reading, axes="opencv"))
+        said = Assumption(AXES, "x right, y down, z forward, of world and camera", By.DEFAULT)
+    axes = attrs.evolve(said, what=AXES, option="--frames-axes")
     instants, clock = _instants(at, files, trace)
     by = By.FILE if "named" in clock else By.DEFAULT
     rated = at.options.frames_rate_hz is not None
@@ -412,21 +415,12 @@ def traced(at: Folder) -> None:
     at.left_out(len(files), "the trace has no pose at their instants")
 
 
-def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
-    reading, head = TraceOptions(axes=at.options.frames_axes), read_head(file)
-    if find_format(head, reading).layout(head, reading).time is None:
-        reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
-    trace = load_trace(file, reading)
-    said = next((fact for fact in trace.assumptions if fact.what == "axes"), Assumption("axes", trace.axes, By.DEFAULT))
-    if said.by is By.DEFAULT:
-        trace = load_trace(file, attrs.evolve(reading, axes="opencv"))
-        said = Assumption(AXES, "x right, y down, z forward, of world and camera", By.DEFAULT)
-    return trace, attrs.evolve(said, what=AXES, option="--frames-axes")
-
-
 def _instants(at: Folder, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
     """Return the instant of each picture on the trace's clock, and how that is known."""
-    track, whole = trace.track, [one for colour, _ in files if (one := _number(colour)) is not None]
+    track, whole = trace.track, []
+    for colour, _ in files:
+        with suppress(InvalidOperation):
+            whole.append(Decimal(colour.stem))
     first, last = _span(trace)
     in_seconds = any("." in colour.name.removesuffix(colour.suffix) for colour, _ in files)
     if len(whole) == len(files) and any(b - a != 1 for a, b in zip(whole, whole[1:], strict=False)):
@@ -445,13 +439,6 @@ def _instants(at: Folder, files: list[tuple[Path, Path]], trace: LoadedTrace) ->
         f"{at.path}: {len(track)} poses in {trace.path.name} for {len(files)} pictures, whose names are no instants of "
         f"it ({files[0][0].stem}, and {first / 1e9:.6f} to {last / 1e9:.6f} s); expected a pose for each, or such names"
     )
-
-
-def _number(picture: Path) -> Decimal | None:
-    try:
-        return Decimal(picture.stem)
-    except InvalidOperation:
-        return None
 
 
 def _camera_beside(at: Folder) -> Camera | None:
