@@ -451,7 +451,7 @@ def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> Non
         pairs = [_pair(np.asarray(c), np.asarray(d), ask.size[::-1]) for c, d in zip(colours, depths, strict=True)]
         sent_ns = time.monotonic_ns()
         times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
-        listener.answer(asked, FrameMessage(*times, at, *map(tuple, zip(*pairs, strict=True))))
+        listener.answer(asked, FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs)))
 
 
 def _pair(colour: NDArray[Any], depth_m: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[Any]]:

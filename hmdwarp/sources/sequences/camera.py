@@ -138,10 +138,9 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     elif "fx" in data:
         fx, fy, cx, cy = (number_of(where, name, data.get(name)) for name in ("fx", "fy", "cx", "cy"))
     elif "fl_x" in data or "camera_angle_x" in data:  # as nerfstudio has them, or the older files of NeRF
-        fx, fy = (_focal(where, data, size, axis) for axis in (0, 1))
-        if fx is None:
+        if (across := _focal(where, data, size, 0)) is None:
             raise InputError(f"{where}: fl_y without fl_x: expected both focal lengths, in pixels")
-        fy = fy or fx
+        fx, fy = across, _focal(where, data, size, 1) or across
         middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
         cx, cy = (number_of(where, key, data.get(key, at)) for key, at in zip(("cx", "cy"), middle, strict=True))
     else:

@@ -21,6 +21,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Draw, Uniforms
 from ...gpu.textures import COLOUR, allocate, check_size, drawing_into, flip_rows, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, Texture, blocking, chunks_of, indirect_atlas, lamps_at
+from ..array_passes import Owner
 
 NEAR_M = 0.02  # closer than an eye comes to anything but its own lens
 _IDENTITY = np.eye(4)
@@ -281,7 +282,7 @@ class SceneTextures:
         release_all(*(shine.texture for shine in self._shines.values()))
 
 
-class SceneBuffers:
+class SceneBuffers(Owner):
     """Some meshes of a scene on the GPU: a vertex buffer, an index buffer and chunks."""
 
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
@@ -309,9 +310,9 @@ class SceneBuffers:
         self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
         self._owner = np.array(owner, np.int64)
         self.draw_only(range(len(meshes)))
-        self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
+        self._vertices = self.own(gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32))
         indices = np.concatenate([np.empty(0), *self._order]).astype(np.uint32)
-        self._indices = gpu.gl.buffer(indices.tobytes() or b"\0" * 12)
+        self._indices = self.own(gpu.gl.buffer(indices.tobytes() or b"\0" * 12))
 
     def move_to(self, positions: NDArray[np.float32]) -> None:
         """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
@@ -356,10 +357,6 @@ class SceneBuffers:
         names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
         layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
         return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
-
-    def close(self) -> None:
-        self._vertices.release()
-        self._indices.release()
 
 
 def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -485,7 +482,7 @@ INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
-class Lighting:
+class Lighting(Owner):
     """Direct light of lamps; subclasses add the rest. most_blockers: triangles in its way."""
 
     defines: ClassVar[tuple[str, ...]] = ("LAMPS",)  # of shaders, for where it is
@@ -495,7 +492,7 @@ class Lighting:
         self._gl, self._scene = gpu.gl, scene
         if most_blockers is None:
             most_blockers = len(blocking(scene))
-        self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
+        self._blockers = self.own(gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4"))
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._buffers: list[tuple[Sequence[Mesh], moderngl.Buffer]] = []
@@ -505,7 +502,7 @@ class Lighting:
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
         """Return further inputs of the vertex stage, as moderngl takes them, albedo if read."""
-        buffer = self._gl.buffer(_all_rows(meshes))
+        buffer = self.own(self._gl.buffer(_all_rows(meshes)))
         self._buffers.append((meshes, buffer))
         if not albedo:
             return (buffer, "3f4 2f4 12x1", "in_normal", "in_light_uv")
@@ -538,16 +535,13 @@ class Lighting:
         self._blockers.use(BLOCKERS_UNIT)
         return places.tobytes() + cones.tobytes() + colours.tobytes() + rows
 
-    def close(self) -> None:
-        release_all(self._blockers, *(buffer for _, buffer in self._buffers))
-
 
 class ConvergedLight(Lighting):
     """With indirect light that is solved for the instant that is drawn."""
 
     def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
         super().__init__(gpu, scene, most_blockers)
-        self._indirect = allocate(gpu.gl, ATLAS, COLOUR)
+        self._indirect = self.own(allocate(gpu.gl, ATLAS, COLOUR))
         self._light = b""
 
     def _atlas(self, time_ns: int) -> NDArray[np.float16]:
@@ -559,10 +553,6 @@ class ConvergedLight(Lighting):
             self._indirect.write(self._atlas(time_ns).tobytes())
             self._light = light
         self.use_atlas(uniforms, self._indirect)
-
-    def close(self) -> None:
-        super().close()
-        self._indirect.release()
 
 
 class ArrivingLight(ConvergedLight):
@@ -601,7 +591,7 @@ def _all_rows(meshes: Sequence[Mesh]) -> bytes:
 SAME_SURFACE = 2.0**-16
 
 
-class ScenePasses:
+class ScenePasses(Owner):
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and the background.
 
     colour: with inverse depth, else that alone. peel: only what lies behind an earlier picture, see
@@ -626,9 +616,9 @@ class ScenePasses:
         self._gpu, self._gl, self.scene, self.buffers = gpu, gpu.gl, scene, buffers
         self._colour, self.moving = colour, tuple(moving)
         # Where the light of the scene's lamps comes from; baked light needs none.
-        own = colour and scene.lamps and lighting is None
-        self._made = light(gpu, scene) if own else None
-        self.lighting = lighting or self._made
+        if colour and scene.lamps and lighting is None:
+            lighting = self.own(light(gpu, scene))
+        self.lighting = lighting
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
@@ -638,10 +628,10 @@ class ScenePasses:
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = [
-            each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured)
+            self.own(each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured))
             for each in (buffers, *(drawing.buffers for drawing in self.moving))
         ]
-        self._empty = gpu.gl.vertex_array(self._background.program, [])
+        self._empty = self.own(gpu.gl.vertex_array(self._background.program, []))
 
     def _lit_defines(self) -> Mapping[str, object]:
         return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
@@ -714,11 +704,6 @@ class ScenePasses:
             sky = self.scene.background
             light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
             self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
-
-    def close(self) -> None:
-        release_all(*self._vertices, self._empty)
-        if self._made is not None:
-            self._made.close()
 
 
 def draw_chunks(

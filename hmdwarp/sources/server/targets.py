@@ -18,7 +18,7 @@ from ...geometry import Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
-from ..array_passes import Arrays, GiveCodes, Upload
+from ..array_passes import Arrays, GiveCodes, Owner, Upload
 from .passes import ScenePasses
 
 MOST_SETTINGS = 8  # settings of a layer for which something is kept, of all clients: those of one request, at most
@@ -172,7 +172,7 @@ class TargetPool:
         self.out.clear()
 
 
-class Renderer:
+class Renderer(Owner):
     """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
@@ -265,21 +265,18 @@ class Renderer:
         """Free targets that were not needed since the last call, but a few."""
         for key in [key for key, pool in self._pools.items() if pool.live]:
             self._pools.use(key)
-        freed: list[tuple[Any, TargetPool | Upload | GiveCodes]] = [
-            *self._pools.trimmed(lambda key, pool: pool.bytes),
-            *self._uploads.trimmed(lambda size, upload: upload.bytes),
-            *self._given.trimmed(lambda size, giving: giving.bytes),
-        ]
-        for _, pool in freed:
-            pool.close()
+        kinds: tuple[LastUsed[Any, Any], ...] = (self._pools, self._uploads, self._given)
+        freed: list[Any] = [one for kind in kinds for _, one in kind.trimmed(lambda _, one: int(one.bytes))]
+        for one in freed:
+            one.close()
         if freed:
             self.gpu.give_back_memory()
         self.gpu.forget_released()
 
     def close(self) -> None:
-        for made in (self._pools, self._uploads, self._given):
-            for pool in made.values():
-                pool.close()
+        super().close()
+        for pool in (*self._pools.values(), *self._uploads.values(), *self._given.values()):
+            pool.close()
 
 
 class Framebuffers:

@@ -20,6 +20,7 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
+from ...array_passes import Owner
 from ..passes import ScenePasses, SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 
@@ -76,7 +77,7 @@ class DrawContext:
     renderer: Callable[[Scene], Renderer]  # renderer(scene): a server of another scene; who makes it closes it
 
 
-class Part(ABC):
+class Part(Owner, ABC):
     """One kind of content, added to the picture after the parts of a lower `order`.
 
     A part is made when a scene has any of its content, or when frames need a layer whose file names
@@ -133,6 +134,7 @@ class Part(ABC):
 
     def close(self) -> None:
         """Free its resources; the shader library owns programs, the server acquired targets."""
+        super().close()
         for target in self._kept.values():
             target.release()
 

@@ -8,7 +8,8 @@ import moderngl
 import numpy as np
 
 from ....frames import BodyIds, EyeImage
-from ....gpu.textures import COLOUR, NUMBER, drawing_into, release_all
+from ....gpu.textures import COLOUR, NUMBER, drawing_into
+from ...array_passes import Owner
 from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, draw_moving
 from . import DrawContext, Drawing, Part, parts
 
@@ -28,18 +29,14 @@ class Motion(Part):
         for name, kind in (("ids", MovingBody), ("velocity", DeformingMesh)):
             if name in drawing.needs and name not in self._made:
                 moving = [one for one in self.context.colour.moving if isinstance(one, kind)]
-                self._made[name] = _Shown(self.context, moving, velocity=name == "velocity")
+                self._made[name] = self.own(_Shown(self.context, moving, velocity=name == "velocity"))
         if "ids" in drawing.needs:
             bodies = tuple(body.motion.state(drawing.time_ns) for body in self.context.scene.bodies)
             eye = eye.having(ids=BodyIds(self._made["ids"].draw(eye), bodies))
         return eye.having(velocity=self._made["velocity"].draw(eye)) if "velocity" in drawing.needs else eye
 
-    def close(self) -> None:
-        for shown in self._made.values():
-            shown.close()
 
-
-class _Shown:
+class _Shown(Owner):
     """Draws body numbers (r16ui) or velocities (rgba16f) where the picture shows what moves."""
 
     def __init__(self, context: DrawContext, moving: Sequence[Moving], *, velocity: bool) -> None:
@@ -47,13 +44,14 @@ class _Shown:
         shaders, gl = context.gpu.shaders, context.gpu.gl
         self._draw = shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=int(velocity))
         none = shaders.draw("server/background.vert", "server/moving_none.frag")
-        self._empty = gl.vertex_array(none.program, [])
+        self._empty = self.own(gl.vertex_array(none.program, []))
         deforming = [one for one in moving if velocity and isinstance(one, DeformingMesh)]
-        self._velocities = {one: gl.buffer(reserve=12 * len(one.mesh.positions), dynamic=True) for one in deforming}
+        sizes = {one: 12 * len(one.mesh.positions) for one in deforming}
+        self._velocities = {one: self.own(gl.buffer(reserve=size, dynamic=True)) for one, size in sizes.items()}
         self._vertices = []
         for one in moving:
             more = [(self._velocities[one], "3f4", "in_velocity")] if one in self._velocities else []
-            self._vertices.append(one.buffers.vertex_array(gl, self._draw.program, *more, colour=False))
+            self._vertices.append(self.own(one.buffers.vertex_array(gl, self._draw.program, *more, colour=False)))
         self._written_ns: int | None = None
 
     def draw(self, eye: EyeImage) -> moderngl.Texture:
@@ -81,6 +79,3 @@ class _Shown:
                 self._draw.uniforms.set(picture=0, same=SAME_SURFACE)
                 draw_moving(gl, self._draw, one, vertices, eye.view, time_ns, textured=False)
         return into
-
-    def close(self) -> None:
-        release_all(self._empty, *self._vertices, *self._velocities.values())

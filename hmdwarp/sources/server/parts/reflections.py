@@ -14,6 +14,7 @@ from ....geometry.view import mirrors_in_eye, tangents_of_pixels
 from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
+from ...array_passes import Owner
 from ..passes import (
     NEAR_M,
     SAME_SURFACE,
@@ -40,7 +41,8 @@ class Reflections(Part):
         super().__init__(context)
         shaders = context.gpu.shaders
         mirrors = context.scene.mirrors
-        self._surfaces = [(Ball if mirror.shape.is_curved else MirrorSurface)(context, mirror) for mirror in mirrors]
+        kinds = [Ball if mirror.shape.is_curved else MirrorSurface for mirror in mirrors]
+        self._surfaces = [self.own(kind(context, mirror)) for kind, mirror in zip(kinds, mirrors, strict=True)]
         self._mirrored: MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
@@ -104,7 +106,7 @@ class Reflections(Part):
                 if marched:
                     program = self.context.gpu.shaders.compute("server/mirror_march.comp")
                 else:
-                    self._mirrored = self._mirrored or MirroredPasses(self.context)
+                    self._mirrored = self._mirrored or self.own(MirroredPasses(self.context))
                     behind = self.kept("behind", eye.size)
                     onto = over(behind.colour, behind.inverse_depth)
                     self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
@@ -124,13 +126,6 @@ class Reflections(Part):
         self.context.gpu.barrier()
         program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
         self.context.gpu.barrier()
-
-    def close(self) -> None:
-        for surface in self._surfaces:
-            surface.close()
-        if self._mirrored is not None:
-            self._mirrored.close()
-        super().close()
 
 
 Array = NDArray[np.float64]
@@ -224,7 +219,7 @@ class MirroredPasses(ScenePasses):
         self._background.uniforms.set(world_from_ndc=turned @ world_from_ndc(view))
 
 
-class MirrorSurface:
+class MirrorSurface(Owner):
     """The triangles of one mirror."""
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
@@ -232,11 +227,11 @@ class MirrorSurface:
         gl, shaders = context.gpu.gl, context.gpu.shaders
         parts = ((one, np.concatenate([one.positions, one.uv, one.normals], axis=1)) for one in mirror.meshes)
         rows = np.concatenate([part[mesh.triangles.ravel()] for mesh, part in parts])
-        self._vertices = gl.buffer(rows.astype(np.float32).tobytes())
+        self._vertices = self.own(gl.buffer(rows.astype(np.float32).tobytes()))
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
         self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
         inputs = ("3f4 2f4 12x", "in_position", "in_uv") if mapped else ("3f4 20x", "in_position")
-        self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, *inputs)])
+        self._drawn = self.own(gl.vertex_array(self._surface.program, [(self._vertices, *inputs)]))
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the mirror's properties where the picture of `eye` shows it."""
@@ -251,10 +246,6 @@ class MirrorSurface:
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._drawn.render(moderngl.TRIANGLES)
 
-    def close(self) -> None:
-        self._drawn.release()
-        self._vertices.release()
-
 
 class Ball(MirrorSurface):
     """A curved mirror; its surroundings are drawn again only where they have changed."""
@@ -264,7 +255,7 @@ class Ball(MirrorSurface):
         gl = context.gpu.gl
         self._image = context.gpu.shaders.draw("server/mirror_surface.vert", "server/mirror_ball.frag", CURVED=1)
         layout = [(self._vertices, "3f4 8x 3f4", "in_position", "in_normal")]
-        self._curved = gl.vertex_array(self._image.program, layout)
+        self._curved = self.own(gl.vertex_array(self._image.program, layout))
         self._around: Target | None = None
         # Of the surroundings that were drawn: instant if anything moves, and revisions.
         self._around_of: tuple[int, int, int] | None = None
@@ -300,10 +291,6 @@ class Ball(MirrorSurface):
         )
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._curved.render(moderngl.TRIANGLES)
-
-    def close(self) -> None:
-        self._curved.release()
-        super().close()
 
 
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:

@@ -124,7 +124,7 @@ class Difference(Part):
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         self._program = context.gpu.shaders.compute("server/difference.comp")
-        self._bytes = display_bytes(context.gpu.gl)
+        self._bytes = self.own(display_bytes(context.gpu.gl))
         self._renderers: LastUsed[Simplified, Renderer] = LastUsed()
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
@@ -154,7 +154,6 @@ class Difference(Part):
         return self.context.renderer(partial_scene(self.context.scene, each.share, each.texture, lit=each.lit))
 
     def close(self) -> None:
+        super().close()
         for renderer in self._renderers.values():
             renderer.close()
-        self._bytes.release()
-        super().close()

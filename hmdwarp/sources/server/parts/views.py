@@ -48,7 +48,8 @@ class Views(Part):
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         plain = context.colour
-        self._passes = ScenePasses(context.gpu, context.scene, plain.buffers, colour=False, moving=plain.moving)
+        passes = ScenePasses(context.gpu, context.scene, plain.buffers, colour=False, moving=plain.moving)
+        self._passes = self.own(passes)
         self._before: tuple[Array, int] | None = None
         self._ways: list[Array] = []
 
@@ -72,10 +73,6 @@ class Views(Part):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         size, views = eye.size, [moved(eye.view, way) for way in self._ways]
         return eye.having(views=tuple(self.context.draw(view, size, drawing.of_light(view, size)) for view in views))
-
-    def close(self) -> None:
-        self._passes.close()
-        super().close()
 
 
 @attrs.frozen(eq=False)
