@@ -116,7 +116,6 @@ class Found(Owner):
 
     @property
     def holes(self) -> int:
-        """Pixels without coverage after the warp."""
         return int(self._words[self.holes_slot])
 
     def has_largest(self, number: int) -> bool:
@@ -226,7 +225,6 @@ class TakeIn(Owner):
     def _staging(
         self, name: str, array: NDArray[Any], buffers: PixelBuffers, number: int
     ) -> tuple[moderngl.Buffer, Callable[[NDArray[np.uint8]], NDArray[Any]]]:
-        """Return the buffer for an array (h, w, c), and what views its bytes as one."""
         kind = _sent_as(name, array)
         pixel_bytes = array.shape[2] * kind.itemsize
         steps = -(-self._size[0] // 16) * 16 * pixel_bytes, pixel_bytes, kind.itemsize
@@ -273,8 +271,6 @@ class GiveCodes(Owner):
 
 
 class Upload(Owner):
-    """Takes whole pictures of one size over; nothing is allocated after the first of a kind."""
-
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._taking, self._buffers = self.own(TakeIn(gpu, size)), self.own(PixelBuffers(gpu, 1))
 

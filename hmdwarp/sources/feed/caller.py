@@ -46,7 +46,6 @@ class Exchange:
 
     @property
     def middle_ns(self) -> float:
-        """The instant of the offset, on this clock."""
         return (self.sent_ns + self.heard_ns) / 2
 
 
@@ -118,8 +117,6 @@ _MOST_PATIENCE = 4
 
 @attrs.frozen(eq=False)
 class Arrival:
-    """A frame, and when its last byte was here."""
-
     frame: FrameMessage
     heard_ns: int
 
@@ -180,14 +177,12 @@ class Caller:
         return now_ns
 
     def take_unchanged(self) -> list[int]:
-        """Return the requests since the last call to which nothing had changed."""
         with self._changed:
             found = list(self._unchanged)
             self._unchanged.clear()
         return found
 
     def take(self) -> list[Arrival]:
-        """Return the frames that have arrived since the last call, in order of arrival."""
         with self._changed:
             arrived, self._held = list(self._arrived), 0
             self._arrived.clear()

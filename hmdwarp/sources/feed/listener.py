@@ -317,7 +317,6 @@ class Listener:
         return self._send(who, message.copied(frame))
 
     def leave_out(self, asked: Asked) -> None:
-        """Say that nothing has changed since the last frame."""
         self._send(asked.client, encode(message.Unchanged(asked.ask.number)))
 
     def tell(self, asked: Asked, what: str) -> None:
@@ -326,7 +325,6 @@ class Listener:
             self._log.say("told", client.address, f"{client.name}: {what}")
 
     def refuse(self, asked: Asked, why: str) -> None:
-        """Say why there is no frame."""
         why = " ".join(why.split())
         if asked.client in self._clients:  # else it has gone meanwhile
             client = self._clients[asked.client]

@@ -241,7 +241,6 @@ class FrameMessage:
 
     @property
     def is_finite(self) -> bool:
-        """Whether colour and depth, where they are numbers, are finite."""
         return all(
             not isinstance(picture, np.ndarray) or _is_finite(picture)
             for picture in (*self.colours, *self.inverse_depths)
@@ -277,7 +276,6 @@ LARGEST_ASK += _LOOK.size + _COUNT.size + _INPUT.size * MOST_INPUTS
 
 
 def length_of(piece: Picture) -> int:
-    """Return the bytes of a picture, or of another piece of a message."""
     return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
@@ -320,7 +318,6 @@ def copied(message: Message) -> memoryview:
 
 
 def pieces_of(message: Message) -> list[Piece]:
-    """Return the pieces that a message is made of, pictures as they are."""
     kind, body = _PACKERS[type(message)](message)
     return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(length_of, body))), *body]
 

@@ -80,8 +80,6 @@ _LETTERS = 40  # of a key: 32 bytes in Z85
 
 @attrs.frozen
 class KeyPair:
-    """Both keys, as the library writes them."""
-
     public: bytes
     secret: bytes = attrs.field(repr=False)
 

@@ -97,8 +97,6 @@ def address_of(text: str, flag: str, *, serves: bool = False) -> str:
 
 
 def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, object, str], None]:
-    """Return a validator that takes "" and what address_of does."""
-
     def check(_: object, __: object, text: str) -> None:
         if text:
             address_of(text, flag, serves=serves)
@@ -140,7 +138,6 @@ class Wire:
             raise
 
     def cut(self) -> None:
-        """Cut the connection, even if its peer sends on."""
         with contextlib.suppress(OSError), self.handle() as one:
             one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             one.shutdown(socket.SHUT_RDWR)
@@ -334,7 +331,6 @@ def crowd_of(
 
 
 def host_of(one: socket.socket) -> str:
-    """Return whom a connection is counted for. Errors: OSError where it has ended."""
     host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
     if isinstance(host, ipaddress.IPv6Address):
         if host.ipv4_mapped is not None:

@@ -51,7 +51,6 @@ class MeasuredDepth:
 
     @classmethod
     def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        """Return depth as a camera gave it: sure wherever it is known."""
         inverse = np.asarray(inverse_depth, np.float32)
         return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
 

@@ -219,7 +219,6 @@ def read_json(path: Path, wanted: str = "an object", folder: Path | None = None)
 
 
 def numbers_of(where: str | Path, key: str, value: Any, count: int) -> tuple[float, ...]:
-    """Return so many finite numbers. Errors: InputError naming file and key."""
     if not isinstance(value, list | tuple) or len(value) != count:
         raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {count} numbers")
     return tuple(number_of(where, key, entry) for entry in value)
@@ -247,7 +246,6 @@ def seconds_of(where: str | Path, key: str, value: Any) -> float:
 
 
 def scale_of(where: str | Path, value: Any) -> float:
-    """Return a depth scale. Errors: InputError for what are no metres per unit."""
     return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
 
 

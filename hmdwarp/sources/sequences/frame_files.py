@@ -44,8 +44,6 @@ Arrays = tuple[NDArray[Any], NDArray[Any]]
 
 @attrs.frozen(eq=False)
 class FrameFile:
-    """Files of one frame with depth, whose pixels are read later."""
-
     path: Path
     where: Path  # what states the facts: the frame itself, or the JSON next to it
     facts: Mapping[str, Any]  # of the keys that a camera JSON has
@@ -68,12 +66,10 @@ class FrameFile:
 
     @property
     def view(self) -> View:
-        """The view that it was rendered for. Errors: InputError."""
         return _view(self.where, self.facts, self.size)
 
     @property
     def notes(self) -> list[str]:
-        """What its files state and nothing reads."""
         return unread_notes(self.where, self.facts, (*_FACTS, "depth"))
 
     @property
@@ -178,7 +174,6 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
 
 
 def is_depth(path: Path) -> bool:
-    """Return whether the name of a file is that of the depth of a picture."""
     return path.stem.endswith(_DEPTH_MARKS)
 
 

@@ -78,8 +78,6 @@ class RecordedFrame:
         return attrs.evolve(self, fov=fov, size=size, read=read)
 
     def far_without_depth(self) -> RecordedFrame:
-        """Return the frame with what has colour and no depth infinitely far away."""
-
         def read() -> Pictures:
             colour, depth_m = self._read()
             return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)

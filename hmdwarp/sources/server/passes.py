@@ -124,8 +124,6 @@ Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they a
 
 @attrs.frozen(eq=False)
 class Chunks:
-    """All chunks of a scene, in the order of the index buffer, batch by batch."""
-
     first: NDArray[np.int64]  # (n,) index ranges, with the next
     count: NDArray[np.int64]
     batch: NDArray[np.int64]  # (n,) the batch each belongs to
@@ -133,7 +131,6 @@ class Chunks:
 
 
 def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:
-    """Return the draw calls of the chunks in `seen`: nearest class first, then batch by batch."""
     found = seen.nonzero()[0]
     if not len(found):
         return ()
@@ -213,8 +210,6 @@ def emits(scene: Scene) -> bool:
 
 @attrs.frozen(eq=False)
 class Batch:
-    """The state that chunks drawn together share."""
-
     texture: moderngl.Texture
     double_sided: bool  # whether both sides of a triangle are visible; else back faces are culled
     emission: Shine
@@ -229,7 +224,6 @@ class Shine:
 
 
 def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
-    """Upload a texture with mipmaps; the sampler decodes sRGB before it filters."""
     size, data = texture.image.shape[1::-1], _texels(texture.image)
     check_size(gpu.gl, size)
     made = gpu.gl.texture(size, 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
@@ -268,7 +262,6 @@ class SceneTextures:
         return self._made[index]
 
     def shine(self, index: int) -> Shine:
-        """Return what the surfaces with that texture emit."""
         return self._shines.get(index) or Shine(self._made[-1])
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
@@ -340,7 +333,6 @@ class SceneBuffers(Owner):
         self._choose()
 
     def draw_only(self, numbers: Collection[int]) -> None:
-        """Draw these meshes alone from now on."""
         self._drawn = np.isin(self._owner, list(numbers))
         self._choose()
 
@@ -405,8 +397,6 @@ class Moving(ABC):
 
 
 class MovingBody(Moving):
-    """All meshes of body number `number` (1 + its index)."""
-
     layer = "ids"
 
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
@@ -640,7 +630,6 @@ class ScenePasses(Owner):
         return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
-        """Return passes of the same light that peel, with these moving parts alone."""
         return ScenePasses(
             self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving, lighting=self.lighting
         )
@@ -651,7 +640,6 @@ class ScenePasses(Owner):
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
-        """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
         self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)

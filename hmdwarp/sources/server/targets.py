@@ -40,13 +40,11 @@ class LastUsed(dict[K, V]):
         self._used: set[K] = set()
 
     def made(self, key: K, make: Callable[[], V]) -> V:
-        """Return what there is for a key, made where there is nothing."""
         self[key] = found = self.pop(key) if key in self else make()
         self._used.add(key)
         return found
 
     def use(self, key: K) -> None:
-        """Note that what there is for a key is in use."""
         self._used.add(key)
 
     def beyond(self, most: int) -> list[V]:
@@ -73,8 +71,6 @@ _NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 
 @attrs.frozen(eq=False)
 class Target:
-    """The textures that one eye is drawn into."""
-
     colour: moderngl.Texture  # rgba16f, or the format of its pool
     depth: moderngl.Texture | None = None  # r32f of the same size, None where only colour is kept
 
@@ -133,7 +129,6 @@ class TargetPool:
         return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
-        """Return a free target; its content is undefined."""
         if self._free:
             target = self._free.pop()
         else:
@@ -187,7 +182,6 @@ class Renderer(Owner):
         self._given: LastUsed[Size, GiveCodes] = LastUsed()
 
     def take_in(self, picture: Arrays, into: Target) -> None:
-        """Write a picture of another process, or of files, into a target of its size."""
         upload = self._uploads.made(picture.size, lambda: Upload(self.gpu, picture.size))
         upload.run(picture, (into.colour, into.inverse_depth))
 
@@ -221,7 +215,6 @@ class Renderer(Owner):
         """Take note of whether a client's frame with these layers arrived."""
 
     def reacts_to(self, client: Hashable) -> bool:
-        """Return whether what it draws reacts to what a client's people do."""
         return self.scene.inputs is not None
 
     def begin_anew(self, client: Hashable) -> None:
@@ -352,7 +345,6 @@ class Multisampled:
         return self._made.made((size, kinds), make)
 
     def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
-        """Draw the colour of the whole picture: the mean of each pixel's samples."""
         drawn = self.over(into.size, COLOUR)
         passes.draw(view, drawn, time_ns)
         self.mean(drawn, into)

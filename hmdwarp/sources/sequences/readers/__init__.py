@@ -175,8 +175,6 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
 
 @attrs.frozen(eq=False)
 class Pair:
-    """Files of one frame."""
-
     colour: Path
     depth: Path
     time_ns: int
@@ -259,7 +257,6 @@ class Folder:
         self.pairs.append(Pair(colour, depth, self.instant_ns(number, time_ns), pose, **more))
 
     def left_out(self, of: int, why: str) -> None:
-        """Note how many of so many pictures were not added."""
         if count := of - len(self.pairs or self.frames):
             self.notes.append(f"{count} frames were left out: {why}.")
 
@@ -273,7 +270,6 @@ class Folder:
         return rows_of(self.path / name)
 
     def folder(self, *names: str) -> Path:
-        """Return the first of these folders that exists, else the first of them."""
         return next((self.path / name for name in names if (self.path / name).is_dir()), self.path / names[0])
 
     def first(self, *names: str, above: bool = False) -> Path | None:
@@ -344,7 +340,6 @@ class Folder:
         return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
 
     def sequence(self) -> Sequence:
-        """Return the sequence of what was added, from the first frame on. Errors: InputError."""
         frames = sorted(self.frames or self._frames(), key=lambda frame: frame.time_ns)
         if not frames:
             self.refuse_apart()
@@ -389,7 +384,6 @@ class Folder:
         return Sequence(name, self.path, self.layout.name, tuple(frames), track, notes, assumptions=assumptions)
 
     def refuse_apart(self) -> None:
-        """Raise InputError where two clocks have no instant in common."""
         firsts, lasts = zip(*self.clocks.values(), strict=True) if self.clocks else ((0,), (0,))
         if (apart := max(firsts) - min(lasts)) > 0:
             spans = "; ".join(f"{name}: {a / 1e9:.6f} to {b / 1e9:.6f} s" for name, (a, b) in self.clocks.items())
@@ -445,8 +439,6 @@ def pose_in(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1
 
 @attrs.frozen
 class Row:
-    """A line of a text file, as words."""
-
     where: str
     words: list[str]
 
@@ -482,7 +474,6 @@ class Row:
             raise self.wrong("seconds") from None
 
     def wrong(self, expected: str) -> InputError:
-        """Return the error for another content than expected."""
         return InputError(f"{self.where}: '{' '.join(self.words)[:60]}'; expected {expected}")
 
 

@@ -91,7 +91,6 @@ def _through_cameras(
 
 
 def _refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:
-    """Raise InputError where colour and depth were taken from different places."""
     if np.abs(matrix - np.eye(4)).max() > 1e-3:
         raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
 

@@ -266,7 +266,6 @@ class _Motion:
     """Samples of one frame in another, in the axes of ROS."""
 
     def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
-        """Take time_ns, position and quaternion; of several at one instant the last holds."""
         self._samples = dict(sorted({time_ns: _matrix_of(*pose) for time_ns, *pose in samples}.items()))
         self.times_ns = list(self._samples)
 
@@ -287,8 +286,6 @@ class _Motion:
 
 
 class _Transforms:
-    """The tree of /tf and /tf_static."""
-
     def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
         samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
         self._still: dict[str, tuple[str, Matrix]] = {}
@@ -309,11 +306,9 @@ class _Transforms:
         return names
 
     def moves(self, frame: str) -> bool:
-        """Return whether a transform that moves is above the frame."""
         return any(name in self._moving for name in self.chain(frame))
 
     def spans(self, frame: str) -> dict[str, tuple[int, int]]:
-        """Return when the transforms that move are known, of those above the frame."""
         moving = {name: self._moving[name][1].times_ns for name in self.chain(frame) if name in self._moving}
         return {f"/tf of {name}": (times[0], times[-1]) for name, times in moving.items()}
 

@@ -37,8 +37,6 @@ parts: Registry[type[Part]] = Registry(
 
 @attrs.frozen(eq=False)
 class Drawing:
-    """One picture to draw."""
-
     # The view as the eye has it, without guard band, and (w, h) pixels of it.
     view: View
     size: tuple[int, int]
@@ -58,8 +56,6 @@ class Drawing:
 
 @attrs.frozen(eq=False)
 class DrawContext:
-    """The resources that parts draw with."""
-
     gpu: Gpu
     scene: Scene
     textures: SceneTextures  # the scene's, on the GPU
@@ -124,7 +120,6 @@ class Part(Owner, ABC):
         """Take note of whether a frame with these layers arrived, heard of at that instant."""
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether it has something to send even if nothing has moved."""
         return False
 
     def trim(self) -> None:
@@ -146,8 +141,6 @@ NEAREST_M = 0.1  # an eye that is this near to a piece, or inside, sees all of i
 
 
 class Sender:
-    """The pieces of one layer for one kind of client."""
-
     book: Any  # what was sent, a frames.layers.Book
     complete = False  # whether nothing waits to be sent
 
@@ -160,8 +153,6 @@ S = TypeVar("S", bound=Sender)
 
 
 class Sending(Part, Generic[Wanted, S]):
-    """A part with one sender for each variant of its layer that frames need."""
-
     of_client = True
 
     def __init__(self, context: DrawContext) -> None:
@@ -196,8 +187,6 @@ class Sending(Part, Generic[Wanted, S]):
 
 
 class Head:
-    """How fast the head has moved of late."""
-
     def __init__(self) -> None:
         self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
 
@@ -242,6 +231,5 @@ def boxes_at(
 
 
 def distances(eye: Array, centres: Array, halves: Array) -> Array:
-    """Return (n,) metres from a place to the nearest point of each box."""
     away: Array = np.linalg.norm(np.maximum(np.abs(centres - eye) - halves, 0), axis=1)
     return away

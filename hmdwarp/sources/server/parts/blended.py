@@ -221,8 +221,6 @@ def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
 
 
 class SheetsPart(Part):
-    """A part that draws the meshes it has as sheets."""
-
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         scene = context.scene

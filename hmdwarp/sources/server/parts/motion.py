@@ -55,7 +55,6 @@ class _Shown(Owner):
         self._written_ns: int | None = None
 
     def draw(self, eye: EyeImage) -> moderngl.Texture:
-        """Return them in a texture of the eye's size."""
         gl, time_ns = self._context.gpu.gl, eye.drawn_ns
         into = self._context.acquire(eye.size, COLOUR if self._is_velocity else NUMBER, depth=False).colour
         framebuffer = self._context.framebuffers.over(into)

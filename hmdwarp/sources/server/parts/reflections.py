@@ -220,8 +220,6 @@ class MirroredPasses(ScenePasses):
 
 
 class MirrorSurface(Owner):
-    """The triangles of one mirror."""
-
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         self.mirror, self._context = mirror, context
         gl, shaders = context.gpu.gl, context.gpu.shaders
@@ -234,7 +232,6 @@ class MirrorSurface(Owner):
         self._drawn = self.own(gl.vertex_array(self._surface.program, [(self._vertices, *inputs)]))
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw the mirror's properties where the picture of `eye` shows it."""
         clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
         uniforms: dict[str, object] = {"reflectivity": self.mirror.shape.reflectivity}
         uniforms |= {"shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}

@@ -36,8 +36,6 @@ Array = NDArray[np.float64]
 
 @parts.register
 class SceneUpdate(Sending[Delivery, "_Sender"]):
-    """One sender for each Delivery that frames need."""
-
     name = "scene_update"
     order = 200
 

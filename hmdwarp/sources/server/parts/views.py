@@ -106,7 +106,6 @@ class Motion:
 
 
 def moved(view: View, way: Array) -> View:
-    """Return the view from a place that is moved by `way`, (3,) metres in the world."""
     pose = Pose(view.pose.position_m + way, view.pose.orientation_xyzw)
     return View(pose, view.fov, view.head_from_eye)
 
