@@ -643,8 +643,7 @@ def _secrets() -> Iterator[tuple[str, Target]]:
         (folder / "token").write_text("thirty-two letters of any kind..")
 
     def read(folder: Path, rng: Rng) -> None:
-        from hmdwarp.sources.feed.options import public_key
-        from hmdwarp.sources.feed.options import secret_in
+        from hmdwarp.sources.feed.options import public_key, secret_in
 
         public_key(folder / "feed.key")
         secret_in(folder / "token")

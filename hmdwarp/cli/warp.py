@@ -132,7 +132,7 @@ def _without_holes(frame: sequences.FrameFile, scale: float | None) -> tuple[Any
     """
     import numpy as np
 
-    from ..sources.sequences.camera import scale_of
+    from ..sources.sequences.frame_files import scale_of
     from ..sources.sequences.recorded import in_metres
 
     raw = frame.depth_m

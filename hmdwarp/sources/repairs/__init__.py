@@ -18,7 +18,10 @@ from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
 repairs: Registry[type[Repair]] = Registry(
-    "repair", __name__, columns="needs settings=Settings source", modules=dict.fromkeys(("edges", "none"), "edges")
+    "repair",
+    __name__,
+    columns="needs settings=Settings source",
+    modules=dict.fromkeys(("complete", "edges", "none"), "edges"),
 )
 
 

@@ -16,10 +16,9 @@ HOLE, FAR = "hole", "far"  # what a pixel without depth is
 MASK = "hidden.png"
 # Names of the layouts, each with the module of sources/sequences/readers that declares it.
 LAYOUTS = {
-    **dict.fromkeys(("icl_nuim", "numbered", "redwood", "replica", "rtabmap", "stray_scanner"), "trajectories"),
-    **dict.fromkeys(("tartanair", "traced", "tum"), "trajectories"),
-    **dict.fromkeys(("colmap", "folder", "nerfstudio", "open3d", "scannet", "seven_scenes"), "models"),
-    "rosbag": "rosbag",
+    **dict.fromkeys(("icl_nuim", "numbered", "redwood", "replica", "rtabmap", "stray_scanner"), "layouts"),
+    **dict.fromkeys(("tartanair", "traced", "tum", "colmap", "folder", "nerfstudio", "open3d"), "layouts"),
+    **{"scannet": "layouts", "seven_scenes": "layouts", "rosbag": "rosbag"},
 }
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 

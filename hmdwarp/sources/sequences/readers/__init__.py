@@ -38,7 +38,7 @@ from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ....registry import Registry
 from .. import recorded
-from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
+from ..frame_files import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence

@@ -16,7 +16,7 @@ from ....errors import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
-from ..camera import Camera, Matrix, refuse_distortion
+from ..frame_files import Camera, Matrix, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
 from . import Folder, layout, pose_in

@@ -28,9 +28,9 @@ parts: Registry[type[Part]] = Registry(
     "part",
     __name__,
     modules={
-        **dict.fromkeys(("cube", "foveated", "views", "wide"), "views"),
+        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "layers"),
         **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
-        **dict.fromkeys(("difference", "scene_update"), "scene_update"),
+        **dict.fromkeys(("scene_update", "views", "wide"), "layers"),
     },
 )
 
