@@ -687,11 +687,14 @@ class ScenePasses(Owner):
     def _seen_from(self, view: View, place: Place) -> Place:
         return place
 
+    def _world_from_ndc(self, view: View) -> Array:
+        return world_from_ndc(view)
+
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self.scene.background
             light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
-            self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
+            self._background.uniforms.set(world_from_ndc=self._world_from_ndc(view), **light)
 
 
 def draw_chunks(

@@ -260,11 +260,10 @@ class Folder:
         if count := of - len(self.pairs or self.frames):
             self.notes.append(f"{count} frames were left out: {why}.")
 
-    def clock(self, value: str = "", by: By = By.DEFAULT, **more: Any) -> None:
+    def clock(self, value: str = "", by: By = By.DEFAULT) -> None:
         """State how frames have their instants: by default by the rate."""
-        self.facts.append(
-            Assumption(recorded.CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
-        )
+        value = value or f"{self.rate_hz:g} frames per second"
+        self.facts.append(Assumption(recorded.CLOCK, value, by, "--frames-rate"))
 
     def rows(self, name: str) -> list[Row]:
         return rows_of(self.path / name)
@@ -332,7 +331,17 @@ class Folder:
             said = f"{fact.value}, their scale of {1 / scale if inverse else scale:.6g} divided out"
             fact = attrs.evolve(fact, value=said, by=By.FILE)
         self.facts.append(fact)
-        return [pose_in(self.axes, where, one, unit) for (where, _), one in zip(given, turned, strict=True)]
+        return [self.pose_in(where, one, unit) for (where, _), one in zip(given, turned, strict=True)]
+
+    def pose_in(self, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
+        """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than that."""
+        turn = matrix[:3, :3]
+        if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
+            raise InputError(
+                f"{where}: the matrix does more than turn and move; expected a right-handed rotation, and a scale only "
+                "where all have the same"
+            )
+        return pose_of(self.axes, matrix[:3, 3] * unit, turn)
 
     def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
         """Return world_from_eye of files of a matrix each; not those of inf or NaN."""
@@ -360,9 +369,8 @@ class Folder:
                 "instants in their unit, or give --frames-rate"
             )
         if not _USUAL_S[0] <= apart_s <= _USUAL_S[1]:
-            self.notes.append(
-                f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
-            )
+            why = "if their instants are in another unit, state --frames-rate."
+            self.notes.append(f"Frames are {apart_s:.4g} s apart: {why}")
         # The motion from the first frame to the last, with the frames' own poses in it.
         positions = np.array([frame.pose.position_m for frame in frames])
         turned = np.array([frame.pose.orientation_xyzw for frame in frames])
@@ -424,17 +432,6 @@ def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> P
     pose = Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
     pose.check_near("recorded frames")
     return pose
-
-
-def pose_in(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
-    """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than turn and move."""
-    turn = matrix[:3, :3]
-    if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
-        raise InputError(
-            f"{where}: the matrix does more than turn and move; expected a right-handed rotation, and a scale only "
-            "where all have the same"
-        )
-    return pose_of(axes, matrix[:3, 3] * unit, turn)
 
 
 @attrs.frozen
@@ -502,9 +499,8 @@ def images_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     found = [
         one for one in files if one.suffix.lower() in endings and not one.name.startswith(".") and one.name != MASK
     ]
-    return sorted(
-        found, key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in re.split(r"([0-9]+)", path.stem)]
-    )
+    words = {path: re.split(r"([0-9]+)", path.stem) for path in found}
+    return sorted(found, key=lambda path: [(int(p), "") if are_digits(p) else (-1, p) for p in words[path]])
 
 
 RIGHT = "right"  # folder of what the right eye saw, in that of the left one

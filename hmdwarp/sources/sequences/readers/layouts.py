@@ -31,22 +31,7 @@ from ..frame_files import JSON, NPZ, OWN_FACTS, Camera, FrameFile, Size, camera_
 from ..options import RATE_HZ
 from ..picture_files import EXR, NPY, PICTURES, VideoPictures, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import AXES, CLOCK, POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from . import (
-    CAMERA,
-    COLOURS,
-    DEPTHS,
-    MATRICES,
-    VGA,
-    Folder,
-    Pair,
-    Row,
-    images_in,
-    layout,
-    matrix_in,
-    pose_in,
-    pose_of,
-    rows_of,
-)
+from . import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, Row, images_in, layout, matrix_in, pose_of, rows_of
 
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
@@ -89,9 +74,7 @@ def tum(at: Folder) -> None:
     by_layout = (str(defect).replace(AXES_BY[By.USER], AXES_BY[By.FORMAT]) for defect in trace.defects)
     at.notes += [note.replace("--axes '", "axes '") for note in by_layout]
     if at.camera is ADVISED and re.search("freiburg[12]", name):
-        at.notes.append(
-            "The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."
-        )
+        at.notes += ["The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."]
     if lost:
         at.notes.append(f"{lost} frames were left out: groundtruth.txt has no pose at their instants.")
 
@@ -157,9 +140,8 @@ def redwood(at: Folder) -> None:
     if len(found) == len(files) and [number - numbers[0] for number in numbers] in (whole, [0] * len(whole)):
         numbers = whole
     elif len(set(numbers)) < len(numbers) or not all(0 <= number < len(files) for number in numbers):
-        raise InputError(
-            f"{file}: {len(found)} poses for {len(files)} pictures; expected one for each, or their numbers"
-        )
+        counts = f"{len(found)} poses for {len(files)} pictures"
+        raise InputError(f"{file}: {counts}; expected one for each, or their numbers")
     for number, pose in zip(numbers, at.poses(matrix for _, matrix in found), strict=True):
         at.add(*files[number], number, pose)
 
@@ -359,7 +341,7 @@ def rtabmap(at: Folder) -> None:
     at.state(own=shared or cameras[0])
     own = shared is None and at.options.camera is None
     for camera, (stem, number, row, matrix) in zip(cameras, found, strict=True):
-        pose = pose_in(at.axes, row.where, matrix)
+        pose = at.pose_in(row.where, matrix)
         at.add(colours[stem], depths[stem], number, pose, row.nanoseconds(), camera=camera if own else None)
     at.left_out(len(colours), "no depth or no pose")
 
@@ -699,9 +681,8 @@ def colmap(at: Folder) -> None:
     """Source: COLMAP documentation, output format (cameras, images, depth maps), camera models."""
     model = _images(at.path)
     if model is None:
-        raise InputError(
-            f"{at.path}: no images.txt or images.bin in {', '.join(_SPARSE)}; expected {at.layout.summary}"
-        )
+        places = ", ".join(_SPARSE)
+        raise InputError(f"{at.path}: no images.txt or images.bin in {places}; expected {at.layout.summary}")
     images, cameras = read_images(model), read_cameras(model.with_name(f"cameras{model.suffix}"))
     pictures, maps, chosen = at.folder("images", *COLOURS), _first(at.path, _MAPS) or at.path / _MAPS[0], []
     for number, image in enumerate(images):

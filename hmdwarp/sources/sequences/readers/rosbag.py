@@ -19,7 +19,7 @@ from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
 from ..frame_files import Camera, Matrix, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from . import Folder, layout, pose_in
+from . import Folder, layout
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -79,7 +79,7 @@ def rosbag(at: Folder) -> None:
         depth = depths[int(np.abs(late - colour.time_ns).argmin())]
         matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
         if matrix is not None:
-            pose = pose_in(at.axes, f"{at.path}, pose at {colour.time_ns} ns", matrix)
+            pose = at.pose_in(f"{at.path}, pose at {colour.time_ns} ns", matrix)
             raw = partial(_pixels, bag, topics["depth"], depth)
             read = partial(_pictures, partial(_pixels, bag, topics["colour"], colour), raw, topics["depth"], at.scale)
             name, time_ns = f"{topics['colour']} {number}", at.instant_ns(number, colour.time_ns)

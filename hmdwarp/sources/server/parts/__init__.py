@@ -194,8 +194,9 @@ class Head:
         if not self._seen or now_ns > self._seen[-1][0]:
             self._seen.append((now_ns, view))
 
-    def reach(self, within_ns: int) -> tuple[float, float]:
-        """Return metres and radians that it may move by within that time."""
+    def reach(self, within_ns: int | None) -> tuple[float, float]:
+        """Return metres and radians that it may move by in that time, or a first round trip."""
+        within_ns = within_ns or FIRST_ROUND_TRIP_NS
         metres = radians = 0.0
         for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):
             times = within_ns / (now_ns - before_ns)

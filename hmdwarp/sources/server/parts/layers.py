@@ -27,20 +27,7 @@ from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
 from ...array_passes import Owner
 from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
-from . import (
-    FIRST_ROUND_TRIP_NS,
-    NEAREST_M,
-    DrawContext,
-    Drawing,
-    Head,
-    Part,
-    Sender,
-    Sending,
-    boxes_at,
-    distances,
-    may_be_seen,
-    parts,
-)
+from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, may_be_seen, parts
 
 
 @parts.register
@@ -357,7 +344,7 @@ class _Sender(Sender):
         yield from self._pieces.first
         scene, origin = self._pieces.scene, self._pieces.scene.origin_m
         centres, halves = boxes_at(scene, self._bodies, self._centres, self._halves, now_ns)
-        metres, radians = head.reach(self.book.round_trip_ns or FIRST_ROUND_TRIP_NS)
+        metres, radians = head.reach(self.book.round_trip_ns)
         seen = np.any([may_be_seen(centres, halves, view, origin, metres, radians) for view in views], axis=0)
         eye = np.mean([view.pose.position_m for view in views], axis=0) - origin
         away = distances(eye, centres, halves)

@@ -15,17 +15,7 @@ from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
 from ...array_passes import Owner
-from ..passes import (
-    NEAR_M,
-    SAME_SURFACE,
-    Place,
-    ScenePasses,
-    clear_depth,
-    clip_from_eye,
-    draw_cube,
-    eye_from_scene,
-    world_from_ndc,
-)
+from ..passes import NEAR_M, SAME_SURFACE, Place, ScenePasses, clear_depth, clip_from_eye, draw_cube, eye_from_scene
 from ..targets import Target
 from . import DrawContext, Drawing, Part, parts
 
@@ -212,11 +202,9 @@ class MirroredPasses(ScenePasses):
         behind_from_here = behind_from_eye @ place.eye_from_here
         return Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
 
-    def _set_background(self, view: View) -> None:
-        super()._set_background(view)
+    def _world_from_ndc(self, view: View) -> Array:
         normal = self._mirror.normal
-        turned = np.eye(3) - 2 * np.outer(normal, normal)
-        self._background.uniforms.set(world_from_ndc=turned @ world_from_ndc(view))
+        return (np.eye(3) - 2 * np.outer(normal, normal)) @ super()._world_from_ndc(view)
 
 
 class MirrorSurface(Owner):
