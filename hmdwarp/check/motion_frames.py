@@ -22,7 +22,7 @@ from ..errors import InputError
 from ..geometry import DepthLayer, Fov, Pose, View
 from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..sources.sequences import read_colour, read_depth
-from ..sources.sequences.camera import number_of, numbers_of, read_json
+from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
 
 Array = NDArray[np.float64]
