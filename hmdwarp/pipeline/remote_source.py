@@ -29,9 +29,8 @@ from .channel import Channel, ChannelSetup
 from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
 from .feed_layers import made
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
-from .recorded_renderer import MomentOf
 from .remote import Answer, Pending, Remote, ViewsApart
-from .source import FirstRequest, FrameSource, Options, PoseRequest, Source, nothing
+from .source import FirstRequest, FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
 
 

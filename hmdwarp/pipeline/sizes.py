@@ -41,12 +41,9 @@ def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     try:
         return guarded_eyes(eyes.views(Pose()), band, size)[1]
     except InputError as error:
-        raise InputError(f"{band} on {_named(eyes)}: {error}; use a smaller one") from error
-
-
-def _named(eyes: Eyes) -> str:
-    name = getattr(eyes, "name", "")
-    return f"headset '{name}'" if name else "these eyes"
+        name = getattr(eyes, "name", "")
+        of = f"headset '{name}'" if name else "these eyes"
+        raise InputError(f"{band} on {of}: {error}; use a smaller one") from error
 
 
 def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
@@ -198,12 +195,7 @@ def guard_notes(options: PipelineOptions, weight: dict[str, Any]) -> list[str]:
     ]
 
 
-def plans_for(
-    options: PipelineOptions,
-    headset: Headset | None,
-    scene: Scene | None,
-    **beyond: Any,
-) -> list[Plan]:
+def plans_for(options: PipelineOptions, headset: Headset | None, scene: Scene | None, **beyond: Any) -> list[Plan]:
     """Return the plans of a run: one, or one for each level that it chooses from.
 
     beyond, errors: as build_plan_for.
@@ -220,15 +212,13 @@ def build_plan_for(
     scene: Scene | None,
     *,
     shares_frames: bool = False,
-    distorts: str = "",
-    takes_depth: str = "",
-    takes_panels: str = "",
+    **beyond: str,
 ) -> Plan:
     """Return the plan of a run. Without a scene, only the names are checked.
 
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
-    distorts, takes_depth, takes_panels: as in build_plan.
+    beyond: distorts, takes_depth, takes_panels of build_plan.
     Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
     not for the scene; InputError for a lens correction on a headset without a lens.
     """
@@ -236,18 +226,10 @@ def build_plan_for(
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
-    plan = (
-        _plan_behind_proxy(options, scene, distorts)
-        if options.source_kind is PROXY
-        else _plan_of_all(
-            options,
-            scene,
-            shares_frames=shares_frames,
-            distorts=distorts,
-            takes_depth=takes_depth,
-            takes_panels=takes_panels,
-        )
-    )
+    if options.source_kind is PROXY:
+        plan = _plan_behind_proxy(options, scene, beyond.get("distorts", ""))
+    else:
+        plan = _plan_of_all(options, scene, shares_frames, **beyond)
     check_suited(scene, plan.choice, options.indirect)
     if options.client_name:
         check_client(plan, load_client(options.client_name))
@@ -265,21 +247,30 @@ def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None
         raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
 
 
-def _plan_of_all(options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, **beyond: str) -> Plan:
+def _plan(selected: Any, options: PipelineOptions, **more: Any) -> Plan:
+    """Return the plan that compensates what is selected, with what all plans take of options."""
+    return build_plan(
+        selected,
+        options.warp,
+        options.fill,
+        options.lens,
+        brings=options.source_kind.layers,
+        fused=options.fused,
+        scanout=options.scanout_ms > 0 and options.follow_scanout,
+        **more,
+    )
+
+
+def _plan_of_all(options: PipelineOptions, scene: Scene | None, shares_frames: bool, **beyond: str) -> Plan:
     """Return the plan of who gets the server's frames. beyond: as in build_plan."""
     called_for, kind = effects.of(scene) if scene is not None else (), options.source_kind
     # What recorded frames show is not known, so that what is forced is never without content.
     selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
     try:
-        plan = build_plan(
+        plan = _plan(
             selected,
-            options.warp,
-            options.fill,
-            options.lens,
+            options,
             client_geometry=kind.has_geometry,
-            brings=kind.layers,
-            fused=options.fused,
-            scanout=options.scanout_ms > 0 and options.follow_scanout,
             named=selected if shares_frames else effects.forced(options.effects),
             forced={*selected} - {*called_for},
             forbidden={*called_for} - {*selected},
@@ -304,18 +295,9 @@ def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
 
     Errors: as build_plan_for.
     """
-    alone = attrs.evolve(
-        options,
-        strategy="",
-        proxy=ProxyOptions(),
-        warp=options.proxy.warp,
-        fill=options.proxy.fill,
-        lens="none",
-        fused=False,
-        scanout_ms=0.0,
-        client="",
-    )
-    return build_plan_for(alone, None, scene)
+    own = {"warp": options.proxy.warp, "fill": options.proxy.fill, "proxy": ProxyOptions()}
+    plain = {"strategy": "", "lens": "none", "fused": False, "scanout_ms": 0.0, "client": ""}
+    return build_plan_for(attrs.evolve(options, **own, **plain), None, scene)
 
 
 def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: str) -> Plan:
@@ -323,17 +305,7 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
     done = f"the proxy compensates it, as far as its warp '{options.proxy.warp}' can"
     compensated = proxy_plan_for(options, scene).effects
     try:
-        plan = build_plan(
-            (),
-            options.warp,
-            options.fill,
-            options.lens,
-            client_geometry=False,
-            brings=options.source_kind.layers,
-            fused=options.fused,
-            scanout=options.scanout_ms > 0 and options.follow_scanout,
-            distorts=distorts,
-        )
+        plan = _plan((), options, client_geometry=False, distorts=distorts)
     except PlanError as error:
         raise PlanError(
             f"{error}; a proxy sends the finished picture alone: show it by --warp none or rotation"

@@ -46,8 +46,10 @@ from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup
 from .frame_coder import Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
-from .recorded_renderer import MomentOf
 from .remote import Remote
+
+# Where recorded frames are at an instant.
+MomentOf = Callable[[int], Moment]
 
 
 @attrs.define(eq=False)
