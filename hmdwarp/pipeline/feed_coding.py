@@ -189,18 +189,16 @@ class FeedEncoder:
 
     def encode(self, frame: FrameMessage) -> FrameMessage:
         """Return the frame, coded: the next of its stream."""
-        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        coded = [eye.encode(colour, depth) for eye, colour, depth in pairs]
         place, self._place = self._place, self._place + 1
-        colours, depths = (tuple(of_eye) for of_eye in zip(*coded, strict=True))
-        stops = [np.array([[eye.stops]], np.float64) for eye in self._eyes]
-        layers = tuple(
-            {**of_eye, LIGHT: [row]} if LIGHT in of_eye and row.any() else of_eye
-            for of_eye, row in zip(frame.layers, stops, strict=False)
-        )
+        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        colours, depths = zip(*(eye.encode(colour, depth, not place) for eye, colour, depth in sides), strict=True)
+        layers = [dict(of_eye) for of_eye in frame.layers]
+        for of_eye, eye in zip(layers, self._eyes, strict=False):
+            if LIGHT in of_eye and eye.stops:
+                of_eye[LIGHT] = [np.array([[eye.stops]], np.float64)]
         return attrs.evolve(
             frame,
-            layers=layers,
+            layers=tuple(layers),
             colours=colours,
             inverse_depths=depths,
             colour=self.wish.colour or RGBA16F,
@@ -214,29 +212,29 @@ class FeedEncoder:
 class _EyeEncoder:
     def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
         self._colour: ColourEncoder | None = None
-        self._video: DepthVideoEncoder | None = None
-        self._depth: DepthEncoder | None = None
+        self._depth: DepthVideoEncoder | DepthEncoder | None = None
         if wish.colour in _CODECS:
             codec, mbit = codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
             self._colour = ColourEncoder(codec, size, wish.rate_hz, wish.crf, mbit)
+        step = wish.depth_step or STEP
         if wish.depth in _VIDEOS:
-            self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP, _VIDEOS[wish.depth])
+            self._depth = DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
         elif wish.depth == DEPTH_EXACT:
-            self._depth = DepthEncoder(size, wish.depth_step or STEP)
+            self._depth = DepthEncoder(size, step)
         # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
-        self.stops, self._first = 0, True
+        self.stops = 0
 
-    def encode(self, colour: Any, depth: Any) -> tuple[Any, Any]:
-        first, self._first = self._first, False
+    def encode(self, colour: Any, depth: Any, key: bool) -> tuple[Any, Any]:
         if self._colour is not None:
             if colour.dtype == np.float16:
                 light = np.ascontiguousarray(colour[..., :3])
                 self.stops = max(stops_of(light), self.stops)
                 colour = bytes_from_light(light, self.stops)
-            colour, _ = self._colour.encode(colour[..., :3], first)
-        if self._video is not None:
-            return colour, self._video.encode(depth).data
-        return colour, depth if self._depth is None else self._depth.encode(depth)
+            colour, _ = self._colour.encode(colour[..., :3], key)
+        if self._depth is not None:
+            coded = self._depth.encode(depth)
+            depth = coded.data if isinstance(coded, Packet) else coded
+        return colour, depth
 
 
 class FeedDecoder:
@@ -256,7 +254,19 @@ class FeedDecoder:
             found = self._decoded(frame)
         if not found.is_finite:
             raise Undecodable("numbers that are not finite in its pictures")
-        return _with_light(unpacked(found))
+        found = unpacked(found)
+        # Linear light where the bytes reach beyond 1.
+        colours = list(found.colours)
+        for eye, of_eye in enumerate(found.layers):
+            colour, rows = colours[eye], of_eye.get(LIGHT, ())
+            stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
+            if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
+                continue
+            if len(stops) != 1 or stops[0] not in STOPS:
+                raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
+            light = light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0]))
+            colours[eye] = np.concatenate([light, (colour[..., 3:] > 0).astype(np.float16)], axis=-1)
+        return attrs.evolve(found, colours=tuple(colours))
 
     def _decoded(self, frame: FrameMessage) -> FrameMessage:
         if not frame.is_coded:
@@ -268,28 +278,10 @@ class FeedDecoder:
         self.wants_anew = True
         if self._coded_as != coded_as:
             raise Undecodable("another format, size or number of eyes than where the stream began")
-        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
+        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        colours, depths = zip(*(eye.decode(frame, colour, depth) for eye, colour, depth in sides), strict=True)
         self.wants_anew = False
-        colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
         return attrs.evolve(frame, colours=colours, inverse_depths=depths)
-
-
-def _with_light(frame: FrameMessage) -> FrameMessage:
-    """Return the frame with linear light where its bytes reach beyond 1. Errors: Undecodable."""
-    colours = list(frame.colours)
-    for eye, of_eye in enumerate(frame.layers):
-        colour, rows = colours[eye], of_eye.get(LIGHT, ())
-        stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
-        if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
-            continue
-        if len(stops) != 1 or stops[0] not in STOPS:
-            raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
-        covered = (colour[..., 3:] > 0).astype(np.float16)
-        colours[eye] = np.concatenate(
-            [light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0])), covered], axis=-1
-        )
-    return attrs.evolve(frame, colours=tuple(colours))
 
 
 class _EyeDecoder:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import attrs
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..frames import EyeImage, EyeSizes, Frame, Needs
 from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
-from ..frames.layers.foveated import FOVEATED
+from ..frames.layers.pictures import FOVEATED
 from ..geometry import Fov, Fovea, FoveaGrid, Pose, View, grid_of
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
@@ -29,59 +30,45 @@ NUMBERS = 3 + 3 + 2 + 1 + 18
 _RELATIVE, _ABSOLUTE = 2.0**-10, 2.0**-20
 
 
-@attrs.frozen
-class _InverseDepths:
-    """What an engine's z stands for, in 1/m."""
-
-    # At z = 0, and at z = 1.
-    nearest: float
-    farthest: float
-
-    @classmethod
-    def of(cls, near: float, far: float) -> _InverseDepths | None:
-        """Return it for two distances, None for vectors without z."""
-        return None if near == far else cls(1 / near, 1 / far)
-
-
 def velocity_of(parts: Sequence[NDArray[Any]], view: View, inverse_depth: NDArray[Any]) -> NDArray[np.float16]:
     """Return (h, w, 4): m/s along the eye's axes, and 1 where something moves by itself.
 
     parts: the vectors, and a row of NUMBERS. view, inverse_depth: of the picture. Vectors of lower
     resolution are spread to the pixels around them whose depth is theirs. Errors: InputError.
     """
-    # Whatever numbers come: what is not finite in the end does not move.
-    with np.errstate(all="ignore"):
-        vectors, told = _checked(parts)
-        height, width = vectors.shape[:2]
-        own = _nearest(inverse_depth.shape, (height, width))
-        depth = inverse_depth[np.ix_(*own)].astype(np.float64)
-        found = _velocity(vectors, told, view, depth)
-        return found if (height, width) == inverse_depth.shape else _spread(found, depth, inverse_depth)
-
-
-def _checked(parts: Sequence[NDArray[Any]]) -> tuple[Array, Array]:
     if len(parts) != 2 or parts[0].ndim != 3 or parts[1].shape != (1, NUMBERS):
         raise InputError(f"motion vectors: expected a picture of 4 numbers a pixel, and a row of {NUMBERS}")
-    vectors, told = parts[0].astype(np.float64), parts[1][0].astype(np.float64)
-    near, far, seconds = told[6:9]
-    finite = np.isfinite(np.delete(told, (6, 7))).all()
-    if not (finite and seconds > 0 and (near > 0 and far > 0 and near != far or near == far == 0)):
-        raise InputError(
-            f"motion vectors over {seconds:g} s, from {near:g} to {far:g} m: expected finite numbers, a time above 0, "
-            "and two distances, or 0 and 0 for vectors of two numbers"
-        )
-    return np.nan_to_num(vectors[..., :3], posinf=0, neginf=0) * told[:3] + told[3:6], told
+    with np.errstate(all="ignore"):  # whatever numbers come: what is not finite in the end does not move
+        vectors, told = parts[0].astype(np.float64), parts[1][0].astype(np.float64)
+        near, far, seconds = told[6:9]
+        finite = np.isfinite(np.delete(told, (6, 7))).all()
+        if not (finite and seconds > 0 and (near > 0 and far > 0 and near != far or near == far == 0)):
+            raise InputError(
+                f"motion vectors over {seconds:g} s, from {near:g} to {far:g} m: expected finite numbers, a time above "
+                "0, and two distances, or 0 and 0 for vectors of two numbers"
+            )
+        vectors = np.nan_to_num(vectors[..., :3], posinf=0, neginf=0) * told[:3] + told[3:6]
+        # The rows and columns of the picture that the centres of the vectors' pixels lie in.
+        own = [
+            ((np.arange(count) + 0.5) * many / count).astype(np.intp)
+            for many, count in zip(inverse_depth.shape, vectors.shape[:2], strict=True)
+        ]
+        depth = inverse_depth[np.ix_(*own)].astype(np.float64)
+        found = _velocity(vectors, told, view, depth)
+        return found if vectors.shape[:2] == inverse_depth.shape else _spread(found, depth, inverse_depth)
 
 
-def _nearest(of: tuple[int, ...], to: tuple[int, ...]) -> list[NDArray[np.intp]]:
-    """Return rows and columns of a picture that the centres of another's pixels lie in."""
-    return [((np.arange(count) + 0.5) * many / count).astype(np.intp) for many, count in zip(of, to, strict=True)]
+# What an engine's z stands for, in 1/m: at z = 0 and at z = 1; None for vectors without z.
+ZRange = tuple[float, float] | None
 
 
 def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[np.float16]:
     before = View(Pose(told[9:12], told[12:16]), Fov(*told[23:27]), Pose(told[16:19], told[19:23]))
-    has_depth, of_z = depth > 0, _InverseDepths.of(*told[6:8])
-    here = _points(view.fov.tangents, *_centres(vectors.shape[:2]), np.where(has_depth, depth, 1.0))
+    near, far = told[6:8]
+    has_depth, of_z = depth > 0, None if near == far else (1 / near, 1 / far)
+    # The pixels' centres, from -1 to 1, y down.
+    y, x = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
+    here = _points(view.fov.tangents, *np.meshgrid(x, y), np.where(has_depth, depth, 1.0))
     then_from_now = before.pose.relative_to(view.pose).inverse()
     # In the eye before: where it would have been had it stood still, and where the vectors say.
     still = then_from_now.rotation.apply(here.reshape(-1, 3)).reshape(here.shape) + then_from_now.position_m
@@ -91,7 +78,7 @@ def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[
         # It had the depth that it would have, had it stood still.
         vectors = np.dstack([vectors[..., :2], by_head[..., 2]])
     place = now - vectors
-    inverse = -1 / still[..., 2] if of_z is None else of_z.nearest + place[..., 2] * (of_z.farthest - of_z.nearest)
+    inverse = -1 / still[..., 2] if of_z is None else of_z[0] + place[..., 2] * (of_z[1] - of_z[0])
     # Behind the eye nothing was seen.
     then = _points(before.fov.tangents, place[..., 0], place[..., 1], np.where(inverse > 0, inverse, np.nan))
     rounding = _RELATIVE * np.abs(vectors) + _ABSOLUTE
@@ -103,13 +90,6 @@ def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[
     return np.clip(velocity, -65504, 65504).astype(np.float16)
 
 
-def _centres(shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Return x and y of the pixels' centres, from -1 to 1, y down."""
-    y, x = (2 * (np.arange(count) + 0.5) / count - 1 for count in shape)
-    found = np.meshgrid(x, y)
-    return found[0], found[1]
-
-
 def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
     """Return points in the eye's axes."""
     left, right, down, up = tangents
@@ -117,12 +97,12 @@ def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
     return along / inverse_depth[..., None]
 
 
-def _ndc(tangents: Array, points: Array, of_z: _InverseDepths | None) -> Array:
+def _ndc(tangents: Array, points: Array, of_z: ZRange) -> Array:
     """Return x, y from -1 to 1, y down, and z as the engine has it, 0 without."""
     left, right, down, up = tangents
     inverse = -1 / points[..., 2]
     x, y = points[..., 0] * inverse, points[..., 1] * inverse
-    z = np.zeros_like(x) if of_z is None else (inverse - of_z.nearest) / (of_z.farthest - of_z.nearest)
+    z = np.zeros_like(x) if of_z is None else (inverse - of_z[0]) / (of_z[1] - of_z[0])
     return np.stack([2 * (x - left) / (right - left) - 1, 2 * (up - y) / (up - down) - 1, z], axis=-1)
 
 
@@ -131,16 +111,15 @@ def _spread(found: NDArray[np.float16], depth: Array, inverse_depth: NDArray[Any
     shape, best = inverse_depth.shape, np.full(inverse_depth.shape, np.inf)
     out = np.zeros((*shape, 4), np.float16)
     places = [(np.arange(many) + 0.5) * count / many - 0.5 for many, count in zip(shape, depth.shape, strict=True)]
-    for down in (0, 1):
-        for right in (0, 1):
-            rows, columns = (
-                np.clip(np.floor(place).astype(np.intp) + step, 0, count - 1)
-                for place, step, count in zip(places, (down, right), depth.shape, strict=True)
-            )
-            apart = np.abs(depth[np.ix_(rows, columns)] - inverse_depth)
-            nearer = apart < best
-            out[nearer] = found[np.ix_(rows, columns)][nearer]
-            best[nearer] = apart[nearer]
+    for steps in itertools.product((0, 1), repeat=2):
+        rows, columns = (
+            np.clip(np.floor(place).astype(np.intp) + step, 0, count - 1)
+            for place, step, count in zip(places, steps, depth.shape, strict=True)
+        )
+        apart = np.abs(depth[np.ix_(rows, columns)] - inverse_depth)
+        nearer = apart < best
+        out[nearer] = found[np.ix_(rows, columns)][nearer]
+        best[nearer] = apart[nearer]
     return out
 
 
@@ -219,21 +198,17 @@ def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
 
     packs: without loss, for a slow network.
     """
+
+    def parts(layer: type[Layer], data: Any) -> list[NDArray[Any] | Packed]:
+        drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(data)]
+        numbers = layer.numbers(data)
+        found: list[NDArray[Any] | Packed] = [packed(picture) if packs else picture for picture in drawn]
+        return [*found, *([numbers] if numbers is not None else [] if drawn else [_NOTHING])]
+
     return tuple(
-        {
-            name: _parts(layers.get(name), eye[name], packs=packs)
-            for name in needs
-            if not (number and layers.get(name).per_frame)
-        }
+        {name: parts(layers.get(name), eye[name]) for name in needs if not (number and layers.get(name).per_frame)}
         for number, eye in enumerate(frame.eyes)
     )
-
-
-def _parts(layer: type[Layer], data: Any, *, packs: bool) -> list[NDArray[Any] | Packed]:
-    drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(data)]
-    numbers = layer.numbers(data)
-    found: list[NDArray[Any] | Packed] = [packed(picture) for picture in drawn] if packs else [*drawn]
-    return [*found, *([numbers] if numbers is not None else [] if drawn else [_NOTHING])]
 
 
 def unpacked(frame: FrameMessage) -> FrameMessage:
@@ -294,59 +269,53 @@ def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | 
                 continue
             if name not in of_eye:
                 return f"the server sends no layer '{name}'"
-            wrong = _misfit_of(layer, amount, list(of_eye[name]), sizes)
-            if wrong:
+            if wrong := next(filter(None, _misfits_of(layer, layer.pictures(amount), list(of_eye[name]), sizes)), ""):
                 return f"layer '{name}' of the server: {wrong}"
     return ""
 
 
-def _misfit_of(layer: type[Layer], amount: Any, parts: list[Any], sizes: EyeSizes) -> str:
-    formats = layer.pictures(amount)
+def _misfits_of(layer: type[Layer], formats: Sequence[str], parts: list[Any], sizes: EyeSizes) -> Iterator[str]:
     pictures, numbers = parts[: len(formats)], [one for one in parts[len(formats) :] if one.shape[1:] != (0,)]
     if len(pictures) < len(formats) or len(numbers) > 1:
-        return f"{len(parts)} parts: expected {len(formats)} pictures"
-    pairs = zip(pictures, formats, strict=True)
-    if wrong := next(filter(None, (_misfit_of_one(layer, *pair, sizes) for pair in pairs)), ""):
-        return wrong
+        yield f"{len(parts)} parts: expected {len(formats)} pictures"
+    for one, form in zip(pictures, formats, strict=True):
+        if form == BYTES:
+            if one.dtype != np.uint8 or len(one) != 1:
+                yield f"{one.dtype} of shape {one.shape}: expected a row of bytes"
+            continue
+        channels, dtype = _KINDS[form]
+        wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
+        shape = (high, wide, channels) if channels > 1 else (high, wide)
+        if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
+            yield f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
+        if one.shape != shape or one.dtype != np.dtype(dtype):
+            yield f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
+        if one.dtype.kind == "f" and not np.isfinite(one).all():
+            yield "numbers that are not finite"
     if numbers and (numbers[0].dtype != np.float64 or not (np.abs(numbers[0]) <= _LARGEST).all()):
-        return f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
-    return layer.misfit(pictures, numbers[0] if numbers else None)
-
-
-def _misfit_of_one(layer: type[Layer], one: NDArray[Any], form: str, sizes: EyeSizes) -> str:
-    if form == BYTES:
-        fits = one.dtype == np.uint8 and len(one) == 1
-        return "" if fits else f"{one.dtype} of shape {one.shape}: expected a row of bytes"
-    channels, dtype = _KINDS[form]
-    wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
-    shape = (high, wide, channels) if channels > 1 else (high, wide)
-    if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
-        return f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
-    if one.shape != shape or one.dtype != np.dtype(dtype):
-        return f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
-    return "numbers that are not finite" if one.dtype.kind == "f" and not np.isfinite(one).all() else ""
+        yield f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
+    yield layer.misfit(pictures, numbers[0] if numbers else None)
 
 
 def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wanted: Wanted | None) -> list[EyeImage]:
     """Return the eyes with the wanted layers, in textures of the server's pools."""
-    amounts, shared, found = _amounts(wanted), dict[str, Any](), []
+
+    def data_of(layer: type[Layer], amount: Any, parts: Sequence[Any], drawn_ns: int) -> Any:
+        formats, sent = layer.pictures(amount), list[Any]()
+        for one, form in zip(parts, formats, strict=False):
+            if form == BYTES:
+                sent.append(one.ravel())
+                continue
+            sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
+            upload(sent[-1], one)
+        return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, drawn_ns)
+
+    shared, found = dict[str, Any](), []
     for eye, of_eye in zip(eyes, parts, strict=True):
-        data = {
-            name: _made(server, layers.get(name), amount, of_eye[name], eye.drawn_ns)
-            for name, amount in amounts.items()
-            if name not in shared
-        }
-        shared |= {name: one for name, one in data.items() if layers.get(name).per_frame}
-        found.append(eye.having(**shared, **{name: one for name, one in data.items() if name not in shared}))
+        own = dict[str, Any]()
+        for name, amount in _amounts(wanted).items():
+            layer = layers.get(name)
+            if name not in shared:
+                (shared if layer.per_frame else own)[name] = data_of(layer, amount, of_eye[name], eye.drawn_ns)
+        found.append(eye.having(**shared, **own))
     return found
-
-
-def _made(server: Renderer, layer: type[Layer], amount: Any, parts: Sequence[Any], drawn_ns: int) -> Any:
-    formats, sent = layer.pictures(amount), list[Any]()
-    for one, form in zip(parts, formats, strict=False):
-        if form == BYTES:
-            sent.append(one.ravel())
-            continue
-        sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
-        upload(sent[-1], one)
-    return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, drawn_ns)

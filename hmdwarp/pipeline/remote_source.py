@@ -12,7 +12,7 @@ from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE
-from ..frames.layers.foveated import FoveatedPicture
+from ..frames.layers.pictures import FoveatedPicture
 from ..geometry import Eyes, Pose, View, guarded_eyes, looking
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR

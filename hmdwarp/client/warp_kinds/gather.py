@@ -13,7 +13,7 @@ import moderngl
 import numpy as np
 
 from ...frames import EyeImage
-from ...frames.layers.foveated import FoveatedPicture
+from ...frames.layers.pictures import FoveatedPicture
 from ...geometry import FoveaGrid, View, WarpMap, view_map
 from ...gpu.hidden import Grid
 from ...gpu.shaders import Compute

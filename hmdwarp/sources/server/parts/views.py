@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ....errors import InputError
 from ....frames import EyeImage, Needs
-from ....frames.layers.foveated import FoveatedPicture
+from ....frames.layers.pictures import FoveatedPicture
 from ....geometry import Fovea, Pose, View, WarpMap
 from ....geometry.cube import cube_size, wide_size, wide_view
 from ....gpu.textures import COLOUR, SCALAR, download, flip_rows
