@@ -21,11 +21,10 @@ from ..geometry.cube import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 from ..headsets import Headset
-from ..link import LinkOptions
 from ..options import AUTO, DEFAULT_GUARD, Choice
 from ..platforms import memory_bytes
 from ..scenes import CONVERGED, Scene
-from .options import PROXY, RECORDING, PipelineOptions, ProxyOptions
+from .options import PROXY, RECORDING, PipelineOptions
 
 Size = tuple[int, int]
 
@@ -79,26 +78,6 @@ def rendered_text(entry: Mapping[str, Any]) -> str:
     return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees"
 
 
-def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: int, latency_ms: float) -> None:
-    """Check the GL size limit and the memory.
-
-    Errors: InputError beyond the GL limit; MachineError where the frames alone would fill the
-    machine's memory.
-    """
-    check_size(gpu.gl, sizes.shown)
-    rendered_size = sizes.rendered
-    if max(rendered_size) > gpu.max_texture_size:
-        found = f"{GuardBand.of(guard)} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
-        raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    needed = frames * sum(frame_bytes(needs, sizes).values())
-    if gpu.is_software and needed > memory_bytes():
-        raise MachineError(
-            f"--latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
-            f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
-            "use a smaller --size, a shorter --latency or a lower --rate"
-        )
-
-
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
 # refresh at 60 Hz, not a little more.
 _SAME_REFRESH = 1e-3
@@ -115,41 +94,49 @@ def refreshes_of(latency_ms: float, rate_hz: float) -> int:
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """Return the largest number of frames alive at once, as held_over does."""
-    return held_over(options.client_link, options.latency_ms, rate_hz, needs)
-
-
-def held_over(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs) -> int:
-    """Return the largest number of frames alive at once over a link.
+    """Return the largest number of frames alive at once.
 
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
+    link, latency_ms = options.client_link, options.latency_ms
     sends_hz, kept = link.sends_hz(rate_hz), needs.others.past + needs.others.recent
     if link.is_plain:
         # Those sent since the refresh before, less the latency.
         return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + kept
-    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + kept
+    return link.most_under_way(latency_ns(options), sends_hz) + 2 + kept
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
-    """Return the mean age of a frame when it is seen, as age_over_ns does."""
-    return age_over_ns(options.client_link, options.latency_ms, plain_ns, rate_hz)
-
-
-def age_over_ns(link: LinkOptions, latency_ms: float, plain_ns: int, rate_hz: float) -> int:
-    """Return the mean age of a frame over a link when it is seen.
+    """Return the mean age of a frame when it is seen.
 
     plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
+    link = options.client_link
     stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if link.is_plain else link.typical_ns(round(latency_ms * 1e6))
+    newest_ns = plain_ns if link.is_plain else link.typical_ns(latency_ns(options))
     return newest_ns + round(stays_ns / 2)
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
+    """Check the GL size limit, and that the largest number of frames alive at once fits.
+
+    Errors: InputError beyond the GL limit; MachineError where the frames alone would fill the
+    machine's memory.
+    """
+    check_size(gpu.gl, sizes.shown)
+    wide, high = sizes.rendered
+    if max(sizes.rendered) > gpu.max_texture_size:
+        found = f"{options.guard_band} makes frames of {wide}x{high} pixels"
+        raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
+    count = frames_held(options, rate_hz, needs)
+    needed = count * sum(frame_bytes(needs, sizes).values())
+    if gpu.is_software and needed > memory_bytes():
+        raise MachineError(
+            f"--latency {options.latency_ms:g} ms keeps {count} frames of 2x{wide}x{high} pixels, "
+            f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
+            "use a smaller --size, a shorter --latency or a lower --rate"
+        )
 
 
 def smaller_size(gpu: Gpu, options: PipelineOptions, size: tuple[int, int]) -> str:
@@ -295,9 +282,7 @@ def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
 
     Errors: as build_plan_for.
     """
-    own = {"warp": options.proxy.warp, "fill": options.proxy.fill, "proxy": ProxyOptions()}
-    plain = {"strategy": "", "lens": "none", "fused": False, "scanout_ms": 0.0, "client": ""}
-    return build_plan_for(attrs.evolve(options, **own, **plain), None, scene)
+    return build_plan_for(options.to_proxy(), None, scene)
 
 
 def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: str) -> Plan:
