@@ -67,8 +67,9 @@ def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[
     near, far = told[6:8]
     has_depth, of_z = depth > 0, None if near == far else (1 / near, 1 / far)
     # The pixels' centres, from -1 to 1, y down.
-    y, x = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
-    here = _points(view.fov.tangents, *np.meshgrid(x, y), np.where(has_depth, depth, 1.0))
+    rows, columns = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
+    x, y = np.meshgrid(columns, rows)
+    here = _points(view.fov.tangents, x, y, np.where(has_depth, depth, 1.0))
     then_from_now = before.pose.relative_to(view.pose).inverse()
     # In the eye before: where it would have been had it stood still, and where the vectors say.
     still = then_from_now.rotation.apply(here.reshape(-1, 3)).reshape(here.shape) + then_from_now.position_m
@@ -275,6 +276,7 @@ def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | 
 
 
 def _misfits_of(layer: type[Layer], formats: Sequence[str], parts: list[Any], sizes: EyeSizes) -> Iterator[str]:
+    """Yield why the parts are no layer's: what follows on the first reason may not run."""
     pictures, numbers = parts[: len(formats)], [one for one in parts[len(formats) :] if one.shape[1:] != (0,)]
     if len(pictures) < len(formats) or len(numbers) > 1:
         yield f"{len(parts)} parts: expected {len(formats)} pictures"

@@ -310,7 +310,7 @@ class Delivered(Layer):
         return (BYTES,) * len(amount)
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> dict[Any, Received]:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Any:
         return super().made([Received(content) for content in sent], numbers, amount, drawn_ns)
 
     @classmethod

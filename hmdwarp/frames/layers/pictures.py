@@ -126,7 +126,7 @@ class Wide(_WithViews):
         return super().numbers((data,))
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: Numbers, amount: Any, drawn_ns: int) -> EyeImage:
+    def made(cls, sent: Sequence[Any], numbers: Numbers, amount: Any, drawn_ns: int) -> Any:
         return super().made(sent, numbers, amount, drawn_ns)[0]
 
 
