@@ -637,14 +637,13 @@ def _stores() -> Iterator[tuple[str, Target]]:
 
 def _secrets() -> Iterator[tuple[str, Target]]:
     def write(folder: Path) -> None:
-        from hmdwarp.sources.feed.key_pairs import key_pair
+        from hmdwarp.sources.feed.options import key_pair
 
         key_pair(folder / "feed")
         (folder / "token").write_text("thirty-two letters of any kind..")
 
     def read(folder: Path, rng: Rng) -> None:
-        from hmdwarp.sources.feed.key_pairs import public_key
-        from hmdwarp.sources.feed.options import secret_in
+        from hmdwarp.sources.feed.options import public_key, secret_in
 
         public_key(folder / "feed.key")
         secret_in(folder / "token")

@@ -37,8 +37,7 @@ from hmdwarp.poses.reading import text_table
 from hmdwarp.resources import folder as shipped
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
-from hmdwarp.sources.feed.key_pairs import public_key
-from hmdwarp.sources.feed.options import secret_in
+from hmdwarp.sources.feed.options import public_key, secret_in
 from hmdwarp.sources.sequences import SequenceOptions, read_frame, read_view
 from hmdwarp.study.analysis.findings import load_claims
 from hmdwarp.study.analysis.long_table import from_csv

@@ -25,9 +25,8 @@ from ..poses import PoseSample
 from ..scenes import InputEvent
 from ..sources.feed import bounds
 from ..sources.feed.caller import Arrival, Caller
-from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
-from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.options import FeedOptions, public_key, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import FeedDecoder, codec_of, codes_video, left_out, raw_form, reading

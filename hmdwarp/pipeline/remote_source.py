@@ -21,9 +21,8 @@ from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import InputEvent, Scene
 from ..sources.feed.caller import Viewer
-from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import RAW, FrameMessage
-from ..sources.feed.options import FULL, FeedOptions, secret_in
+from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
 from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
