@@ -29,8 +29,7 @@ from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
-from .channel import Channel, ChannelSetup
-from .frame_coder import Coder
+from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource

@@ -25,8 +25,7 @@ from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
-from .feed_layers import made
+from .feed_coding import arrays_of, codes_video, depth_error, left_out, made, wish_of
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
 from .remote import Answer, Pending, Remote, ViewsApart
 from .source import FirstRequest, FrameSource, MomentOf, Options, PoseRequest, Source, nothing

@@ -43,8 +43,7 @@ from ..scenes import (
     scenes,
 )
 from ..sources.server import Renderer, Server
-from .channel import Channel, ChannelSetup
-from .frame_coder import Coder, Reads
+from .channel import Channel, ChannelSetup, Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
 from .remote import Remote
 

@@ -22,8 +22,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..pipeline.channel import Changes, Channel
-from ..pipeline.frame_coder import Coder, Reads
+from ..pipeline.channel import Changes, Channel, Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, REMOTE, PipelineOptions

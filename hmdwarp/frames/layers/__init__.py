@@ -7,7 +7,7 @@ import heapq
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 import numpy as np
@@ -221,11 +221,11 @@ class Layer:
 
     @classmethod
     def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        """Return every texture of its data; the server takes back those of its pools."""
+        """Return every texture of its data, none of True; the server takes its own back."""
         if isinstance(data, Mapping | tuple):
             each = data.values() if isinstance(data, Mapping) else data
             return [texture for one in each for texture in cls.textures(one)]
-        return data.textures() if hasattr(data, "textures") else (data,)
+        return data.textures() if hasattr(data, "textures") else () if data is True else (data,)
 
     @classmethod
     def coded_as(cls) -> tuple[str, ...]:
@@ -268,60 +268,6 @@ def between(least: float, most: float) -> Any:
     return check
 
 
-class Wanted(Protocol):
-    """What is delivered little by little; hashable and ordered."""
-
-    @property
-    def budget(self) -> int:
-        """Bytes of each frame, at most."""
-
-
-class Content(Protocol):
-    """What one frame brings of it."""
-
-    @property
-    def content(self) -> NDArray[Any]:
-        """The bytes; the link writes what it has decoded over it."""
-
-
-@attrs.frozen(eq=False)
-class Received:
-    """What one frame of another process brings of it."""
-
-    content: NDArray[Any]
-
-
-class Delivered(Layer):
-    """No picture but updates of what the client keeps: a Content for each Wanted.
-
-    The amount is the frozenset of them. A client.Store with this layer's name receives the updates.
-    """
-
-    per_frame = True
-    builds_on_frames = True
-    nothing = frozenset()
-
-    @classmethod
-    def bytes(cls, amount: frozenset[Wanted], sizes: EyeSizes) -> int:
-        return sum(each.budget for each in amount)
-
-    @classmethod
-    def pictures(cls, amount: frozenset[Wanted]) -> tuple[str, ...]:
-        return (BYTES,) * len(amount)
-
-    @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Any:
-        return super().made([Received(content) for content in sent], numbers, amount, drawn_ns)
-
-    @classmethod
-    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        return ()
-
-    @classmethod
-    def sent(cls, data: Mapping[Any, Content]) -> Iterable[NDArray[Any]]:
-        return [update.content for update in data.values()]
-
-
 # What passes read of an eye's own picture.
 PICTURE = (readable("colour"), readable("inverse_depth"))
 
@@ -332,7 +278,7 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Layer]:
 
 
 _MODULES = {
-    **dict.fromkeys(("cube", "foveated", "foveated_depth", "ids", "light", "peeled"), "pictures"),
+    **dict.fromkeys(("cube", "foveated", "foveated_depth", "ids", "peeled"), "pictures"),
     **dict.fromkeys(("reflection", "transparent", "views", "wide"), "pictures"),
     **dict.fromkeys(("difference", "scene_update"), "scene_parts"),
 }
@@ -364,6 +310,38 @@ class Update:
     # What the sender needs to know again when it hears of the frame.
     pieces: tuple[Any, ...] = ()
     sent_ns: int = 0
+
+
+class Delivered(Layer):
+    """No picture but an Update of what the client keeps, for each thing that is wanted.
+
+    The amount is a frozenset of those: hashable and ordered, with a `budget`, the most bytes of
+    each frame. A client.Store with this layer's name receives the updates.
+    """
+
+    per_frame = True
+    builds_on_frames = True
+    nothing = frozenset()
+
+    @classmethod
+    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
+        return sum(each.budget for each in amount)
+
+    @classmethod
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        return (BYTES,) * len(amount)
+
+    @classmethod
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Any:
+        return super().made([*map(Update, sent)], numbers, amount, drawn_ns)
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        return ()
+
+    @classmethod
+    def sent(cls, data: Mapping[Any, Update]) -> Iterable[NDArray[Any]]:
+        return [update.content for update in data.values()]
 
 
 class Book:

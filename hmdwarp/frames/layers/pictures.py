@@ -145,24 +145,6 @@ class Peeled(Layer):
         return tuple(Surface(*pair) for pair in zip(sent[::2], sent[1::2], strict=True))
 
 
-@layers.register
-class Light(Layer):
-    """Adds nothing to a frame: the picture itself shows the light that falls on each surface.
-
-    That is what the surface would send to the eye if its albedo were 1. The amount and the data are
-    True.
-    """
-
-    name = "light"
-    summary = "the picture holds light alone, as if every surface were white; it is sent instead of the colour"
-    drawn_by = "light"
-    apart = True
-
-    @classmethod
-    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        return ()
-
-
 @attrs.frozen(eq=False)
 class Transparent:
     """Glass and the like, as one veil before the picture."""
