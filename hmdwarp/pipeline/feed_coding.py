@@ -42,26 +42,8 @@ from ..link.codec import (
     stops_of,
 )
 from ..sources.array_passes import LINEAR, SRGB8, Arrays
-from ..sources.feed import bounds
-from ..sources.feed.message import (
-    AV1,
-    DEPTH_CODES,
-    DEPTH_EXACT,
-    DEPTH_VIDEO,
-    DEPTH_VIDEO8,
-    H264,
-    HEVC,
-    INVERSE_DEPTH,
-    NONE,
-    RGBA8,
-    RGBA16F,
-    VP9,
-    Ask,
-    DepthCodes,
-    FrameMessage,
-    Picture,
-    Wish,
-)
+from ..sources.feed import bounds, message
+from ..sources.feed.message import Ask, DepthCodes, FrameMessage, Picture, Wish
 from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
 from .channel import pixels_per_tangent
@@ -369,15 +351,21 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
 
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
-_CODECS = {H264: "h264", HEVC: "hevc", VP9: "vp9", AV1: "av1"}
-_RAW_COLOURS = {RGBA16F: "float16", RGBA8: "srgb8"}
-_RAW_DEPTHS = {INVERSE_DEPTH: "float32", DEPTH_CODES: "uint16"}
+_CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
+_RAW_COLOURS = {message.RGBA16F: "float16", message.RGBA8: "srgb8"}
+_RAW_DEPTHS = {message.INVERSE_DEPTH: "float32", message.DEPTH_CODES: "uint16"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
-_WORK = {H264: 1, HEVC: 4, VP9: 1, AV1: 3}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
-_BYTES = {H264: 20, HEVC: 55, VP9: 90, AV1: 55}, {DEPTH_VIDEO: 65, DEPTH_VIDEO8: 65, DEPTH_EXACT: 40}
+_WORK = (
+    {message.H264: 1, message.HEVC: 4, message.VP9: 1, message.AV1: 3},
+    {message.DEPTH_VIDEO: 2, message.DEPTH_VIDEO8: 2},
+)
+_BYTES = (
+    {message.H264: 20, message.HEVC: 55, message.VP9: 90, message.AV1: 55},
+    {message.DEPTH_VIDEO: 65, message.DEPTH_VIDEO8: 65, message.DEPTH_EXACT: 40},
+)
 _FORMATS = {name: number for number, name in _CODECS.items()}
-_DEPTHS = {AS_VIDEO: DEPTH_VIDEO, AS_VIDEO8: DEPTH_VIDEO8}
+_DEPTHS = {AS_VIDEO: message.DEPTH_VIDEO, AS_VIDEO8: message.DEPTH_VIDEO8}
 _VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
@@ -394,7 +382,7 @@ def wish_of(
     step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
     return Wish(
         _FORMATS[coding.codec],
-        _DEPTHS.get(coding.depth, DEPTH_EXACT),
+        _DEPTHS.get(coding.depth, message.DEPTH_EXACT),
         coding.crf,
         rate_hz,
         coding.bitrate_mbit or 0.0,
@@ -405,7 +393,8 @@ def wish_of(
 def reading(wish: Wish, pictures: Collection[str]) -> Wish:
     """Return the wish without what nothing reads. pictures: as of PoseRequest."""
     colour, depth = (
-        kind if name in pictures else NONE for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
+        kind if name in pictures else message.NONE
+        for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
     )
     return attrs.evolve(wish, colour=colour, depth=depth)
 
@@ -442,9 +431,11 @@ def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:
 
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
-    if frame.depth == DEPTH_CODES:
+    if frame.depth == message.DEPTH_CODES:
         return max(0.55 * depth.step for depth in frame.inverse_depths if isinstance(depth, DepthCodes))
-    return {DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(frame.depth, 0.0)
+    return {message.DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(
+        frame.depth, 0.0
+    )
 
 
 def codec_of(colour: int) -> str:
@@ -468,7 +459,7 @@ def videos_for_browsers() -> dict[str, int]:
     for name in VIDEOS:
         with suppress(MachineError):
             check_codec(name)
-            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][DEPTH_VIDEO8]
+            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][message.DEPTH_VIDEO8]
     return found
 
 
@@ -507,8 +498,8 @@ class FeedEncoder:
             layers=tuple(layers),
             colours=colours,
             inverse_depths=depths,
-            colour=self.wish.colour or RGBA16F,
-            depth=self.wish.depth or INVERSE_DEPTH,
+            colour=self.wish.colour or message.RGBA16F,
+            depth=self.wish.depth or message.INVERSE_DEPTH,
             coded_size=self.size,
             begins=place == 0,
             place=place,
@@ -525,7 +516,7 @@ class _EyeEncoder:
         step = wish.depth_step or STEP
         if wish.depth in _VIDEOS:
             self._depth = DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
-        elif wish.depth == DEPTH_EXACT:
+        elif wish.depth == message.DEPTH_EXACT:
             self._depth = DepthEncoder(size, step)
         # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
         self.stops = 0
@@ -599,7 +590,7 @@ class _EyeDecoder:
     def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:
         if self._video is not None:
             depth = self._video.decode(Packet(frame.place, frame.begins, depth))
-        elif frame.depth == DEPTH_EXACT:
+        elif frame.depth == message.DEPTH_EXACT:
             depth = self._depth.decode(depth)
         elif isinstance(depth, DepthCodes):
             depth = depth.numbers()
@@ -607,6 +598,6 @@ class _EyeDecoder:
             self._colour.begin(frame.place, frame.begins)
             light = self._colour.decode(colour, frame.place)
             # A video has no coverage: what has no depth was not drawn. Without depth all of it was.
-            drawn = np.full(light.shape[:2], True) if frame.depth == NONE else depth >= 0
+            drawn = np.full(light.shape[:2], True) if frame.depth == message.NONE else depth >= 0
             colour = np.dstack([light, np.where(drawn, 255, 0).astype(np.uint8)])
         return colour, depth
