@@ -11,11 +11,11 @@ from collections.abc import Callable
 import attrs
 import moderngl
 
-from ..frames import EyeImage, Needs, Surface
+from ..frames import EyeImage, Needs
 from ..geometry import view_map
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, Canvas, allocate
-from .inputs import PassInputs
+from .inputs import PassInputs, as_image
 from .warps import Warp
 
 PictureOf = Callable[[EyeImage], moderngl.Texture]
@@ -51,11 +51,6 @@ def _swapped(image: EyeImage, picture_of: PictureOf) -> EyeImage:
         attrs.evolve(surface, colour=picture_of(as_image(image, surface))) for surface in image.get("peeled", ())
     )
     return attrs.evolve(image, colour=picture_of(image)).having(peeled=peeled or None)
-
-
-def as_image(image: EyeImage, surface: Surface) -> EyeImage:
-    """Return a surface of a layer as an image of its own."""
-    return EyeImage(image.view, surface.colour, surface.inverse_depth, drawn_ns=image.drawn_ns)
 
 
 def images_read(needs: Needs) -> int:

@@ -7,9 +7,8 @@ import attrs
 from ...frames import Needs
 from ...gpu.textures import Canvas
 from ...scenes import is_cutout
-from ..carry import as_image
 from ..client_scene import ReducedModel
-from ..inputs import PassInputs, ShownPicture
+from ..inputs import PassInputs, ShownPicture, as_image
 from ..warps.gather import GatherWarp
 from ..warps.iterative import OF_A_PART, IterativeSettings, Seeds
 from . import effects

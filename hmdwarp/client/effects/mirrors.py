@@ -16,8 +16,7 @@ from ...geometry.view import mirrors_in_eye, tangents_of_pixels
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all, tiles
-from ..carry import as_image
-from ..inputs import PassInputs, ShownPicture
+from ..inputs import PassInputs, ShownPicture, as_image
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from ..warps import Output
 from ..warps.iterative import OF_A_PART, Iterative
