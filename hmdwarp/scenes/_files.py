@@ -100,13 +100,12 @@ def _put(
         looks = [(draft.look, draft.is_surface and draft.driven is None) for draft in drafts]
         lit = [is_rigid and not look.unlit and not look.emission.any() for look, is_rigid in looks]
         meshes, lamps = lit_by(lamps, meshes, lit, textures, origin, notes)
-    return Scene(
-        path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem,
-        f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
-        *(meshes, textures, Background() if lamps else SKY, bodies),  # lamps are all the light that a file has
-        **{"origin_m": origin, "viewpoint": Pose(STANDING), "walk_bounds_m": STANDING + place.reach},
-        **{"notes": notes.lines(), "lamps": lamps, "panels": panels},
-    )
+    name = path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem
+    summary = f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles"
+    sky = Background() if lamps else SKY  # lamps are all the light that a file has
+    where: dict[str, Any] = {"viewpoint": Pose(STANDING), "walk_bounds_m": STANDING + place.reach, "origin_m": origin}
+    found: dict[str, Any] = {"notes": notes.lines(), "lamps": lamps, "panels": panels}
+    return Scene(name, summary, meshes, textures, sky, bodies, **where, **found)
 
 
 def _place(options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: Any) -> Place:

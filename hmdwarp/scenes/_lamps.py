@@ -291,4 +291,5 @@ def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tu
             light += max(lamp.colour) * fades * cosine / (far**2 if place[3] else 1)
         total, area = total + float(size @ light), area + float(size[light > 0].sum())
     factor = MEAN_LIGHT * area / total if total > 0 else 1.0
-    return [attrs.evolve(lamp, colour=tuple(factor * part for part in lamp.colour)) for lamp in lamps], factor
+    shown = [(lamp, *lamp.colour) for lamp in lamps]
+    return [attrs.evolve(lamp, colour=(factor * r, factor * g, factor * b)) for lamp, r, g, b in shown], factor

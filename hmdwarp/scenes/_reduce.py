@@ -198,7 +198,7 @@ def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = Fa
     """Return the mesh with these triangles and their vertices only; matt: in plain material."""
     kept, which = np.unique(triangles, return_inverse=True)
     arrays = {name: getattr(mesh, name) for name in ("positions", "normals", "uv", "light", "albedo", "light_uv")}
-    rows = {name: None if array is None else array[kept] for name, array in arrays.items()}
+    rows: dict[str, Any] = {name: None if array is None else array[kept] for name, array in arrays.items()}
     soft = None if mesh.deformation is None else _Subset(mesh.deformation, kept)
     material = Material() if matt else mesh.material
     return attrs.evolve(mesh, triangles=which.reshape(-1, 3), deformation=soft, material=material, **rows)
@@ -415,7 +415,7 @@ def _with_arrays(
     normals, light_uv, albedo = np.zeros((len(rows), 3), np.float32), None, None
     if lit is not None:
         normals, light_uv, albedo = lit[:, :3], lit[:, 3:5], lit[:, 5:]
-    own = {"positions": rows[:, :3], "uv": rows[:, 3:5], "light": rows[:, 5:], "triangles": triangles}
+    own: dict[str, Any] = {"positions": rows[:, :3], "uv": rows[:, 3:5], "light": rows[:, 5:], "triangles": triangles}
     return attrs.evolve(mesh, **own, normals=normals, light_uv=light_uv, albedo=albedo)
 
 

@@ -128,6 +128,10 @@ def _tuple(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
 
 
+def _array(value: ArrayLike) -> NDArray[np.float64]:
+    return np.array(value, np.float64)
+
+
 def _vector(value: ArrayLike) -> NDArray[np.float64]:
     array = np.array(value, dtype=np.float64).reshape(3)
     array.flags.writeable = False
@@ -217,9 +221,7 @@ class Scene:
     origin_m: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
     viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))  # world_from_head of a viewer at rest
     # (2, 3) lowest and highest corner of the world box that a head may move in.
-    walk_bounds_m: NDArray[np.float64] = attrs.field(
-        default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=lambda value: np.array(value, np.float64)
-    )
+    walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_array)
     notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)  # faults of a foreign file, one line each
     lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)  # without them all light is baked
     panels: tuple[Panel, ...] = attrs.field(default=(), converter=_tuple)

@@ -112,10 +112,9 @@ class Pendulum:
         side = np.array([np.cos(self.heading_rad), 0, -np.sin(self.heading_rad)])
         out = np.sin(angle) * side - (0, np.cos(angle), 0)
         along = np.cos(angle) * side + (0, np.sin(angle), 0)
-        pulled = self.length_m * (-(pace**2) * angle * along - speed**2 * out)
-        return RigidState(
-            Pose(self.pivot_m + self.length_m * out), self.length_m * speed * along, acceleration_m_s2=pulled
-        )
+        pull = self.length_m * (-(pace**2) * angle * along - speed**2 * out)
+        pose = Pose(self.pivot_m + self.length_m * out)
+        return RigidState(pose, self.length_m * speed * along, acceleration_m_s2=pull)
 
 
 @attrs.frozen(eq=False)
