@@ -15,8 +15,7 @@ from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
 from ..metrics import psnr
 from ..pipeline.feed_layers import velocity_of
-from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
-from .motion_places import Pair, grid, nearest_at
+from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
 
@@ -44,7 +43,23 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
     """Yield the frame `at` intervals after each that has vectors, read as stated.
 
     The head's motion between two frames goes on evenly, unless the true frame says where it was.
-    What moves by itself goes on with the velocity that its vectors give it. Errors: as Warper.
+    What moves by itself goes on with the velocity that its vectors give it.
+
+    Parameters
+    ----------
+    frames : MotionFrames
+        As `read_motion` reads them.
+    at : float
+        1 is the next frame, 0.5 half way to it, -0.5 half way back.
+
+    Yields
+    ------
+    Synthesised
+
+    Raises
+    ------
+    MachineError
+        As Warper.
     """
     size = frames.frames[0].size
     carried = ",".join(effect.name for effect in effects if "velocity" in effect.needs)
