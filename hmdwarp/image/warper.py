@@ -36,7 +36,7 @@ from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, uploa
 from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
-from ..pipeline.proxy_options import DEFAULT_WARP, SINGLE_FILL
+from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs

@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
 from ..options.named_files import SCENE, opened
-from ._draft import Draft
+from ._draft import Draft, Notes
 from ._gltf_scene import GltfContent
-from ._light_atlas import lit_by
+from ._lamps import lit_by
 from ._mesh import Body, Texture
-from ._mesh_files import drafts_of, unreadable
-from ._mitsuba_file import mitsuba_drafts
-from ._notes import Notes
+from ._mesh_files import drafts_of, mitsuba_drafts, unreadable
 from ._scene import Background, Scene
 from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, add_hints, free_place, is_inside, place_at
 from .options import FILE_ENDINGS, SceneOptions

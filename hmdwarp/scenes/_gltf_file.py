@@ -24,7 +24,7 @@ from ..errors import InputError, SceneError
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import GLTF, SCENE, content_of, most_unpacked
 from ..resources import install_line
-from ._notes import Notes, read_beside, rgba_of
+from ._draft import Notes, read_beside, rgba_of
 
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942

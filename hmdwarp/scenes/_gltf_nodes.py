@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..geometry import Pose, RigidState
+from ._draft import Notes
 from ._gltf_file import POINTER, VISIBILITY, GltfFile
-from ._notes import Notes
 from .options import NONE, numbered
 
 Array = NDArray[np.float64]

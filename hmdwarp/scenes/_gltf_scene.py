@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ..geometry import Pose
-from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
+from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of
 from ._gltf_file import KTX2, LIGHTS, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body, Emission, Material, Texture
-from ._notes import Notes
 from ._scene import Lamp
 from .motions import Still
 from .options import numbered

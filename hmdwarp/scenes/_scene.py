@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError, in_brief
 from ..geometry import Mirror, Pose, View, is_a, real
 from ..geometry.view import MOST_MIRRORS
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Quad, Texture
 from .input_events import InputLog
-from .shapes import Quad
 
 MOST_PANELS = 15  # a headset's runtime composes 16 layers at least, of which one is the picture
 MOST_LAMPS = 4

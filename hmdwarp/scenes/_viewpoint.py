@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._notes import Notes
+from ._draft import Notes
 
 Array = NDArray[np.float64]
 

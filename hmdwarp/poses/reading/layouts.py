@@ -19,8 +19,7 @@ from ..track import PoseTrack
 from . import header
 from .axes import OPENXR, parse_axes
 from .pose_messages import COLUMNS as MESSAGES
-from .text_table import Head
-from .times import BILLION, DATE, UNITS_NS
+from .text_table import BILLION, DATE, UNITS_NS, Head
 
 _ORDER_ASSUMED = Defect(
     "order-assumed",

@@ -18,14 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry import Pose
 from ...registry import Registry
+from .._draft import Notes
 from .._gltf_file import GltfFile
-from .._mesh import Body, Deformation, Material, Mesh, Texture
-from .._notes import Notes
+from .._mesh import Ball, Body, Deformation, Material, Mesh, Quad, Texture, checker
 from .._scene import Background, Lamp, Panel, Scene
 from ..input_events import InputLog
-from ..motions import Pendulum, Spinning, Still, Thrown, Track, Waving
-from ..reactions import Bouncing, Hinged, Switched
-from ..shapes import Ball, Quad, checker
+from ..motions import Bouncing, Hinged, Pendulum, Spinning, Still, Switched, Thrown, Track, Waving
 
 Arrays = Mapping[str, dict[str, NDArray[np.float64]]]  # of what moves, by its name and theirs
 _FOLDER = Path(__file__).parent
