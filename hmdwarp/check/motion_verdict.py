@@ -123,10 +123,6 @@ class MotionFrame:
         root = np.sqrt(linear_from_srgb(self.colour).mean(axis=2).astype(np.float64))
         return np.asarray(np.subtract(*(ndimage.gaussian_filter(root, blur) for blur in _BLUR_PX)))
 
-    def view_before(self, before: MotionFrame) -> View:
-        """Return the view of the frame before, in the space of this one."""
-        return before.view.at(self.app_space_delta.inverse() @ before.view.pose)
-
 
 @attrs.frozen(eq=False)
 class MotionFrames:
@@ -344,13 +340,8 @@ class Pair:
 
     @cached_property
     def then_view(self) -> View:
-        """The view of the frame before."""
-        return self.now.view_before(self.before)
-
-    @cached_property
-    def bright_now(self) -> Array:
-        """(h, w) brightness of the frame itself."""
-        return sampled(self.now.brightness, self.uv)
+        """The view of the frame before, in the space of this one."""
+        return self.before.view.at(self.now.app_space_delta.inverse() @ self.before.view.pose)
 
     def places(self, convention: Convention) -> Array:
         """Return (h, w, 2) where each pixel was in the picture before, 0 to 1, y down."""
@@ -364,7 +355,9 @@ class Pair:
                 place = along_of(self.now.view, here) / self.inverse[..., None]
                 place[..., :2] -= way[..., :2] * (1, -1)
                 depth = place[..., 2] - way[..., 2] if way.shape[2] > 2 else self.still[..., 2] / self.inverse
-                then = uv_of(self.then_view, np.stack([place[..., 0], place[..., 1], depth], axis=-1))
+                left, right, down, up = self.then_view.fov.tangents
+                x, y = (place[..., k] / np.where(depth < 0, -depth, np.nan) for k in (0, 1))  # NaN behind the eye
+                then = np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
             else:
                 then = here - way[..., :2] * {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
         return then + before if off else then
@@ -380,14 +373,6 @@ def along_of(view: View, uv: Array) -> Array:
     left, right, down, up = view.fov.tangents
     x, y = left + uv[..., 0] * (right - left), up - uv[..., 1] * (up - down)
     return np.stack([x, y, -np.ones_like(x)], axis=-1)
-
-
-def uv_of(view: View, points: Array) -> Array:
-    """Return (.., 2) places in the picture of points in the eye; NaN behind it."""
-    left, right, down, up = view.fov.tangents
-    away = np.where(points[..., 2] < 0, -points[..., 2], np.nan)
-    x, y = points[..., 0] / away, points[..., 1] / away
-    return np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
 
 
 def sampled(picture: Array, uv: Array) -> Array:
@@ -432,7 +417,7 @@ class Found:
             uv,
             within & (nearest <= expected * (1 + _SURFACE) + _FAR),
             within & (nearest < expected * (1 - _SURFACE) - _FAR),
-            pair.bright_now - sampled(pair.before.brightness, uv),
+            sampled(pair.now.brightness, pair.uv) - sampled(pair.before.brightness, uv),
             (nearest_at(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
         )
 

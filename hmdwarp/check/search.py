@@ -81,7 +81,12 @@ class Overlap:
         across = np.einsum("pij,pj->pi", back, place[one] - place[other])
         base = self.sheet.inverse if reading.kind == METRES else self.sheet.numbers
         row = self._height - 1 - self.row if reading.depth_rows_up else self.row
-        x, y = self._tangent(self.column, row, self._from, reading)
+        left, right, down, up = self.stated.tangents[self._from].transpose(2, 0, 1)
+        x = left + (self.column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
+        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
+        x, y = x * reading.wide_x, y * reading.wide_y
+        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
+        x, y = x * bent, y * bent
         numbers = self._picture_at(base, *self._in_depth(self.column, self.row, reading), self._from)
         apart = np.exp(reading.scales or np.zeros(len(self.stated.frames)))
         inverse = reading.inverse_depth(numbers, np.sqrt(1 + x * x + y * y)) * apart[self._from]
@@ -90,8 +95,12 @@ class Overlap:
         w = -moved[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             x, y, expected = moved[..., 0] / w, moved[..., 1] / w, inverse / w
-        column, line = self._pixel(x, y, self._to, reading)
+        left, right, down, up = self.stated.tangents[self._to].transpose(2, 0, 1)
         with np.errstate(invalid="ignore"):
+            bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
+            across_x, across_y = x / bent / reading.wide_x, y / bent / reading.wide_y
+            column = (across_x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
+            line = (up - across_y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
             seen = (w > 1e-6) & (column >= 0) & (column <= self._width - 1) & (line >= 0) & (line <= self._height - 1)
             seen &= inverse >= -1e-9
         column, line = np.where(seen, column, 0), np.where(seen, line, 0)
@@ -122,14 +131,6 @@ class Overlap:
             score = 1 / ((1 + (found.depth / _DEPTH) ** 2) * (1 + (found.colour / _COLOUR) ** 2))
         return np.where(found.seen, score, 0)
 
-    def _tangent(self, column: Indices, row: Indices, frame: Indices, reading: Reading) -> tuple[Array, Array]:
-        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
-        y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        x, y = x * reading.wide_x, y * reading.wide_y
-        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-        return x * bent, y * bent
-
     def _in_depth(self, column: Array, line: Array, reading: Reading) -> tuple[Array, Array]:
         """Return where the picture of depth has these pixels of the colour's."""
         if reading.depth_wide == 1 and not (reading.depth_x or reading.depth_y):
@@ -138,14 +139,6 @@ class Overlap:
         column = (column - x) / wide + x + reading.depth_x / self._per_pixel
         line = (line - y) / wide + y + reading.depth_y / self._per_pixel
         return column.clip(0, self._width - 1), line.clip(0, self._height - 1)
-
-    def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
-        left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
-        bent = 1 + reading.bend * (x * x + y * y) if reading.bend else 1.0
-        x, y = x / bent / reading.wide_x, y / bent / reading.wide_y
-        column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
-        line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
-        return column, line
 
     def _picture_at(self, pictures: Array, column: Array, line: Array, frame: Indices) -> Array:
         """Return the values at those places: of the nearest pixel, or between pixels."""
