@@ -11,18 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MachineError
-from ..geometry import Eyes, View
+from ..geometry import Eyes
 from ..gpu.context import Gpu
-from ..gpu.textures import Canvas
 from ..headsets import Headset
 from ..options import option_of
 from ..pipeline.options import PipelineOptions
 from ..poses import PoseSource, PoseTrack
-from ..scenes import Panel
 from .controls import CONTROLS, Command, Control, Status
 
 if TYPE_CHECKING:
-    import moderngl
+    from ..pipeline.loop import Refresh
 
 
 class Closed(Exception):
@@ -64,44 +62,6 @@ class TextPanel(Hashable, Protocol):
 
 
 Label = str | TextPanel  # shown over a picture; "" for nothing
-
-
-class ShownPanel(Protocol):
-    """A panel with the picture that it shows: premultiplied linear light, rgba16f."""
-
-    @property
-    def panel(self) -> Panel: ...
-
-    @property
-    def texture(self) -> moderngl.Texture: ...
-
-
-class EyePicture(Protocol):
-    """The finished picture of one eye."""
-
-    @property
-    def view(self) -> View:
-        """The view it was rendered to."""
-
-    @property
-    def panel(self) -> Canvas:
-        """Linear light after the lens, or before it for a display that corrects the lens itself."""
-
-    @property
-    def inverse_depth(self) -> moderngl.Texture | None:
-        """Inverse depth in 1/m, r32f, -1 where unknown; None unless the display takes depth."""
-
-    @property
-    def panels(self) -> Sequence[ShownPanel]:
-        """Those that the display composes, the farthest first; () unless it takes panels."""
-
-
-class Picture(Protocol):
-    """The finished pictures of one refresh, as `pipeline.loop.Refresh` has them."""
-
-    @property
-    def eyes(self) -> Sequence[EyePicture]:
-        """One for each view of Display.eyes, from the left."""
 
 
 @attrs.frozen
@@ -148,17 +108,12 @@ class Display(Protocol):
     All times are on the display's own clock, `now_ns`, which its pose source shares.
     """
 
-    @property
-    def name(self) -> str:
-        """Name of the source: openxr, desktop or offscreen."""
-
-    @property
-    def about(self) -> dict[str, str]:
-        """Its description by name, for headers and summaries (runtime, headset, ..)."""
-
-    @property
-    def gpu(self) -> Gpu:
-        """The context that it presents from; the display owns it."""
+    name: str  # of the source: openxr, desktop or offscreen
+    about: dict[str, str]  # its description by name, for headers and summaries (runtime, headset, ..)
+    gpu: Gpu  # the context that it presents from; the display owns it
+    distorts: str  # what corrects the lens instead of the plan, by name as in build_plan; "" for nothing
+    takes_depth: str  # what reads the picture's depth, likewise
+    takes_panels: str  # what composes panels itself, likewise
 
     @property
     def eyes(self) -> Eyes:
@@ -180,18 +135,6 @@ class Display(Protocol):
     def headset(self) -> Headset | None:
         """The headset whose lens the plan corrects; None where the runtime corrects it."""
 
-    @property
-    def distorts(self) -> str:
-        """What corrects the lens instead of the plan, by name as in build_plan; "" for nothing."""
-
-    @property
-    def takes_depth(self) -> str:
-        """What reads the picture's depth, by name as in build_plan; "" for nothing."""
-
-    @property
-    def takes_panels(self) -> str:
-        """What composes panels itself, by name as in build_plan; "" for nothing."""
-
     def now_ns(self) -> int:
         """Return the current time."""
 
@@ -203,7 +146,7 @@ class Display(Protocol):
         Errors: Closed; Lost.
         """
 
-    def show(self, refresh: Picture | None, label: Label = "") -> int:
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
         """Submit the picture of the tick that wait() returned; None for an empty one.
 
         label: text or a text panel over it. Return the time of submission.

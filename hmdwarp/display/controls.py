@@ -82,7 +82,6 @@ def and_mouse(control: Control) -> str:
 
 
 def control(name: str) -> Control:
-    """Return the control of that name."""
     return next(control for control in CONTROLS if control.name == name)
 
 
@@ -136,7 +135,6 @@ class Status:
         return 1e3 / fmean(last) if last and fmean(last) > 0 else 0.0
 
     def title(self) -> str:
-        """Return one line for the window's title."""
         notice = f" - {self.notice}" if self.notice else ""
         if self.heading:
             return f"hmdwarp - {self.heading}{notice}"

@@ -111,7 +111,6 @@ class Presenter:
         into.viewport = before
 
     def close(self) -> None:
-        """Free its own objects; the programs belong to the shader library."""
         self._notices.close()
         self._nothing.release()
         for whole in (*self._pictures.values(), self._depth):
@@ -120,8 +119,6 @@ class Presenter:
 
 
 class _Whole:
-    """A program that draws the whole viewport."""
-
     def __init__(self, gl: moderngl.Context, draw: Draw) -> None:
         self.uniforms, self.array = draw.uniforms, gl.vertex_array(draw.program, [])
 
@@ -246,7 +243,6 @@ class Notices:
         return Notice(label, texture)
 
     def close(self) -> None:
-        """Free the textures."""
         for notice in self._kept.values():
             notice.ink.release()
         self._kept.clear()

@@ -67,7 +67,6 @@ class Look:
 
 
 def css_variables(dark: bool) -> str:
-    """Return the CSS declarations of the colours of charts, for light or dark paper."""
     return " ".join(f"{CSS_VARIABLES[stand_in]}: {tones[dark]};" for stand_in, tones in _TONES.items())
 
 
@@ -172,7 +171,6 @@ def canvas(
 
 
 def empty_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = None) -> Figure:
-    """Return an empty figure of that size."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -201,14 +199,12 @@ def legend(where: Axes | FigureBase, handles: Sequence[Any], **style: Any) -> No
 
 
 def mark(label: str = "", **style: Any) -> Any:
-    """Return a line or marker for a legend, in ink unless the style has a colour."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=label, **{"color": INK, **style})
 
 
 def name_rows(axes: Axes, names: Sequence[str], above: float = 0.6) -> None:
-    """Name the rows of a chart, the first on top."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -above)
 
@@ -377,7 +373,6 @@ class Spot:
     number: int | None
 
     def mark(self, name: str) -> Any:
-        """Return its line of a legend."""
         return mark(f"{self.number} {name}", **attrs.asdict(self.look), linestyle="none", markersize=5)
 
 

@@ -191,7 +191,7 @@ def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture
     """Return the truth and what each strategy shows."""
     from PIL import Image
 
-    strip = []
+    strip: list[page.Picture] = []
     for row in (row for row in _ordered(group.rows) if "nothing" not in row):
         shown, truth = picture_of[id(row)]()
         pictures = [] if strip else [("what should be seen", truth)]

@@ -60,7 +60,6 @@ class Partial:
 
     @classmethod
     def of(cls, final: Path) -> Partial:
-        """Make the file."""
         while True:
             path = final.with_name(f".{final.name[:_STEM]}.{uuid.uuid4().hex[:8]}.part")
             handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
@@ -72,7 +71,6 @@ class Partial:
         return cls(path, handle)
 
     def close(self) -> None:
-        """Delete it, unless it was renamed. May be called again."""
         with suppress(OSError):
             self.path.unlink()
         if self._handle >= 0:
@@ -157,7 +155,6 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a whole file. Errors: InputError or MachineError naming the path."""
     with _opened(path) as file:
         file.write(content)
 

@@ -227,7 +227,6 @@ def _locked(folder: Path) -> Iterator[None]:
 
 
 def _lock(folder: Path) -> int:
-    """Return a handle that locks the folder until it is closed; -1 where it cannot be locked."""
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:

@@ -154,7 +154,6 @@ def render_report(
 
 
 def made_with(summary: Summary) -> list[tuple[str, str]]:
-    """Return what a run was made with."""
     pairs = page.machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"])
     return [*pairs, ("Effects", ", ".join(summary["effects"]) or "none")]
 
@@ -358,7 +357,6 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
 
 
 def _refresh(summary: Summary) -> page.Section:
-    """Return the parts of a refresh against its budget, with a bar for each."""
     live = summary["live"]
     lines, rows = [], run_texts.budget_rows(summary)
     longest = max([1.0, *(share for *_, share in rows)])

@@ -147,7 +147,6 @@ class FigureChange:
         return written.text(self.stored), written.text(self.now), f"{change:+.{written.digits}f}{share}"
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         values = {"name": self.key, "first": self.stored, "second": self.now, "unit": self.figure.unit}
         change = None if None in (self.stored, self.now) else self.now - self.stored  # type: ignore[operator]
         return values | {"change": change, "verdict": _WORDS[self.is_better]}
@@ -225,12 +224,10 @@ class RunDiff:
         ]
 
     def blocks(self) -> list[Any]:
-        """Return the same as blocks of a page."""
         lines = self.lines(figures=False)
         return [*[figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         return {
             "equal": self.is_equal,
             "setup": [dict(zip(("name", "first", "second"), entry, strict=True)) for entry in self.setup],

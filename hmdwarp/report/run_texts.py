@@ -51,7 +51,6 @@ def p_text(p: float | None) -> str:
 
 
 def p_is(p: float) -> str:
-    """Return p as "p = .0098"."""
     return f"p = {p_text(p)}"
 
 
@@ -95,8 +94,6 @@ Heads = Sequence[tuple[str, str]]
 
 @attrs.frozen
 class Cell:
-    """One cell of a table."""
-
     text: str
     # Numbers stand at the right; `word`, `tail`, `best`, `meter` are other styles.
     style: str = ""
@@ -146,7 +143,6 @@ class Table:
         return style if style in ("word", "tail") else ""
 
     def markdown(self) -> str:
-        """Return the table as Markdown, without its caption; it ends with a line feed."""
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
         return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
@@ -187,7 +183,6 @@ class Table:
 
 
 def markdown(lines: Iterable[Sequence[str]]) -> str:
-    """Return lines of cells as a Markdown table; each ends with a line feed."""
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 

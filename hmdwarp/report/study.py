@@ -43,7 +43,6 @@ def _cell(template: str, row: Row) -> str:
 
 
 def best_first(conditions: Iterable[Row]) -> list[Row]:
-    """Return the scores of conditions, the best first."""
     return sorted(conditions, key=lambda row: -row["jod"])
 
 
@@ -309,7 +308,6 @@ def study_page(data: Row, command: str) -> page.Page:
 
 
 def render_study_report(data: Row, command: str) -> str:
-    """Return the text of study_page."""
     return study_page(data, command).html()
 
 
@@ -340,7 +338,6 @@ def _tiles(data: Row) -> list[page.Tile]:
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> page.Heading | None:
-    """Return the title of a scale, where there are several."""
     return page.Heading(scale["measure"]["title"]) if len(scales) > 1 else None
 
 

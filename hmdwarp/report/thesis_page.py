@@ -86,7 +86,6 @@ def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> page.Article:
-    """Return the card of an experiment."""
     pairs = [("The thesis", one["thesis"]), ("Ours", one["ours"] or "not measured"), ("Rule", one["rule"])]
     if is_conditional(one):
         pairs += [("Holds at", one["holds_at"]), ("Does not at", one["fails_at"])]

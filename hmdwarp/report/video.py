@@ -110,7 +110,6 @@ class VideoWriter:
         )
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Append a picture, (h, w, 3) uint8 sRGB, top row first."""
         from av.video.reformatter import ColorRange, Colorspace
 
         if not self._open:

@@ -36,7 +36,6 @@ class WindowContext:
         self._glfw, self._handle = glfw, handle
 
     def load_opengl_function(self, name: str) -> int:
-        """Return the address, 0 where the driver lacks the function."""
         return ctypes.cast(self._glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
     def __enter__(self) -> WindowContext:
@@ -120,7 +119,6 @@ class Window:
         return float(mode.refresh_rate) if mode is not None else 0.0
 
     def screen_text(self) -> str:
-        """Return name, size and rate of the screen it is on."""
         return screen_text(self._glfw, screen_of(self._glfw, self.handle))
 
     def pixel_of(self, x: float, y: float) -> tuple[float, float]:
@@ -147,16 +145,13 @@ class Window:
     # --- state ---
 
     def poll_events(self) -> None:
-        """Process the window's events."""
         self._glfw.poll_events()
 
     def wait_events(self, seconds: float) -> None:
-        """Process the window's events; wait for some, but no longer than that."""
         self._glfw.wait_events_timeout(seconds)
 
     @property
     def fills_screen(self) -> bool:
-        """Whether it is in full screen."""
         return bool(self._glfw.get_window_monitor(self.handle))
 
     def fill_screen(self, on: bool) -> None:
@@ -191,7 +186,6 @@ class Window:
         self._glfw.swap_interval(1 if on else 0)
 
     def title(self, text: str) -> None:
-        """Set the title, if it changed."""
         if text != self._title:
             self._title = text
             self._glfw.set_window_title(self.handle, text)

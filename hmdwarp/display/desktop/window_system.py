@@ -102,7 +102,6 @@ def screen_of(glfw: ModuleType, handle: WindowHandle) -> ScreenHandle | None:
 
 
 def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, int, int]) -> int:
-    """Return the area of the rectangle on the screen."""
     mode = glfw.get_video_mode(screen)
     if mode is None:
         return 0
@@ -218,13 +217,10 @@ BOTH, FLAT = "both", "flat"
 
 @attrs.frozen(eq=False)
 class OneEye:
-    """A single eye in the middle of the head."""
-
     name: str  # the headset whose field of view it has
     fov: Fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return its view, as Eyes.views."""
         return (View(world_from_head, self.fov),)
 
 
@@ -268,23 +264,9 @@ class SwitchableView:
 
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
         self._emulated, self._wanted_size = headset, size
-        self._view = window_view(view, headset, size)
+        self.set_view(view)
 
     def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
-        self._view = window_view(view, self._emulated, self._wanted_size)
-
-    @property
-    def eyes(self) -> Eyes:
-        """Eyes of the current view."""
-        return self._view.eyes
-
-    @property
-    def size(self) -> Size:
-        """(w, h) of one eye's picture in the current view."""
-        return self._view.size
-
-    @property
-    def headset(self) -> Headset | None:
-        """The headset whose lens the plan corrects; None for the flat view."""
-        return self._view.headset
+        self._view = found = window_view(view, self._emulated, self._wanted_size)
+        self.eyes, self.size, self.headset = found.eyes, found.size, found.headset

@@ -22,8 +22,6 @@ from .tracking import Spaces, pose_of
 if TYPE_CHECKING:
 
     class _State(ctypes.Structure):
-        """XrActionStateBoolean or XrActionStateFloat."""
-
         current_state: float
         is_active: bool
 
@@ -150,7 +148,6 @@ class Actions:
         return one.state.current_state if one.state.is_active else 0
 
     def commands(self) -> list[Command]:
-        """Return the commands since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
@@ -189,16 +186,6 @@ class _Query:
         self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
 
 
-def open_actions(
-    calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
-) -> Actions | None:
-    """Open the actions, or return None if no control has a button.
-
-    Errors: MachineError.
-    """
-    return Actions(calls, instance, session, controls, spaces) if any(one.buttons for one in controls) else None
-
-
 BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")
 AXES = ("across", "along", "pad_across", "pad_along")
 ACTS, AIM = ("select", "squeeze"), "aim"
@@ -208,7 +195,6 @@ Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
 
 
 def _both(*pairs: tuple[str, str]) -> Bindings:
-    """Return the path for either hand."""
     return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
 
 

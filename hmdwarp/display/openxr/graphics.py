@@ -134,7 +134,6 @@ def _library(name: str, *functions: str) -> ctypes.CDLL:
 
 
 def _glx_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is GLX."""
     glx = _library(
         "libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig"
     )
@@ -159,7 +158,6 @@ def _glx_binding() -> ctypes.Structure:
 
 
 def _wgl_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is WGL."""
     wgl = _library("opengl32.dll", "wglGetCurrentDC", "wglGetCurrentContext")
     binding: ctypes.Structure = xr.GraphicsBindingOpenGLWin32KHR()
     _put(binding, h_dc=wgl.wglGetCurrentDC(), h_glrc=wgl.wglGetCurrentContext())
@@ -169,7 +167,6 @@ def _wgl_binding() -> ctypes.Structure:
 
 
 def _egl_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is EGL."""
     egl = _library("libEGL.so.1", "eglGetCurrentDisplay", "eglGetCurrentContext", "eglGetProcAddress")
     display, context = egl.eglGetCurrentDisplay(), egl.eglGetCurrentContext()
     if not (display and context):

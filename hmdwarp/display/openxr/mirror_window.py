@@ -56,19 +56,16 @@ class Mirror:
             self._commands.append(command)
 
     def poll(self) -> None:
-        """Process the window's events. Errors: Closed."""
         self._window.poll_events()
         reason = self._window.over()
         if reason:
             raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
-        """Return the commands of its keys since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
     def show_status(self, status: Status) -> None:
-        """Show the status in the window's title, four times a second."""
         self._keys.status, now_ns = status, time.monotonic_ns()
         if now_ns - self._titled_ns >= TITLE_NS:
             self._titled_ns = now_ns
@@ -97,7 +94,6 @@ class Mirror:
         self._window.send()
 
     def close(self) -> None:
-        """Close the window. Safe to call twice."""
         self._window.close()
 
 

@@ -45,7 +45,6 @@ class Calls:
         self.begin()
 
     def begin(self) -> None:
-        """Reset the stage."""
         self.stage, self.name = "runtime", "the runtime"
 
     def call_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
@@ -111,8 +110,6 @@ def offered_extensions(calls: Calls) -> list[str]:
 
 @attrs.define(eq=False)
 class Instance:
-    """A connection to the runtime."""
-
     handle: xr.Instance
     system: int
     extensions: frozenset[str]  # the enabled ones
@@ -133,7 +130,6 @@ class Instance:
         return self._time.value - now_ns
 
     def destroy(self) -> None:
-        """Destroy it in any state."""
         with suppress(Exception):
             xr.destroy_instance(self.handle)
 
@@ -257,7 +253,6 @@ class Session:
             raise Closed(f"{self._calls.name} ended the session")
 
     def destroy(self) -> None:
-        """Destroy it in any state; frames must have been ended."""
         with suppress(Exception):  # of a lost session; destroying is allowed all the same
             xr.destroy_session(self.handle)
 
@@ -319,7 +314,6 @@ class FrameCalls:
         self._end_pointer = ctypes.byref(self._end)
 
     def begin(self) -> None:
-        """Wait until it is time for the next frame, and begin it. Errors: Lost."""
         self.abandon()
         self._waited = self._open = True
         self._calls("xrWaitFrame", self._session, None, self._state_pointer)

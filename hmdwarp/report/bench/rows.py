@@ -109,7 +109,6 @@ class Case:
         return [row for value, row in taken if value == least]
 
     def within(self, budget_ms: float) -> Case:
-        """Return the case of the rows that are as quick as a budget."""
         return Case(self.label, tuple(row for row in self.rows if (error_and_time(row)[1] or math.inf) <= budget_ms))
 
     def verdict(self) -> dict[str, Any]:
@@ -184,7 +183,6 @@ def first_cases(rows: Iterable[Row], most: int, of: Conditions = OF_BENCH) -> tu
 
 
 def common(rows: Iterable[Row]) -> list[str]:
-    """Return the conditions that all rows share, which the labels of the cases leave out."""
     columns = zip(*(_conditions(row, OF_BENCH) for row in rows), strict=True)
     named = zip((name for name, _ in OF_BENCH), map(set, columns), strict=False)
     return [
@@ -230,7 +228,6 @@ class Column:
 
     @property
     def name(self) -> str:
-        """Its name in files."""
         return self.figure.name
 
     @property
@@ -240,7 +237,6 @@ class Column:
 
     @property
     def head(self) -> tuple[str, str]:
-        """Label and unit."""
         return self.figure.label, self.figure.unit
 
     def text(self, row: Row) -> str:
@@ -273,7 +269,6 @@ def table_of(
 
 
 def warp_text(row: Row) -> str:
-    """Return the warp, and what it stands for: 'mesh:grid=64 (CloudXR.js)', 'none (imposter)'."""
     stands_for = row.get("strategy") or row.get("baseline")
     return f"{row['warp']} ({stands_for})" if stands_for else str(row.get("warp"))
 
@@ -292,7 +287,6 @@ def at(*keys: str | int, default: Any = None) -> Value:
 
 
 def _half_width(name: str, row: Row) -> float | None:
-    """Return half the interval of a metric's mean."""
     entry = row["quality"][name]
     interval = entry.get("interval")  # cut where the metric ends
     return None if interval is None else max(interval[1] - entry["mean"], entry["mean"] - interval[0])
