@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import PRIMARY, Figure, pareto
+from ..metrics import PRIMARY, pareto
 from ..scenes.options import KNOWS
 from . import page
 from .bench.page import suite_section
@@ -43,7 +43,7 @@ def _named(row: Row) -> str:
 
 
 def _columns() -> Iterator[Column]:
-    text, number, mb = Column.of_text, Column.of_number, 1e-6
+    text, number = Column.of_text, Column.of_number
     yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
     yield from (text("warp"), text("fill"), *metric_columns(intervals=False), *RATED)
     yield number("client_ms", "client", "ms an eye", 1)
@@ -51,8 +51,8 @@ def _columns() -> Iterator[Column]:
     yield number("mbit_s", "link", "Mbit/s", 1)
     yield number("up_mbit_s", "poses back", "Mbit/s", 2)
     yield number("decoded_mpx_s")
-    yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
-    yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
+    yield number("start_bytes", "before the first frame", "MB", 1, 1e-6)
+    yield number("client_bytes", "held", "MB", 0, 1e-6)
     yield text("unfit", value=lambda row: "; ".join(f"{who}: {why}" for who, why in row["unfit"].items() if why))
 
 
