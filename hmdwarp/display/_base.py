@@ -24,17 +24,11 @@ if TYPE_CHECKING:
 
 
 class Closed(Exception):
-    """The user has finished: the window was closed, or the runtime ended the session.
-
-    args: the reason, in words.
-    """
+    """The user has finished: the window or the session was closed. args: the reason, in words."""
 
 
 class Lost(MachineError):
-    """The display went away during a run and may come back: `Display.reopen`.
-
-    The message says what happened.
-    """
+    """The display went away during a run and may come back: `Display.reopen`."""
 
 
 class TextPanel(Hashable, Protocol):

@@ -86,10 +86,7 @@ def control(name: str) -> Control:
 
 
 def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
-    """Return whether an open help must be closed now.
-
-    has_text_panel: whether a text panel is shown.
-    """
+    """Return whether an open help must be closed now, by whether a text panel is shown."""
     return not has_text_panel and any(control.name == "help" and control.needs_text_panel for control in controls)
 
 

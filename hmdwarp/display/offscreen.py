@@ -50,7 +50,6 @@ class OffscreenDisplay(SwitchableView):
         self._owns, self.gpu = gpu is None, gpu if gpu is not None else Gpu()
         self._presenter = Presenter(self.gpu)
         self._target: moderngl.Framebuffer | None = None
-        self._texture: moderngl.Texture | None = None
         self._closed = False
         self.about = {"display": "offscreen", **options.about_trace(), "renderer": self.gpu.renderer}
 
@@ -72,8 +71,7 @@ class OffscreenDisplay(SwitchableView):
         count = self._view.count
         if self._target is None or self._target.size != (w * count, h):
             self._free_target()
-            self._texture = self.gpu.gl.texture((w * count, h), 4)
-            self._target = self.gpu.gl.framebuffer([self._texture])
+            self._target = self.gpu.gl.framebuffer([self.gpu.gl.texture((w * count, h), 4)])
         into, notice = self._target, self._presenter.notice(label)
         for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None
@@ -81,10 +79,9 @@ class OffscreenDisplay(SwitchableView):
         return self.now_ns()
 
     def _free_target(self) -> None:
-        for made in (self._target, self._texture):
-            if made is not None:
-                made.release()
-        self._target = self._texture = None
+        for made in () if self._target is None else (self._target, *self._target.color_attachments):
+            made.release()
+        self._target = None
 
     def commands(self) -> Sequence[Command]:
         return ()

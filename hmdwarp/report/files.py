@@ -161,9 +161,8 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
 
 def write_text(path: str | os.PathLike[str], content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
-    write_bytes(
-        path, content.encode(errors="replace")
-    )  # a file name that is no text (in a command, a note) holds lone surrogates
+    # A file name that is no text (in a command, a note) holds lone surrogates.
+    write_bytes(path, content.encode(errors="replace"))
 
 
 def write_stream(
@@ -178,9 +177,8 @@ def write_stream(
         raise InputError(f"{path} is a directory: expected the name of a file to write")
     if source is not None:
         refuse_source(path, source)
-    text = None if binary else "utf-8"
-    newline = None if binary else "\n"
-    with atomic(path) as temporary, temporary.open("wb" if binary else "w", encoding=text, newline=newline) as stream:
+    how: Any = {"mode": "wb"} if binary else {"mode": "w", "encoding": "utf-8", "newline": "\n"}
+    with atomic(path) as temporary, temporary.open(**how) as stream:
         write(stream)
 
 
@@ -238,16 +236,15 @@ def write_csv(path: str | os.PathLike[str], rows: Iterable[Mapping[str, Any]], c
     Texts are inert_text.
     Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
     """
-    known = set(columns)
     with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         for row in rows:
-            if not known.issuperset(row):
+            if unknown := set(row).difference(columns):
                 raise HmdwarpError(
-                    f"{path}: a row has {', '.join(sorted(set(row) - known))}, which are no columns of this table"
+                    f"{path}: a row has {', '.join(sorted(unknown))}, which are no columns of this table"
                 )
-            writer.writerow(["" if row.get(name) is None else _field(row[name]) for name in columns])
+            writer.writerow([_field(row.get(name)) for name in columns])
 
 
 _FORMULA = re.compile(r"[\s']*[=+\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")  # the wide ones too, as Excel reads them
@@ -265,6 +262,8 @@ def raw_text(cell: str) -> str:
 
 
 def _field(value: Any) -> Any:
+    if value is None:
+        return ""
     if isinstance(value, str):
         return inert_text(value)
     # repr(np.float64) would write "np.float64(1.0)"; float() is the same number.
@@ -337,7 +336,11 @@ def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pi
     if not panels:
         raise HmdwarpError("a strip of pictures needs at least one panel")
     height = panels[0][1].shape[0]
-    images = [_scaled(picture, height) for _, picture in panels]
+    images = []
+    for image in (Image.fromarray(np.ascontiguousarray(picture)) for _, picture in panels):
+        how = Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
+        size = max(1, round(image.width * height / image.height)), height
+        images.append(image if image.height == height else image.resize(size, how))
     columns = columns or len(panels)
     cell = max(image.width for image in images) + _GAP
     text = max(11, round(height / 24), round(columns * cell / 80))  # 10 pixels where the strip is shown 800 wide
@@ -357,18 +360,6 @@ def panels_in(strip: Pixels, count: int, height: int) -> list[Pixels]:
     """Return the panels of a labelled_strip of one row, the first of which is so high."""
     cell = (strip.shape[1] + _GAP) // count
     return [strip[-height:, at * cell : (at + 1) * cell - _GAP] for at in range(count)]
-
-
-def _scaled(picture: Pixels, height: int) -> Any:
-    from PIL import Image
-
-    image = Image.fromarray(np.ascontiguousarray(picture))
-    if image.height == height:
-        return image
-    width = max(1, round(image.width * height / image.height))
-    return image.resize(
-        (width, height), Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
-    )
 
 
 def png_bytes(picture: NDArray[Any]) -> bytes:

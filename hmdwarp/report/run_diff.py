@@ -251,6 +251,7 @@ class RunDiff:
                 for label, picture in zip(labels, one.pictures, strict=True)
             ]
             articles.append(page.Article([page.Heading(one.name, one.told), page.Group("panels", shown)]))
+        over_time = metric_charts({"stored": self.first.rows(), "now": self.second.rows()})
         return page.Page(
             kind="diff",
             title="hmdwarp: run comparison",
@@ -261,10 +262,7 @@ class RunDiff:
             sections=(
                 page.Section("Differences", self.blocks()),
                 page.Section("Pictures", [choice, *articles] if articles else []),
-                page.Section(
-                    "Over time",
-                    [page.Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
-                ),
+                page.Section("Over time", [page.Group("charts", over_time)]),
             ),
             made_with=page.machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
         ).html()
@@ -298,17 +296,10 @@ def diff_runs(
     changed = [one for one in figures if not is_same(one.key, one.stored, one.now)]
     beyond = [one for one in changed if not allows(one.key, one.stored, one.now)]
     same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
-    return RunDiff(
-        first,
-        second,
-        setup,
-        sorted(beyond, key=lambda one: -one.size),
-        [one.key for one in figures],
-        len(changed) - len(beyond),
-        [] if same_rows else _refreshes(first, second, allows, notes),
-        [*_pictures(first, second, pixels)],
-        notes,
-    )
+    refreshes = [] if same_rows else _refreshes(first, second, allows, notes)
+    beyond.sort(key=lambda one: -one.size)
+    pictures, compared = [*_pictures(first, second, pixels)], [one.key for one in figures]
+    return RunDiff(first, second, setup, beyond, compared, len(changed) - len(beyond), refreshes, pictures, notes)
 
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:

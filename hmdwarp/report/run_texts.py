@@ -145,7 +145,8 @@ class Table:
     def markdown(self) -> str:
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
-        return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
+        lines = [heads, rule, *([cell.text for cell in line.cells] for line in self.lines)]
+        return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
     def terminal(self, columns: Sequence[int], **options: Any) -> TerminalTable:
         """Return these columns for the terminal; the best of a line has a star."""
@@ -177,13 +178,10 @@ class Table:
         lines = [("th", [f"{label} [{unit}]" if unit else label for label, unit in (self.heads[n] for n in chosen)])]
         for cells in (line.cells for line in self.lines):
             lines.append(("td", [cells[n].text + " *" * (cells[n].style == "best") for n in chosen]))
-        cell, row = Markup('<{0} style="text-align: {1}">{2}</{0}>').format, Markup("<tr>{}</tr>").format
-        rows = (Markup().join(map(functools.partial(cell, tag), sides, texts)) for tag, texts in lines)
-        return str(Markup("<table>{}</table>").format(Markup().join(map(row, rows))))
-
-
-def markdown(lines: Iterable[Sequence[str]]) -> str:
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+        cell, rows = Markup('<{0} style="text-align: {1}">{2}</{0}>').format, Markup()
+        for tag, texts in lines:
+            rows += Markup("<tr>{}</tr>").format(Markup().join(map(functools.partial(cell, tag), sides, texts)))
+        return str(Markup("<table>{}</table>").format(rows))
 
 
 def terminal_table(
@@ -197,14 +195,8 @@ def terminal_table(
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(
-        **{"padding": (0, 1, 0, 0)} | options,
-        title_justify="left",
-        caption_justify="left",
-        box=SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-    )
+    looks: Any = {"padding": (0, 1, 0, 0), "box": SIMPLE_HEAD, "show_edge": False, "pad_edge": False}
+    table = Table(**looks | options, title_justify="left", caption_justify="left")
     for number, head in enumerate(heads):
         table.add_column(head, justify="left" if number < words else "right", no_wrap=number >= words)
     for line in lines:
@@ -250,11 +242,8 @@ def source_facts(summary: Summary) -> Pairs:
     camera = f"{'×'.join(map(str, recorded['size']))}, {across:.1f} × {down:.1f} degrees"
     distance = recorded["eye_distance_mm"]
     eyes = f"both, the right one {distance:g} mm from the camera" if distance else "one, the camera's"
-    return [
-        ("recorded frames", f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"),
-        ("camera", camera),
-        ("eyes", eyes),
-    ]
+    frames = f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"
+    return [("recorded frames", frames), ("camera", camera), ("eyes", eyes)]
 
 
 def source_text(summary: Summary) -> str:
@@ -288,10 +277,8 @@ def filled_rows(summary: Summary) -> Pairs:
 
     The list is empty if the summary does not say.
     """
-    filled: Mapping[str, float] = summary.get("filled") or {}
-    return [
-        ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
-    ]
+    filled = (summary.get("filled") or {}).items()
+    return [("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled]
 
 
 def model_rows(summary: Summary) -> Pairs:
@@ -301,42 +288,34 @@ def model_rows(summary: Summary) -> Pairs:
     """
     rows = []
     for model in summary.get("client_models") or ():
+        geometry_mb = f"{model['geometry_bytes'] / 1e6:.1f} MB"
         if "share" not in model:
             *_, kept = model  # how many things it holds comes last
-            rows.append((f"client's {kept}", f"{model[kept]}, room of {model['geometry_bytes'] / 1e6:.1f} MB"))
+            rows.append((f"client's {kept}", f"{model[kept]}, room of {geometry_mb}"))
         else:
             named = f"client's model, {100 * model['share']:g} % of the triangles, textures at {model['texture']:g}"
-            weight = f"{model['triangles']} triangles {model['geometry_bytes'] / 1e6:.1f} MB, "
-            rows.append((named, f"{weight}textures {model['texture_bytes'] / 1e6:.1f} MB"))
+            textures_mb = f"{model['texture_bytes'] / 1e6:.1f} MB"
+            rows.append((named, f"{model['triangles']} triangles {geometry_mb}, textures {textures_mb}"))
         if "start_up_bytes" in model:
             first = model["first_picture_bytes"]
             whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
-            rows.append(
-                (
-                    "of that crossed, packed",
-                    f"{model['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, "
-                    f"{model['arrived_bytes'] / 1e6:.2f} MB in all",
-                )
-            )
+            ends = (f"{model[key] / 1e6:.2f} MB" for key in ("start_up_bytes", "arrived_bytes"))
+            rows.append(("of that crossed, packed", f"{next(ends)} at the start, {whole}, {next(ends)} in all"))
     return rows
 
 
-def response_rows(summary: Summary) -> Pairs:
+def response_rows(summary: Summary, *names: str) -> Pairs:
     """Return (part, mean ms) of the response time, without parts that took no time.
 
-    They add up to the mean response time; its median and 95th percentile follow.
+    They add up to the mean response time; its median and 95th percentile follow. names: some alone.
     """
-    return _response(summary, *texts("link")["response"])
-
-
-def _response(summary: Summary, *names: str) -> Pairs:
     link = summary.get("link") or {}
     # With --response fixed a frame is as old as the latency says, whatever the stages took here.
     kind = "response time" if link.get("response") == "sum" else "latency plus this machine's stages"
     took = link.get("response_ms") or {}
     words = {"kind": kind, "drawing": drawing_text(summary), "eyes": eyes_text(summary)}
     labels = texts("link")["response"]
-    return [(labels[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
+    return [(labels[name].format(**words), f"{took[name]:.2f} ms") for name in names or labels if took.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
@@ -371,11 +350,8 @@ def coding_rows(summary: Summary) -> Pairs:
             ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
         ]
     if "resolution" in link:
-        rows += [
-            (f"frames at {float(scale):.0%} of the width and height", str(count))
-            for scale, count in link["resolution"]["frames"].items()
-            if count
-        ]
+        counts = {f"{float(scale):.0%}": count for scale, count in link["resolution"]["frames"].items() if count}
+        rows += [(f"frames at {share} of the width and height", str(count)) for share, count in counts.items()]
         rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
@@ -395,7 +371,7 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if "proxy" in link or link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *_response(summary, "median_ms")]
+        rows = [*coding_rows(summary), *response_rows(summary, "median_ms")]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines
 
@@ -438,7 +414,7 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     live = summary["live"]
     rows = []
     for name, entry in live["refresh_ms"].items():
-        what = {"render": f"{drawing_text(summary)} by the server", "total": "total"}.get(name, name)
+        what = f"{drawing_text(summary)} by the server" if name == "render" else name
         share = (entry["median"] or 0.0) / live["budget_ms"]
         rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
     return rows

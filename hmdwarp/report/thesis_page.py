@@ -70,17 +70,11 @@ def is_conditional(one: Mapping[str, Any]) -> bool:
 def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
     claim = Markup('<a href="#{}">{}</a> <span class="unit">{}</span>')
     where = Markup('{}<br><span class="unit">{}</span>')
-    lines = [
-        (
-            claim.format(experiment["name"], experiment["claim"], experiment["source"]),
-            experiment["thesis"],
-            experiment["ours"] or "–",
-            where.format(_verdict(experiment), experiment["holds_at"])
-            if is_conditional(experiment)
-            else _verdict(experiment),
-        )
-        for experiment in experiments
-    ]
+    lines = []
+    for one in experiments:
+        verdict = where.format(_verdict(one), one["holds_at"]) if is_conditional(one) else _verdict(one)
+        about = claim.format(one["name"], one["claim"], one["source"])
+        lines.append((about, one["thesis"], one["ours"] or "–", verdict))
     heads = [(head, "") for head in ("claim", "the thesis", "ours", "verdict")]
     return Table.of("", heads, lines, words=4, style="verdicts", label="Verdicts")
 

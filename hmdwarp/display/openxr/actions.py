@@ -290,17 +290,11 @@ class ButtonRepeat:
             elif name not in self._down:
                 self._down[name] = now_ns + FIRST_NS if self._synced and name in DIRECTIONS else None
                 requests += [name] if self._synced else []
-            elif self._repeats(name, now_ns):
+            elif (due := self._down[name]) is not None and now_ns >= due:
+                self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: one step after a stall, not many at once
                 requests.append(name)
         self._synced = True
         return requests
-
-    def _repeats(self, name: str, now_ns: int) -> bool:
-        due = self._down[name]
-        if due is None or now_ns < due:
-            return False
-        self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: one step after a stall, not many at once
-        return True
 
     def _held(self, name: str, buttons: Mapping[str, bool], axes: Mapping[str, float]) -> bool:
         if buttons.get(name, False):

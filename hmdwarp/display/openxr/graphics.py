@@ -76,9 +76,23 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
     """
     failures = []
     for kind in kinds(instance.extensions, os.environ):
+        mirror: Mirror | None = None
+        gpu: Gpu | None = None
         try:
-            return _windowless() if kind == EGL else _windowed(controls, kind)
-        except MachineError as error:
+            if kind != EGL:
+                # GLX belongs to X11; this is read when glfw is first imported, which is now.
+                os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
+                from .mirror_window import Mirror as Window
+
+                mirror = Window(controls)
+            gpu = Gpu(create_context(shared=True) if mirror is None else mirror.gl)
+            binding = {EGL: _egl_binding, GLX: _glx_binding, WGL: _wgl_binding}[kind]
+            return Graphics(gpu, kind.upper(), binding(), mirror)
+        except BaseException as error:
+            if (opened := mirror or gpu) is not None:
+                opened.close()
+            if not isinstance(error, MachineError):
+                raise
             failures.append(str(error))
     raise MachineError("; ".join(failures))
 
@@ -97,29 +111,6 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
         raise MachineError(
             f"{calls.name} wants OpenGL {least.major}.{least.minor}, found {found / 100:.1f}: update the GPU's driver"
         )
-
-
-def _windowed(controls: tuple[Control, ...], kind: str) -> Graphics:
-    # GLX belongs to X11; this is read when glfw is first imported, which is now.
-    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
-    from .mirror_window import Mirror
-
-    mirror = Mirror(controls)
-    try:
-        gpu = Gpu(mirror.gl)
-        return Graphics(gpu, kind.upper(), _glx_binding() if kind == GLX else _wgl_binding(), mirror)
-    except BaseException:
-        mirror.close()
-        raise
-
-
-def _windowless() -> Graphics:
-    gpu = Gpu(create_context(shared=True))
-    try:
-        return Graphics(gpu, "EGL", _egl_binding())
-    except BaseException:
-        gpu.close()
-        raise
 
 
 def _library(name: str, *functions: str) -> ctypes.CDLL:

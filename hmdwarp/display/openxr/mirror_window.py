@@ -85,19 +85,12 @@ class Mirror:
         self._screen.use()
         self._screen.clear()
         self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
-        text = presenter.notice(
-            help_text(tuple(filter(self._keys.status.offers, self._keys.controls))) if self._help else label
-        )
-        presenter.show(
-            panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
-        )
+        if self._help:  # every control that works here, a line each
+            shown = [one for one in filter(self._keys.status.offers, self._keys.controls) if one.what]
+            label = "\n".join(f"{keys_of(one)}\t{'end' if one.name == QUIT else one.what}" for one in shown)
+        into, text = fitted(panel.size, place) if panel else place, presenter.notice(label)
+        presenter.show(panel, self._screen, into, hardware_srgb=False, notice=text)
         self._window.send()
 
     def close(self) -> None:
         self._window.close()
-
-
-def help_text(controls: tuple[Control, ...]) -> str:
-    """Return every control that works here, a line each."""
-    shown = [(control, "end" if control.name == QUIT else control.what) for control in controls if control.what]
-    return "\n".join(f"{keys_of(one)}\t{what}" for one, what in shown)

@@ -114,9 +114,8 @@ class Instance:
     system: int
     extensions: frozenset[str]  # the enabled ones
     about: dict[str, str]  # runtime, runtime_version, headset
-    _convert: Callable[..., int]  # from the system's clock, which _stamp has for time.monotonic_ns
-    _stamp: Callable[[int], ctypes.Structure | ctypes.c_int64]
-    _time: ctypes.c_int64
+    _convert: Callable[..., int]  # from the system's clock
+    _time: ctypes.c_int64 = attrs.field(factory=ctypes.c_int64)
 
     def offset_ns(self) -> int:
         """Return runtime clock minus time.monotonic_ns.
@@ -125,7 +124,7 @@ class Instance:
         another.
         """
         now_ns = time.monotonic_ns()
-        if self._convert(self.handle, ctypes.byref(self._stamp(now_ns)), ctypes.byref(self._time)) < 0:
+        if self._convert(self.handle, ctypes.byref(_stamped(now_ns)), ctypes.byref(self._time)) < 0:
             return 0
         return self._time.value - now_ns
 
@@ -153,24 +152,20 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
         xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
     )
     try:
-        return _described(calls, handle, frozenset(on))
+        properties = calls.call_once(xr.get_instance_properties, handle)
+        runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
+        calls.stage = "headset"
+        calls.name = runtime if version in runtime else f"{runtime} {version}"  # Monado's name includes it
+        system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+        headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
+        name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"
+        convert = ctypes.cast(calls.call_once(xr.get_instance_proc_addr, handle, name), getattr(xr, f"PFN_{name}"))
+        calls.stage = "session"
+        about = {"runtime": runtime, "runtime_version": version, "headset": headset}
+        return Instance(handle, system, frozenset(on), about, convert)
     except BaseException:
         xr.destroy_instance(handle)
         raise
-
-
-def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
-    properties = calls.call_once(xr.get_instance_properties, handle)
-    runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
-    calls.stage = "headset"
-    calls.name = runtime if version in runtime else f"{runtime} {version}"  # Monado's name includes it
-    system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
-    headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
-    name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"
-    convert = ctypes.cast(calls.call_once(xr.get_instance_proc_addr, handle, name), getattr(xr, f"PFN_{name}"))
-    calls.stage = "session"
-    about = {"runtime": runtime, "runtime_version": version, "headset": headset}
-    return Instance(handle, system, on, about, convert, _stamped, ctypes.c_int64())
 
 
 def _stamped(now_ns: int) -> ctypes.Structure | ctypes.c_int64:
