@@ -268,30 +268,27 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, 
     """
     content = [(line.label, line.value.tobytes()) for line in series]
     with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
-        drawn = [_draw(axes, number, line, points) for number, line in enumerate(series)]
+        drawn = 0
+        for number, band in enumerate(map(binned, series)):
+            if not len(band.mean):
+                continue
+            drawn, look = drawn + 1, Look.of(number)
+            marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
+            if (band.high > band.low).any():
+                axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
+            style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
+            axes.plot(band.time_s, band.mean, color=look.color, label=series[number].label, markersize=3, **style)
         axes.margins(x=0.01)
         if from_zero:
             axes.set_ylim(bottom=0)
             axes.set_ylim(top=max(axes.get_ylim()[1], 1e-9))
-        if not any(drawn):
+        if not drawn:
             not_measured(axes)
-        elif len(drawn) > 1:
+        elif len(series) > 1:
             handles, _ = axes.get_legend_handles_labels()
             above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 2}
             legend(axes, handles, **above, borderaxespad=0, handlelength=2.5)
         return svg_text(axes.get_figure())
-
-
-def _draw(axes: Axes, number: int, series: Series, points: bool) -> bool:
-    band, look = binned(series), Look.of(number)
-    if not len(band.mean):
-        return False
-    marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
-    if (band.high > band.low).any():
-        axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
-    style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
-    axes.plot(band.time_s, band.mean, color=look.color, label=series.label, markersize=3, **style)
-    return True
 
 
 _NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
