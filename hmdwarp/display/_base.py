@@ -148,16 +148,10 @@ class Display(Protocol):
         """
 
     def set_view(self, view: str) -> None:
-        """Switch to another view, see DisplayOptions.view.
-
-        Eyes, size and headset may change. A headset has only one view.
-        """
+        """Switch to another DisplayOptions.view: eyes, size and headset may change."""
 
     def restart(self) -> None:
-        """Prepare for something new to be looked at.
-
-        A recorded head begins anew; a window's mouse turns the head from now on, without a click.
-        """
+        """Let a recorded head begin anew, or a window's mouse turn the head without a click."""
 
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""
@@ -166,10 +160,7 @@ class Display(Protocol):
         """Show the status in the window's title and the control panel."""
 
     def reopen(self) -> bool:
-        """Reconnect after Lost; return whether the display is back. The gpu stays the same.
-
-        Errors: Closed.
-        """
+        """Reconnect after Lost; return whether it is back, with the same gpu. Errors: Closed."""
 
     def close(self) -> None:
         """Release everything, the gpu last, in any state. Safe to call twice."""

@@ -25,10 +25,7 @@ _Whole = tuple[Uniforms, moderngl.VertexArray]  # draws the whole viewport
 
 
 class Presenter:
-    """Draw finished pictures into framebuffers, one presenter for each Gpu.
-
-    Leaves all GL flags off, as passes expect.
-    """
+    """Draw finished pictures into framebuffers, one for each Gpu; leaves all GL flags off."""
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
@@ -120,10 +117,7 @@ class Presenter:
 
 
 def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """Return the largest part of `place`, centred, with the shape of a (w, h) picture.
-
-    The rest is for bars.
-    """
+    """Return the largest centred part of `place` with the shape of a (w, h) picture."""
     x, y, w, h = place
     scale = min(w / picture[0], h / picture[1])
     inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
@@ -190,10 +184,7 @@ class Notice:
 
 
 class Notices:
-    """Textures of texts, each drawn once.
-
-    The least recently used one is dropped when there are too many.
-    """
+    """Textures of texts, each drawn once; the least recently used one is dropped when too many."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl

@@ -75,10 +75,7 @@ Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 
 @contextmanager
 def drawing(content: object, font_size: float = 9) -> Iterator[None]:
-    """Set Matplotlib up for a chart of `content`.
-
-    The same content gives the same text, and two charts of one page share no ids.
-    """
+    """Set Matplotlib up: the same content gives the same text; charts share no ids."""
     from matplotlib import rc_context
 
     salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
@@ -118,10 +115,7 @@ class Drawn(str):
 
 
 def svg_text(figure: Any) -> Drawn:
-    """Return a figure drawn in stand-in colours as an <svg> element to stand in the page.
-
-    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
-    """
+    """Return a figure as an <svg> element of a page, which sets width and colours."""
     figure.patch.set_visible(False)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -374,10 +368,7 @@ class Spot:
 
 
 def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
-    """Draw methods with their intervals, those of a look joined, the front filled, on a staircase.
-
-    higher: whether a higher error measure is better. A chart of nothing says so.
-    """
+    """Draw methods, those of a look joined, the front filled. higher: whether higher is better."""
     if not spots:
         axes.set_xticks([])
         axes.set_yticks([])

@@ -68,10 +68,7 @@ COSTS = ("client_ms", "mbit_s")
 
 
 def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.Page:
-    """Return the page from the content of compare.json.
-
-    data: also `cases`, how many there are where `rows` are the first. pictures: of each row.
-    """
+    """Return the page from compare.json; `cases`: of how many `rows` are the first."""
     rows: list[Row] = list(data["rows"])
     count, groups = len(data["strategies"]), cases(rows, OF_COMPARE)
     picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}

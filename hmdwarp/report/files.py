@@ -29,10 +29,7 @@ _NO_PLACE = frozenset({errno.ENOENT, errno.ENAMETOOLONG, errno.ENOTEMPTY})
 
 
 def write_error(error: OSError, path: Path) -> HmdwarpError:
-    """Return the one-line error for a failed write to `path`.
-
-    MachineError for a full disk, InputError for a place that cannot be written.
-    """
+    """Return the error of a failed write: MachineError for a full disk, else InputError."""
     why = error.strerror or str(error)
     if error.errno in (errno.EEXIST, errno.ENOTDIR):
         return InputError(
@@ -49,10 +46,7 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
 
 @attrs.define
 class Partial:
-    """A new file next to the one that it will become; what killed runs left of that one is deleted.
-
-    Errors: OSError where it cannot be made.
-    """
+    """A new file beside its final one, less what killed runs left of it. Errors: OSError."""
 
     path: Path
     # Holds a lock while this file is written, so that no other run takes it for one left behind.
@@ -94,10 +88,7 @@ def _sweep(final: Path, but: Path) -> None:
 
 
 def lock(handle: int, *, wait: bool = False) -> bool:
-    """Lock an open file or folder until it is closed; return whether it was not locked already.
-
-    A file system without locks locks nothing.
-    """
+    """Lock an open file or folder until it is closed; return whether it was free."""
     try:
         platforms.lock(handle, wait=wait)
     except OSError:
@@ -129,10 +120,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def keep_private(*paths: Path) -> None:
-    """Let only their owner read or enter files and folders, however they were made.
-
-    What belongs to others stays as it is, and so does all on a disk without permissions.
-    """
+    """Let only their owner read or enter files and folders, as far as they are ours."""
     for path in paths:
         with suppress(OSError):
             if not path.is_symlink():
@@ -285,10 +273,7 @@ _PAPER, _INK, _GAP = (255, 255, 255), (60, 60, 60), 6
 
 
 def magma(error_map: NDArray[Any]) -> Pixels:
-    """Colour an error map as FLIP does, from dark (no error) to bright.
-
-    error_map: (h, w) bytes, or floats 0..1; returns (h, w, 3).
-    """
+    """Colour an error map, (h, w) bytes or floats 0..1, as FLIP does, from dark to bright."""
     levels = np.asarray(error_map)
     if levels.dtype != np.uint8:
         levels = np.rint(np.clip(levels, 0, 1) * 255).astype(np.uint8)

@@ -230,10 +230,7 @@ def comparison_table(summary: Summary, *baselines: Summary) -> Table:
 
 
 def how_sure(summary: Summary, *, mark: str | None) -> str:
-    """Return what the intervals are and what a mark says, or why there are none.
-
-    mark: None where nothing is compared.
-    """
+    """Return what the intervals are and what a mark (None for none) says, or why none are."""
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     best = f"; {mark}: the best of the line, by the 95 % interval of the difference" if mark else ""

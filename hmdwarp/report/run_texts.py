@@ -35,10 +35,7 @@ def texts(page: str) -> Mapping[str, Any]:
 
 
 def p_text(p: float | None) -> str:
-    """Return p as ".226", ".0098" or "3e-7".
-
-    Three digits after the point, four below .01, one digit and the power of ten below .0001.
-    """
+    """Return p as ".226", below .01 as ".0098", below .0001 as "3e-7"."""
     if p is None or math.isnan(p):
         return "–"
     if p < 1e-4:
@@ -76,10 +73,7 @@ def plain(value: float | None, digits: int = 2) -> str:
 
 
 def pair_text(baseline: str, condition: str) -> str:
-    """Return "forward over none, 200 ms"; a positive difference is a gain over the baseline.
-
-    The common end of the two names is written once.
-    """
+    """Return "forward over none, 200 ms": the common end of the two names is written once."""
     head, comma, tail = condition.rpartition(", ")
     return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
@@ -187,10 +181,7 @@ class Table:
 def terminal_table(
     heads: Iterable[str] = (), lines: Iterable[Iterable[str]] = (), *, words: int = 1, **options: Any
 ) -> TerminalTable:
-    """Return a table for the terminal in the look of all of them.
-
-    words: so many columns from the left hold words, which may wrap; the others hold numbers.
-    """
+    """Return a table for the terminal. words: columns from the left that may wrap."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -225,10 +216,7 @@ _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "un
 
 
 def figure_of(key: str) -> Figure:
-    """Return how a number of summary.json is written, and which way it is better, by its key.
-
-    key: dotted, such as `regions.seen.flip`; the last part that has a declaration decides.
-    """
+    """Return how a number is written, by the last part of its dotted key that has a declaration."""
     known = [part for part in key.split(".") if part in _BY_NAME]
     return _BY_NAME[known[-1]] if known else Figure(key, key, "ms" if key.endswith("_ms") else "", 0)
 
@@ -273,19 +261,13 @@ def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
 
 
 def filled_rows(summary: Summary) -> Pairs:
-    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty.
-
-    The list is empty if the summary does not say.
-    """
+    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty."""
     filled = (summary.get("filled") or {}).items()
     return [("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled]
 
 
 def model_rows(summary: Summary) -> Pairs:
-    """Return (model, what it weighs) of each model that the client drew for itself.
-
-    With what crossed for it, packed, where the summary says so.
-    """
+    """Return (model, its size) of each that the client drew for itself, and what crossed for it."""
     rows = []
     for model in summary.get("client_models") or ():
         geometry_mb = f"{model['geometry_bytes'] / 1e6:.1f} MB"
@@ -305,10 +287,7 @@ def model_rows(summary: Summary) -> Pairs:
 
 
 def response_rows(summary: Summary, *names: str) -> Pairs:
-    """Return (part, mean ms) of the response time, without parts that took no time.
-
-    They add up to the mean response time; its median and 95th percentile follow. names: some alone.
-    """
+    """Return (part, mean ms) of the response time, its median and p95 last; names: some alone."""
     link = summary.get("link") or {}
     # With --response fixed a frame is as old as the latency says, whatever the stages took here.
     kind = "response time" if link.get("response") == "sum" else "latency plus this machine's stages"
@@ -377,10 +356,7 @@ def transit_lines(summary: Summary) -> list[str]:
 
 
 def live_lines(summary: Summary, folder: Path | None) -> list[str]:
-    """Return the lines that end a live run.
-
-    summary: as summary.json, empty if no picture was shown; folder: of the report.
-    """
+    """Return the lines that end a live run. summary: empty if no picture was shown."""
     if not summary:
         return ["no picture was shown"]
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
@@ -424,10 +400,7 @@ _HARDLY = 0.05  # of the refreshes: so many may be late without one being missed
 
 
 def waited_text(live: Mapping[str, Any]) -> str:
-    """Return what to say where the display waits for pictures that are late; "" where it does not.
-
-    Nothing is missed there, however long a picture takes.
-    """
+    """Return what to say where a display waits for late pictures; "" where not."""
     share = live["over"] / max(1, live["timed"])
     if live["missed"] or share < _HARDLY:
         return ""

@@ -247,10 +247,7 @@ _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated par
 
 
 def study_page(data: Row, command: str) -> page.Page:
-    """Return report.html from the content of analysis.json.
-
-    The same content gives the same page. Everything in it is escaped.
-    """
+    """Return report.html from the content of analysis.json: the same page for the same content."""
     scales = data["scales"]
     facts = [page.fact("ratings from", data["source"])]
     for scale in scales:

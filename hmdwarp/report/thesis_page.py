@@ -19,10 +19,7 @@ _CLASSES = {
 
 
 def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[tuple[str, str]]]) -> str:
-    """Return the text of the page from the content of results.json.
-
-    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name.
-    """
+    """Return the page from results.json. pictures: (caption, data URI or <svg>) by experiment."""
     experiments = data["experiments"]
     facts = [page.fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
     facts.append(page.fact("run in", page.minutes(data["seconds"])))

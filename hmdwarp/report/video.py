@@ -30,10 +30,7 @@ _BT709, _LIMITED = 1, 1  # the same number in FFmpeg's colour space, primaries a
 
 
 def available_encoders() -> list[str]:
-    """Return the H.264 encoders of this PyAV, the preferred one first.
-
-    A graphics card's encoder may still refuse to open.
-    """
+    """Return the H.264 encoders of this PyAV, the preferred first; a card's may refuse to open."""
     av = pyav()
 
     def can_encode(name: str) -> bool:

@@ -83,10 +83,7 @@ class Painter:
 
 
 class DesktopDisplay(SwitchableView):
-    """A display.Display in a window. Its clock is time.monotonic_ns, for its head and its pictures.
-
-    Errors: MachineError with the reason why there is no window; InputError for an unknown headset.
-    """
+    """A display.Display in a window, on time.monotonic_ns. Errors: MachineError; InputError."""
 
     name = "desktop"
 

@@ -133,10 +133,7 @@ class Window:
         return bool(self._glfw.get_window_monitor(self.handle))
 
     def fill_screen(self, on: bool) -> None:
-        """Fill its screen, or return to its earlier place.
-
-        Without any screen it stays a window.
-        """
+        """Fill its screen, if there is any, or return to its earlier place."""
         glfw = self._glfw
         if on and not self.fills_screen:
             screen = screen_of(glfw, self.handle)

@@ -303,10 +303,7 @@ class WindowInput:
 
 
 class WalkerSource:
-    """Poses of the walker, which reads its inputs right before each answer.
-
-    read_inputs: reads them and returns the time.
-    """
+    """Poses of the walker. read_inputs: reads its inputs, before each answer; returns the time."""
 
     def __init__(self, walker: Walker, read_inputs: Callable[[], int]) -> None:
         self._walker, self._read_inputs = walker, read_inputs

@@ -133,11 +133,7 @@ _ExitHandler = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
 class XConnection:
-    """A connection that may break (logged out, ssh ended, server crashed).
-
-    Xlib 1.7 or later (2020) lets a program survive that; an older one exits with status 1. Under
-    Wayland the window closes instead.
-    """
+    """A connection whose break (logged out, ssh ended) a program survives, by Xlib 1.7 (2020)."""
 
     def __init__(self, glfw: ModuleType) -> None:
         # Whether the server is gone. Then no part of the window may be used, not even to free it.
@@ -255,10 +251,7 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
 
 
 class SwitchableView:
-    """The members of a Display that follow from a view which may be switched.
-
-    hmdwarp corrects the lens. size: (w, h) of one eye's picture; None for what suits the view.
-    """
+    """What of a Display follows from its view. size: of one eye; None for the view's own."""
 
     distorts = takes_depth = takes_panels = ""
 

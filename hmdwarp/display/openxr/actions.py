@@ -42,10 +42,7 @@ _WORDS = {
 
 
 class Actions:
-    """Actions of one session, created before it begins; they are destroyed with the instance.
-
-    controls: of several with the same button, the first one is requested.
-    """
+    """Actions of one session. controls: of several with the same button, the first is requested."""
 
     def __init__(
         self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
@@ -165,10 +162,7 @@ class Hand:
         self._space = calls.call_once(xr.create_action_space, session, info)
 
     def aim(self, time: int) -> Pose | None:
-        """Return world_from_hand at an instant of the runtime; None while it is not tracked.
-
-        Errors: Lost.
-        """
+        """Return world_from_hand at an instant; None while untracked. Errors: Lost."""
         self._calls("xrLocateSpace", self._space, self._world, time, ctypes.byref(self._location))
         if self._location._location_flags & _VALID != _VALID:
             return None

@@ -56,10 +56,7 @@ class Connection:
     actions: Actions | None
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
-        """Submit empty frames until session, period and eyes are known.
-
-        Errors: MachineError if that takes too long.
-        """
+        """Submit empty frames until session, period and eyes are known. Errors: MachineError."""
         self.session.on_mask_change = lambda: eyes.hide(
             [hidden_triangles(calls, self.instance, self.session.handle, eye) for eye in range(COUNT)]
         )
@@ -127,11 +124,7 @@ class Connected:
 def connect(
     calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
-    """Return a session with swapchains.
-
-    graphics_for: returns the graphics for a runtime. controls: those with buttons are read.
-    Errors: MachineError.
-    """
+    """Return a session. graphics_for: returns those for a runtime. Errors: MachineError."""
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)
         stack.callback(instance.destroy)
@@ -170,10 +163,7 @@ _DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsage
 
 
 def colour_format(offered: list[int]) -> int:
-    """Return the best colour format.
-
-    Errors: MachineError if the runtime offers none that we can draw into.
-    """
+    """Return the best colour format. Errors: MachineError if none can be drawn into."""
     for colour in COLOURS:
         if colour in offered:
             return colour

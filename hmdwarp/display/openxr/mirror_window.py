@@ -23,11 +23,7 @@ ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """The mirror window. Its context draws the headset's pictures.
-
-    controls: that its keys request.
-    Errors: MachineError if there is no window.
-    """
+    """The mirror window, whose context draws the headset's pictures. Errors: MachineError."""
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
         self._keys = Keys(tuple(control for control in controls if control.name not in ELSEWHERE))

@@ -57,10 +57,7 @@ if TYPE_CHECKING:
 
 
 class Quads:
-    """The quad layers of one session; each picture is handed over once.
-
-    Source: OpenXR 1.0, XrCompositionLayerQuad.
-    """
+    """The quad layers (XrCompositionLayerQuad) of one session; each picture is handed over once."""
 
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, spaces: Spaces, kind: int) -> None:
         self._calls, self._gpu, self._session, self._spaces, self._kind = calls, gpu, session, spaces, kind
@@ -256,10 +253,7 @@ class OpenXrDisplay(Connected):
             self._mirror.show_status(status)
 
     def reopen(self) -> bool:
-        """Release the old session and connect again, as Display.reopen.
-
-        Errors: Closed, for a closed window.
-        """
+        """Release the old session and connect again, as Display.reopen. Errors: Closed."""
         self._disconnect()
         if self._mirror is not None:
             self._mirror.poll()
@@ -342,12 +336,7 @@ class OpenXrHead(Connected):
         return time.monotonic_ns()
 
     def poll(self) -> bool:
-        """Process the runtime's events; return whether poses are available.
-
-        Where frames are needed for that it submits an empty one, which takes until the next
-        refresh.
-        Errors: Closed; Lost.
-        """
+        """Process events; return whether poses are available. Errors: Closed; Lost."""
         if self._graphics is not None and self._graphics.mirror is not None:
             self._graphics.mirror.poll()
         self._session.poll()
@@ -363,10 +352,7 @@ class OpenXrHead(Connected):
         """Do nothing: it is already running."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the head pose as PoseSource.head_at: HELD while tracking is lost.
-
-        Errors: Lost.
-        """
+        """Return the head pose as PoseSource.head_at: HELD while tracking is lost. Errors: Lost."""
         return self._tracker.head_at(time_ns)
 
     @property

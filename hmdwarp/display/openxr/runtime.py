@@ -33,11 +33,7 @@ _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "T
 
 
 class Calls:
-    """Calls into one runtime.
-
-    stage: progress on the way to a picture, as in diagnosis.STAGES. name: the runtime's, for
-    messages.
-    """
+    """Calls into one runtime. stage: one of diagnosis.STAGES. name: the runtime's, for messages."""
 
     def __init__(self, watching: Callable[[str], AbstractContextManager[object]]) -> None:
         self._watching = watching
@@ -60,10 +56,7 @@ class Calls:
             raise self._error(call, type(error).__name__, str(error)) from error
 
     def __call__(self, call: str, *arguments: Any) -> int:
-        """Call a loader function by its C name, at every refresh: 2 us instead of 10.
-
-        Returns its result, 0 or above. Errors: as call_once.
-        """
+        """Call a loader function by its C name: 2 us, not 10. Errors: as call_once."""
         if (function := self._functions.get(call)) is None:
             # Our own: that of pyopenxr wraps results in an enum, and fails on those it lacks.
             function = self._functions[call] = raw_functions.openxr_loader_library[call]

@@ -41,11 +41,7 @@ class RuntimeEyes:
         return bool(self._known)
 
     def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
-        """Locate the eyes in head space at an instant of the runtime's clock.
-
-        Invalid values are ignored.
-        Errors: Lost.
-        """
+        """Locate the eyes in head space at an instant; invalid values are ignored. Errors: Lost."""
         self._info.display_time, self._info.space = time, head
         calls("xrLocateViews", session, *self._arguments)
         if not self._state._view_state_flags & _ORIENTATION:

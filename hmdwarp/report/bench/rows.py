@@ -80,10 +80,7 @@ class Case:
         )
 
     def front(self, measure: str = PRIMARY) -> list[Row]:
-        """Return the rows that no other beats in both error and time, in the order of the bench.
-
-        Without those that the bench's client cannot run.
-        """
+        """Return the usable rows that no other beats in both error and time, in their order."""
         return pareto(self.usable, lambda row: error_and_time(row, measure))
 
     @property
@@ -92,10 +89,7 @@ class Case:
         return [row for row in self.rows if not row.get("lacks")]
 
     def leaders(self, measure: str = PRIMARY) -> list[Row]:
-        """Return the best row of those that the client can run, then those that tie with it: RULE.
-
-        None where there are too few instants for an interval.
-        """
+        """Return the best row that the client can run, and its ties by RULE, if any."""
         rows = [row for row in self.ordered(measure) if not row.get("lacks") and _interval(row, measure)]
         values = [row["at_instants"][measure] for row in rows]
         return [row for row, own in zip(rows, values, strict=True) if own is values[0] or not differ(own, values[0])]
@@ -477,10 +471,7 @@ def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
 
 
 def choice_text(choice: Mapping[str, Any] | None) -> list[str]:
-    """Return the best combination within the budget, then the gain and cost of the next step up.
-
-    choice: as in bench.json.
-    """
+    """Return the best combination within the budget, and the next step up, in words."""
     if not choice:
         return []
     step, sizes = choice["next"], " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
