@@ -40,7 +40,7 @@ from ..display import (
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Reads
 from ..pipeline.loop import Refresh
 from ..pipeline.options import PROXY, SCENE, SERVER_SCENE
 from ..pipeline.proxy import check_names, source_of
@@ -885,18 +885,13 @@ def display_options(
     """Return the options that the display needs of the run."""
     trace = source.head(load_trace(options.trace) if options.trace else None)
     options = source.fitted(options)
+    same = ("headset", "view", "size", "full_screen", "vsync", "depth_layer", "rate_hz")
     return DisplayOptions(
-        headset=options.headset,
+        **{name: getattr(options, name) for name in same},
         emulated=source.headset if source.kind.has_head else None,
-        view=options.view,
-        size=options.size,
-        full_screen=options.full_screen,
-        vsync=options.vsync,
         control_panel=options.panel,
-        depth_layer=options.depth_layer,
         watching=watching,
         trace=trace.track if trace is not None else None,
-        rate_hz=options.rate_hz,
         controls=controls,
     )
 
@@ -917,20 +912,15 @@ def record(options: RecordOptions, say: Say = lambda text: None) -> None:
 
 def _of_window(options: RecordOptions, say: Say) -> None:
     """Record a window's head without latency or warp: the scene is shown as it is."""
+    same = ("scene", "scene_options", "force", "seconds", "rate_hz", "reconnect_s", "hang_s")
     shown = LiveOptions(
+        **{name: getattr(options, name) for name in same},
         source=DESKTOP,
-        scene=options.scene,
-        scene_options=options.scene_options,
         warp="none",
         fill="none",
         size=(688, 747),  # less than a headset's: only the head is kept
         latency_ms=0.0,
         record=options.out,
-        force=options.force,
-        seconds=options.seconds,
-        rate_hz=options.rate_hz,
-        reconnect_s=options.reconnect_s,
-        hang_s=options.hang_s,
     )
     live(shown, say)
 
@@ -959,7 +949,21 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
         rate_hz = options.rate_hz or head.rate_hz
         recorder.begin(head.about, rate_hz)
         say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
-        _sample(head, recorder, ending, round(1e9 / rate_hz), options.reconnect_s, say)
+        count, due_ns = 0, head.now_ns()
+        # At even intervals, or as often as its source can be read.
+        while not ending.due(count):
+            _sleep_until(due_ns)
+            try:
+                if head.poll():
+                    recorder.add(head.head_at(head.now_ns()))
+            except Closed as closed:
+                say(str(closed))
+                break
+            except Lost as lost:
+                recorder.flush()
+                come_back(head.reopen, lost, options.reconnect_s, ending, say)
+            count += 1
+            due_ns = max(due_ns + round(1e9 / rate_hz), head.now_ns())
         if recorder.count < LEAST and ending.asked is None:
             raise MachineError(
                 "the runtime has not told where the head is: put the headset on, where its tracking can see the room"
@@ -969,27 +973,6 @@ def _of_headset(options: RecordOptions, say: Say) -> None:
 def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
     ends = "Ctrl-C ends" if seconds is None else f"{seconds:g} s, Ctrl-C ends sooner"
     return f"recording {what} to {recorder.path} ({ends})"
-
-
-def _sample(
-    head: openxr.OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say
-) -> None:
-    """Sample a head at even intervals, or as often as its source can be read."""
-    count = 0
-    due_ns = head.now_ns()
-    while not ending.due(count):
-        _sleep_until(due_ns)
-        try:
-            if head.poll():
-                recorder.add(head.head_at(head.now_ns()))
-        except Closed as closed:
-            say(str(closed))
-            return
-        except Lost as lost:
-            recorder.flush()
-            come_back(head.reopen, lost, reconnect_s, ending, say)
-        count += 1
-        due_ns = max(due_ns + period_ns, head.now_ns())
 
 
 def _sleep_until(due_ns: int) -> None:

@@ -29,9 +29,9 @@ from ..gpu.textures import Canvas, download, flip_rows, upload
 from ..link import Link, LinkOptions, Pacer
 from ..metrics import psnr
 from ..options import Choice, NoSettings
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Reads
 from ..pipeline.loop import Loop, Refresh
-from ..pipeline.recorded_renderer import RecordedRenderer
+from ..pipeline.recorded_source import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
 from ..resources import install_line

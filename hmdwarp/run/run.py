@@ -28,13 +28,11 @@ from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
-from ..pipeline.channel import Changes, Channel
-from ..pipeline.frame_coder import Coder, Reads
+from ..pipeline.channel import Changes, Channel, Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, REMOTE, SERVER_SCENE, PipelineOptions
 from ..pipeline.proxy import source_of
-from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import (
     check_held,
     expected_age_ns,
@@ -46,7 +44,7 @@ from ..pipeline.sizes import (
     refreshes_of,
     smaller_size,
 )
-from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, joined, motion_notes
+from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined, motion_notes
 from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, foreseen_gaze, load_trace
 from ..poses.prediction import predict
 from ..poses.track import Gaze, Moment
@@ -160,7 +158,8 @@ class Run(Generic[Options]):
     def measure(self, head: PoseSample, *, holds: bool, keeps: bool = False, say: Callable[[str], None]) -> None:
         """Connect where frames come from elsewhere, for the real latency. Errors: as of source."""
         assert self.screen is not None
-        first = FirstRequest(
+        self.options = self.source.measured(
+            self.options,
             head=head,
             views=self.screen.eyes.views(head.pose),
             rate_hz=self.options.rate_hz or self.screen.rate_hz,
@@ -170,7 +169,6 @@ class Run(Generic[Options]):
             keeps=keeps,
             say=say,
         )
-        self.options = self.source.measured(self.options, first)
 
     def start(
         self,

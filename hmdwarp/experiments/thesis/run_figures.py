@@ -118,6 +118,9 @@ def false_edges(shown: Map, truth: Map) -> float | None:
 
 
 HEADSET = "flat-90"
+# The thesis mentions no antialiasing.
+_COMMON: dict[str, Any] = {"headset": HEADSET, "rate_hz": RATE_HZ, "samples": 1}
+_COMMON |= {"fill": "none", "lens": "none", "against": ""}
 # By the wall clock a shorter pass is mostly the driver's overhead.
 LEAST_WALL_MS = 1.0
 # Of a side of the least picture: what its passes take is the GPU's overhead.
@@ -186,22 +189,9 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     with path.open("w", encoding="utf-8") as stream:
         write_synthetic(track, stream)
     width, height = (max(8, round(side * first.scale)) for side in how.size)
-    options = RunOptions(
-        trace=str(path),
-        scene=first.scene,
-        latency_ms=first.latency_ms,
-        warp="none",  # the loop's own; those of the runs see the same frames
-        fill="none",
-        effects=first.effects,
-        mirrors=first.mirrors,
-        lens="none",
-        headset=HEADSET,
-        size=(width, height),
-        rate_hz=RATE_HZ,
-        samples=1,  # the thesis mentions no antialiasing
-        guard=first.guard,
-        against="",
-    )
+    same = {name: getattr(first, name) for name in ("scene", "latency_ms", "effects", "mirrors", "guard")}
+    # The loop's own warp; those of the runs see the same frames.
+    options = RunOptions(**_COMMON, **same, trace=str(path), warp="none", size=(width, height))
     headset, scene = load_headset(HEADSET), load_scene(first.scene)
     combinations = [
         Combination(run.warp, run.fill, build_plan_for(options.with_pair(run.warp, run.fill), headset, scene))
@@ -313,29 +303,11 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
         network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
-    summary = measured(
-        RunOptions(
-            trace=run.trace,
-            scene=run.scene,
-            latency_ms=run.latency_ms,
-            warp=run.warp,
-            fill="none",
-            guard=1.0,
-            predict="none",
-            lens="none",
-            headset=HEADSET,
-            size=(width, height),
-            rate_hz=RATE_HZ,
-            samples=1,
-            start_s=2.0,
-            seconds=seconds,
-            coding=Coding(run.codec, depth=run.depth),
-            network=network,
-            against="",
-            metrics_every=10**6,
-            workers=0,
-        )
-    ).summary
+    same = {name: getattr(run, name) for name in ("trace", "scene", "latency_ms", "warp")}
+    few: dict[str, Any] = {"start_s": 2.0, "seconds": seconds, "metrics_every": 10**6, "workers": 0}
+    coding, size = Coding(run.codec, depth=run.depth), (width, height)
+    streamed: dict[str, Any] = {"guard": 1.0, "predict": "none", "size": size, "coding": coding, "network": network}
+    summary = measured(RunOptions(**_COMMON, **same, **streamed, **few)).summary
     link = summary["link"]
     per_eye, frames = link["mbit_s"] / 2, link["frames"]
     settled = frames["never_shown"] + frames["shown"]  # the rest is still under way

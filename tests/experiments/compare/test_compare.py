@@ -23,7 +23,8 @@ from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import CompareOptions, compare
 from hmdwarp.experiments.bench.compare_run import client_bytes, decoded_mpx_s, start_bytes, unfit
-from hmdwarp.experiments.bench.suites import compared_entry, cost_text, over_all, suites
+from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
+from hmdwarp.experiments.bench.suites import cost_text, suites
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.bench.rows import first_cases
 from hmdwarp.report.compare_page import OF_COMPARE, compare_page
