@@ -86,10 +86,7 @@ class ThesisPart:
 
 
 def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroughness) -> list[SweepCase]:
-    """Return a case for each run, in groups of those that are timed and of those on the same frames.
-
-    pictured: whose pictures are kept.
-    """
+    """Return a case for each run; pictured: whose pictures are kept."""
     cases = []
     for run in runs:
         also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
@@ -181,7 +178,7 @@ def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> di
 
 
 def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Figures]) -> dict[str, Any]:
-    """Return an experiment as plain data, with the number of each cell, where known, and the verdict."""
+    """Return an experiment as plain data, with the number of each cell and the verdict."""
     findings = []
     for cell in experiment.cells:
         known = [figures[run] for run in cell.runs if run in figures]
