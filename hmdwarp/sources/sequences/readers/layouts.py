@@ -118,7 +118,7 @@ def redwood(at: Folder) -> None:
     file = _log(at.path)
     if file is None:
         raise InputError(f"{at.path}: no trajectory.log; expected {at.layout.summary}")
-    own, scale = None, None
+    own = scale = None
     if named := at.first("camera_intrinsic.json", "intrinsic.json", "camera_primesense.json"):
         stated = read_json(named)
         own, scale = camera_of(named, stated), stated.get("depth_scale")
@@ -135,8 +135,7 @@ def redwood(at: Folder) -> None:
         if len(head.words) not in (1, 2, 3) or not are_digits(head.words[0].lstrip("-")):
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), (head.where, [row.floats(4) for row in matrix])))
-    numbers = [number for number, _ in found]
-    whole = list(range(len(files)))
+    numbers, whole = [number for number, _ in found], list(range(len(files)))
     if len(found) == len(files) and [number - numbers[0] for number in numbers] in (whole, [0] * len(whole)):
         numbers = whole
     elif len(set(numbers)) < len(numbers) or not all(0 <= number < len(files) for number in numbers):
@@ -147,9 +146,9 @@ def redwood(at: Folder) -> None:
 
 
 def _log(path: Path) -> Path | None:
-    named = [path / name for name in ("trajectory.log", "scene/trajectory.log") if (path / name).exists()]
-    others = list(path.glob("*.log"))
-    return named[0] if named else others[0] if len(others) == 1 else None
+    named = [file for name in ("trajectory.log", "scene/trajectory.log") if (file := path / name).exists()]
+    found = named[:1] or list(path.glob("*.log"))
+    return found[0] if len(found) == 1 else None
 
 
 def _fits_numbered(path: Path) -> int:

@@ -21,16 +21,16 @@ from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
 from ...array_passes import Owner
-from ..passes import ScenePasses, SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from ..passes import ScenePasses, SceneTextures
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 
 parts: Registry[type[Part]] = Registry(
     "part",
     __name__,
     modules={
-        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "layers"),
+        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "views"),
         **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
-        **dict.fromkeys(("scene_update", "views", "wide"), "layers"),
+        **dict.fromkeys(("scene_update", "views", "wide"), "views"),
     },
 )
 
@@ -204,18 +204,6 @@ class Head:
             turned = before.pose.angle_to(now.pose)
             radians = max(radians, min(times * turned, math.pi))
         return metres, radians
-
-
-def may_be_seen(
-    centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
-) -> NDArray[np.bool_]:
-    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
-    clip = clip_from_eye(view.fov)
-    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
-    reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)
-    reach += np.linalg.norm(halves, axis=1)
-    slack = steep[:, None] * (radians * reach + metres)
-    return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
 
 
 def boxes_at(

@@ -86,10 +86,16 @@ class Sheets(Owner):
         slots = max(1, min(len(self._textures), _SLOTS))
         return self._context.gpu.shaders.draw("server/pane.vert", f"server/{fragment}.frag", SLOTS=slots, **defines)
 
-    def colour(self, *, tests: int = 0, covers: bool = True) -> Draw:
-        """Return the program of their colour. tests, covers: see pane.frag."""
+    def colour(self, tests: int = 0, eye: EyeImage | None = None, *, covers: bool = True) -> Draw:
+        """Return the program of their colour. tests, covers: see pane.frag; eye: tested against."""
         program = self.program(TESTS=tests, COLOUR=1)
         program.uniforms.set(covers=float(covers))
+        return program if eye is None else self.tested(program, eye, tests)
+
+    def tested(self, program: Draw, eye: EyeImage, tests: int) -> Draw:
+        """Return a program that tests against the depth of an eye's picture."""
+        eye.inverse_depth.use(1)
+        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
         return program
 
     def draw(
@@ -97,13 +103,18 @@ class Sheets(Owner):
         program: Draw,
         view: View,
         time_ns: int,
-        framebuffer: moderngl.Framebuffer,
+        into: moderngl.Texture,
         blending: Blending | None,
         *,
+        empty: _Rgba | None = None,
         hidden_by_surfaces: bool = False,
     ) -> None:
         """Draw all sheets, farthest first; without blending depth, of which the nearest wins."""
         (_, runs, eye_from), gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
+        framebuffer = self._context.framebuffers.over(into)
+        if empty is not None:
+            with drawing_into(framebuffer):
+                framebuffer.clear(color=empty)
         if runs:
             clip = clip_from_eye(view.fov)
             self._kinds["clip_from_here"] = [(clip @ from_here).T for from_here in eye_from]
@@ -244,29 +255,27 @@ class Cutouts(SheetsPart):
     blended; their depth is that of the side that covers more.
     """
 
-    name = "cutouts"
-    order = 0
+    name, order = "cutouts", 0
 
     @staticmethod
     def has(scene: Scene, mesh: Mesh) -> bool:
         return is_cutout(scene, mesh)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        program, over = self._sheets.colour(), self.context.framebuffers.over(eye.colour)
-        self._sheets.draw(program, eye.view, eye.drawn_ns, over, _OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
+        program = self._sheets.colour()
+        self._sheets.draw(program, eye.view, eye.drawn_ns, eye.colour, _OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
         self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
-        self._sheets.draw(self._sheets.program("cutout"), view, time_ns, self.context.framebuffers.over(into), None)
+        self._sheets.draw(self._sheets.program("cutout"), view, time_ns, into, None)
 
 
 @parts.register
 class Overlay(SheetsPart):
     """Drawn into the picture, it keeps the depth of what it covers."""
 
-    name = "overlay"
-    order = 95
+    name, order = "overlay", 95
 
     @staticmethod
     def has(scene: Scene, mesh: Mesh) -> bool:
@@ -274,18 +283,13 @@ class Overlay(SheetsPart):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "overlay" not in drawing.needs:
-            self._draw(eye.view, drawing.time_ns, self.context.framebuffers.over(eye.colour), _OVER_KEEPING_COVERAGE)
+            program = self._sheets.colour()
+            self._sheets.draw(program, eye.view, drawing.time_ns, eye.colour, _OVER_KEEPING_COVERAGE)
             return eye
         into = self.context.acquire(drawing.shown_size or drawing.size, depth=False).colour
-        framebuffer = self.context.framebuffers.over(into)
-        with drawing_into(framebuffer):
-            framebuffer.clear()
-        self._draw(drawing.view, drawing.time_ns, framebuffer, _OVER)
+        program = self._sheets.colour(covers=False)
+        self._sheets.draw(program, drawing.view, drawing.time_ns, into, _OVER, empty=(0.0, 0.0, 0.0, 0.0))
         return eye.having(overlay=into)
-
-    def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self._sheets.colour(covers=blending is not _OVER)
-        self._sheets.draw(program, view, time_ns, framebuffer, blending)
 
 
 @parts.register
@@ -296,28 +300,21 @@ class Transparency(SheetsPart):
     occludes is left out where another is visible.
     """
 
-    name = "transparency"
-    order = 70
+    name, order = "transparency", 70
 
     @staticmethod
     def has(scene: Scene, mesh: Mesh) -> bool:
         return mesh.material.see_through and not is_cutout(scene, mesh)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if "transparent" in drawing.needs:
-            return eye.having(transparent=self._layer(eye))
-        eye.inverse_depth.use(1)
-        self._sheets.draw(
-            self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), _OVER_KEEPING_COVERAGE
-        )
-        return eye
-
-    def _layer(self, eye: EyeImage) -> Transparent:
+        sheets, view, time_ns = self._sheets, eye.view, eye.drawn_ns
+        if "transparent" not in drawing.needs:
+            sheets.draw(sheets.colour(1, eye), view, time_ns, eye.colour, _OVER_KEEPING_COVERAGE)
+            return eye
         veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
         nearest = self.kept("nearest", eye.size, _TWO_DEPTHS, depth=False).colour
-        self._draw(
-            self._tested(self._sheets.program(TESTS=1, COLOUR=0), 1), eye, nearest, (-1.0, -1.0, 0.0, 0.0), _MOST
-        )
+        depths = sheets.tested(sheets.program(TESTS=1, COLOUR=0), eye, 1)
+        sheets.draw(depths, view, time_ns, nearest, _MOST, empty=(-1.0, -1.0, 0.0, 0.0))
         # Write the depth of the nearest sheet that is not hidden, else of the nearest of all.
         nearest.bind_to_image(0, read=True, write=False)
         veil.inverse_depth.bind_to_image(1, read=False, write=True)
@@ -327,30 +324,16 @@ class Transparency(SheetsPart):
         self.context.gpu.barrier()
         nearest.use(2)
         for into, through, blending in ((veil.colour, 0.0, _OVER_KEEPING_COVERAGE), (passing, 1.0, _THROUGH)):
-            self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
-        return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
-
-    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: _Rgba, blending: Blending) -> None:
-        framebuffer = self.context.framebuffers.over(into)
-        with drawing_into(framebuffer):
-            framebuffer.clear(color=empty)
-        eye.inverse_depth.use(1)
-        self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
-
-    def _colour(self, tests: int) -> Draw:
-        return self._tested(self._sheets.colour(tests=tests), tests)
-
-    def _tested(self, program: Draw, tests: int) -> Draw:
-        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
-        return program
+            empty = (through, through, through, 0.0)
+            sheets.draw(sheets.colour(2, eye), view, time_ns, into, blending, empty=empty)
+        return eye.having(transparent=Transparent(Surface(veil.colour, veil.inverse_depth), passing))
 
 
 @parts.register
 class Peeled(Part):
     """Surfaces behind the picture's own, nearest first, without what the client moves."""
 
-    name = "peeled"
-    order = 100
+    name, order = "peeled", 100
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -377,8 +360,7 @@ class Peeled(Part):
 class Light(Part):
     """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
 
-    name = "light"
-    order = -1  # before cut-outs, which it would draw over
+    name, order = "light", -1  # before cut-outs, which it would draw over
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -402,8 +384,7 @@ class Light(Part):
 class Panels(Sending[PanelDelivery, "_PanelSender"]):
     """Sheets at their own places, the farthest first; in the world with a depth of their own."""
 
-    name = "panels"
-    order = 88
+    name, order = "panels", 88
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -433,7 +414,7 @@ class _DrawnPanel(Owner):
     """One panel as sheets of a scene of its own, whose origin is the panel's place."""
 
     def __init__(self, context: DrawContext, panel: Panel) -> None:
-        self.panel, self._gpu, self._framebuffers = panel, context.gpu, context.framebuffers
+        self.panel, self._gpu = panel, context.gpu
         origin = (0.0, 0.0, 0.0) if panel.head_locked else panel.pose.position_m
         of_pose = panel.pose if panel.head_locked else attrs.evolve(panel.pose, position_m=(0.0, 0.0, 0.0))
         material = Material(see_through=not panel.head_locked, head_locked=panel.head_locked)
@@ -449,15 +430,10 @@ class _DrawnPanel(Owner):
     def draw(self, eye: EyeImage) -> None:
         """Draw it over the picture of an eye, whose inverse depth is bound."""
         sheets, panel = self._sheets[self.panel.showing(eye.drawn_ns)], self.panel
-        program = sheets.colour(tests=int(panel.occluded))
-        if panel.occluded:
-            eye.inverse_depth.use(1)
-            program.uniforms.set(picture=1, keep=1 - SAME_SURFACE)
-        over = self._framebuffers.over(eye.colour)
-        sheets.draw(program, eye.view, eye.drawn_ns, over, _OVER_KEEPING_COVERAGE)
+        program = sheets.colour(int(panel.occluded), eye if panel.occluded else None)
+        sheets.draw(program, eye.view, eye.drawn_ns, eye.colour, _OVER_KEEPING_COVERAGE)
         if not panel.head_locked:
-            near = self._framebuffers.over(eye.inverse_depth)
-            sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, near, _MOST)
+            sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, eye.inverse_depth, _MOST)
             self._gpu.barrier()  # llvmpipe lets shaders read inverse depth as it was before
 
 

@@ -24,8 +24,7 @@ from . import DrawContext, Drawing, Part, parts
 class Reflections(Part):
     """Plane mirrors: the scene again, mirrored. Curved ones: a cube map around each."""
 
-    name = "reflections"
-    order = 10
+    name, order = "reflections", 10
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)

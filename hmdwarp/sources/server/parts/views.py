@@ -25,17 +25,16 @@ from ....geometry.cube import cube_size, wide_size, wide_view
 from ....gpu.textures import COLOUR, NUMBER, SCALAR, download, drawing_into, flip_rows
 from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
 from ...array_passes import Owner
-from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving
+from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving, may_be_seen
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
-from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, may_be_seen, parts
+from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, parts
 
 
 @parts.register
 class Motion(Part):
     """Drawn after everything that goes into the picture: the depth says what a pixel shows."""
 
-    name = "motion"
-    order = 90
+    name, order = "motion", 90
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -114,8 +113,7 @@ _COARSE = 8  # the choice is made at this part of the resolution, on both axes
 class Views(Part):
     """Whole pictures from the places of chosen(), by the first eye's depth and the head's speed."""
 
-    name = "views"
-    order = 130
+    name, order = "views", 130
     of_client = True
 
     def __init__(self, context: DrawContext) -> None:
@@ -230,8 +228,7 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
 class Cube(Part):
     """Colour of the six faces of geometry.cube, as sharp as the picture. Errors: InputError."""
 
-    name = "cube"
-    order = 110
+    name, order = "cube", 110
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         context = self.context
@@ -251,8 +248,7 @@ class Cube(Part):
 class Wide(Part):
     """As wide as geometry.wide says, around the view without guard band, overlay apart."""
 
-    name = "wide"
-    order = 120
+    name, order = "wide", 120
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         view, size = wide_view(drawing.view), wide_size(drawing.view.fov, drawing.size)
@@ -268,8 +264,7 @@ _KINDS = {"foveated": COLOUR, "foveated_depth": SCALAR}
 class Foveated(Part):
     """Made when the picture is complete, of colour and of inverse depth where each is needed."""
 
-    name = "foveated"
-    order = 195
+    name, order = "foveated", 195
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needs = [drawing.needs[name] for name in _KINDS if name in drawing.needs]
@@ -291,8 +286,7 @@ class Foveated(Part):
 
 @parts.register
 class SceneUpdate(Sending[Delivery, "_Sender"]):
-    name = "scene_update"
-    order = 200
+    name, order = "scene_update", 200
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -371,8 +365,7 @@ class _Sender(Sender):
 class Difference(Part):
     """Drawn when the picture is complete: the simplified scene for the same view and instant."""
 
-    name = "difference"
-    order = 190
+    name, order = "difference", 190
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
