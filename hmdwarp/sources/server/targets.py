@@ -56,11 +56,10 @@ class LastUsed(dict[K, V]):
         idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
         self._used.clear()
         found: list[tuple[K, V]] = []
-        left = sum(idle.values())
-        for key, size in idle.items():
-            if left <= MOST_IDLE_BYTES and len(idle) - len(found) <= MOST_IDLE:
+        for key in list(idle):
+            if sum(idle.values()) <= MOST_IDLE_BYTES and len(idle) <= MOST_IDLE:
                 break
-            left -= size
+            del idle[key]
             found.append((key, self.pop(key)))
         return found
 
@@ -103,16 +102,8 @@ class TargetPool:
     did not need are freed.
     """
 
-    def __init__(
-        self,
-        gpu: Gpu,
-        size: Size,
-        kind: Kind = COLOUR,
-        *,
-        depth: bool = True,
-        forget: Forget = lambda texture: None,
-    ) -> None:
-        self._gpu, self._size, self._kinds, self._forget = gpu, size, (kind, SCALAR) if depth else (kind,), forget
+    def __init__(self, gpu: Gpu, size: Size, kinds: Sequence[Kind], forget: Forget) -> None:
+        self._gpu, self._size, self._kinds, self._forget = gpu, size, kinds, forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
         self.out: dict[moderngl.Texture, Target] = {}  # those that are in use, by their colour texture
@@ -129,10 +120,8 @@ class TargetPool:
         return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
-        if self._free:
-            target = self._free.pop()
-        else:
-            target = Target(*(allocate(self._gpu.gl, self._size, kind) for kind in self._kinds))
+        made = None if self._free else [allocate(self._gpu.gl, self._size, kind) for kind in self._kinds]
+        target = Target(*made) if made else self._free.pop()
         self.out[target.colour] = target
         self._handed, self._most_out = self._handed + 1, max(self._most_out, len(self.out))
         if self._handed == IDLE_AFTER:
@@ -245,9 +234,8 @@ class Renderer(Owner):
 
     def pool(self, size: Size, kind: Kind = COLOUR, *, depth: bool = True) -> TargetPool:
         """Return the targets of that size and kind, with or without inverse depth."""
-        return self._pools.made(
-            (size, kind, depth), lambda: TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
-        )
+        kinds = (kind, SCALAR) if depth else (kind,)
+        return self._pools.made((size, kinds), lambda: TargetPool(self.gpu, size, kinds, self._forget))
 
     def take_back(self) -> None:
         """Take back every target that is out: of a frame that could not be drawn to its end."""
