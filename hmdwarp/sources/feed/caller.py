@@ -122,12 +122,7 @@ class Arrival:
 
 
 class Caller:
-    """One client of a server, with a thread of its own so that arrivals are noted as they happen.
-
-    A server that goes away, or silent, is called again until it is back; requests without a
-    connection are dropped. server_key: its public key, to encrypt. Errors: InputError for an
-    address that is none; MachineError without the library.
-    """
+    """One client of a server, with a thread of its own, that calls again what goes away."""
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
         self._zmq: Any = sockets.zmq_module()

@@ -1,8 +1,7 @@
 """What both ends know of the library: addresses, and connections that hold little.
 
-The library bounds messages, not the parts of one: a message without an end is never handed over and
-never dropped. So what each connection has sent is compared, by the operating system's count, with
-what came out as whole messages.
+The library bounds messages, not the parts of one, so what each connection has sent is compared, by
+the operating system's count, with what came out as whole messages.
 """
 
 from __future__ import annotations
@@ -176,11 +175,7 @@ class Places:
 
 
 class Connections:
-    """Cut connections that send without end, are silent, or too many, from a thread of its own.
-
-    Where there are too many, an idle one makes room: one that has never made a valid request first,
-    then one at the web's door. Endless messages are found on Linux.
-    """
+    """Cut connections that send without end, are silent, or too many; an idle one first."""
 
     def __init__(self, zmq: Any, router: Any, places: Places) -> None:
         self._zmq, self._places = zmq, places

@@ -33,12 +33,7 @@ class EdgesSettings(SurfaceSettings):
 
 @repairs.register
 class Edges(Repair):
-    """Line depth up with colour, and remove flying pixels.
-
-    Depth is moved as a whole, by whole pixels, to where its jumps meet the most contrast of colour,
-    if that place stands out. A pixel between two surfaces, nearer than the one on its one side and
-    farther than the one on the other, is on neither: it loses its depth.
-    """
+    """Line depth up with colour where its jumps meet contrast, and remove flying pixels."""
 
     name = "edges"
     summary = "depth moves to where its silhouettes meet those of the colour; depth between two surfaces is taken out"

@@ -123,10 +123,8 @@ def parse_projection(text: str) -> Camera:
 def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -> Camera | None:
     """Return the camera that a JSON object describes, None where it has no intrinsics.
 
-    Known are `intrinsics` (fx, fy, cx, cy), a matrix by any of the names in MATRICES, nested or
-    flat, by rows or by columns, `fx` .. `cy`, and `fl_x` .. `cy` and `camera_angle_x` of
-    nerfstudio. centre: of the first pixel, unless `centre` says so.
-    Errors: InputError, which names a lens distortion.
+    Known: `intrinsics`, a matrix of MATRICES, by rows or columns, `fx` .. `cy`, `fl_x` .. and
+    `camera_angle_x`. centre: of the first pixel. Errors: InputError, also for lens distortion.
     """
     refuse_distortion(where, data)
     sides = [

@@ -286,11 +286,7 @@ def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
 def about_unit(
     depths: Several[NDArray[np.floating]], moved_m: float, option: str, raw: Several[NDArray[Any]] = ()
 ) -> list[str]:
-    """Return a note on depth that is hardly in metres: far, a depth buffer's values, or tiny.
-
-    depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
-    raw: depths as files have them, where they do.
-    """
+    """Return a note on depth (metres; raw as in files) that is hardly metres. option: a format."""
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
     if len(known) and moved_m and known.min() < known.max() <= 1:
         middle = float(np.median(known))

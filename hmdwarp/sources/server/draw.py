@@ -187,11 +187,7 @@ class Server(Renderer):
         client: Hashable = None,
         pictures: bool = True,
     ) -> Frame:
-        """Draw all eyes, as draw_frame, where the caller has added the guard band.
-
-        views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
-        shown picture. client: whose frames went before, where layers build on them.
-        """
+        """Draw all eyes as draw_frame does, guard band added; shown, shown_size: without it."""
         seen = [attrs.evolve(view, fov=fov, hidden=None) for view, fov in zip(views, shown, strict=True)]
         drawings = [
             Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched, age_ns, client) for view in seen

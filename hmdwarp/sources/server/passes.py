@@ -75,11 +75,7 @@ def side_planes(clip: Array) -> Array:
 
 
 def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
-    """Return which boxes may reach into `clip` (4x4 clip_from_scene).
-
-    slack: (5, n) how far each may lie outside each plane. A box is culled only if it lies wholly
-    behind one of the four sides or the near plane; some boxes near the corners pass needlessly.
-    """
+    """Return which boxes may reach into `clip` (4x4), with slack (5, n) outside each plane."""
     planes = side_planes(clip)
     within = np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack
     inside: NDArray[np.bool_] = within.min(axis=0) >= 0

@@ -96,11 +96,7 @@ class Target:
 
 
 class TargetPool:
-    """Targets of one size and kind. Errors: InputError for a size of 0 or beyond the GL limit.
-
-    A burst of frames that are late together makes many; those that IDLE_AFTER hand-outs in a row
-    did not need are freed.
-    """
+    """Targets of one size and kind; those IDLE_AFTER hand-outs did not need are freed."""
 
     def __init__(self, gpu: Gpu, size: Size, kinds: Sequence[Kind], forget: Forget) -> None:
         self._gpu, self._size, self._kinds, self._forget = gpu, size, kinds, forget
@@ -186,11 +182,7 @@ class Renderer(Owner):
     def truth_facts(
         self, shown: Sequence[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
     ) -> tuple[dict[str, Any], str]:
-        """Return what summary.json says of the truth, and a sentence on it; "" for a scene's own.
-
-        shown: instant and head of each refresh. missing: pictures without a truth. own_head:
-        whether the head is that of the frames.
-        """
+        """Return what summary.json says of the truth, and a sentence, "" for a scene's own."""
         return {}, ""
 
     def content(self, time_ns: int) -> object:

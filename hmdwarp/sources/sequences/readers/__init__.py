@@ -118,11 +118,9 @@ def layout(
 ) -> Callable[[Callable[[Folder], None]], Callable[[Folder], None]]:
     """Register a function as a layout.
 
-    holds: a score, 0 to 100, and the patterns of files that must all be there; or a function that
-    returns the score of a path. world: right, up and forward of the world, for a camera that looks
-    along +z with y down; axes: world and camera, for any other. intrinsics .. clock: what each of
-    FACTS is without a file or option that states it, and who says so (by default the format).
-    more: further fields of Layout.
+    holds: a score, 0 to 100, and patterns of files that must all be there; or a function of a path.
+    world: right, up and forward, for a camera that looks along +z with y down; axes: any other.
+    intrinsics .. clock: each of FACTS unless a file or option states it, and who says so.
     """
     by, unit, camera = more.get("by", By.FORMAT), more.get("unit"), more.get("camera")
     placed = axes or f"world={world} head={OPTICAL}"
@@ -313,12 +311,7 @@ class Folder:
         )
 
     def poses(self, matrices: Iterable[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False) -> list[Pose]:
-        """Return world_from_eye of all matrices of a file, each with its place; state how they are.
-
-        inverse: the matrices are from world to camera. unit: metres of a position's. A scale that
-        all have is that of the world over the camera: positions are divided by it. Errors:
-        InputError.
-        """
+        """Return world_from_eye of a file's matrices, a scale they share divided out."""
         given = list(matrices)
         turned, fact = by_rows(given[0][0] if given else "", [square_of(where, one) for where, one in given])
         if inverse:

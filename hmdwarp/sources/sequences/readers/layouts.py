@@ -837,11 +837,7 @@ def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | N
 
 
 def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> list[int]:
-    """Return the instants of all frames, and state how they are known.
-
-    timestamp is in seconds. time is a share of the whole recording, from 0 to 1, in data sets of
-    moving scenes, or a count, which then have the default rate; any other is taken for seconds.
-    """
+    """Return the instants of all frames: timestamp in seconds; time a share, a count or seconds."""
     rated = at.options.frames_rate_hz is not None
     key = next((key for key in ("timestamp", "time") if whole[0].get(key) is not None), "")
     counted = [at.instant_ns(number) for number in range(len(whole))]

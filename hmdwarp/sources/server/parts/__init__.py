@@ -74,11 +74,7 @@ class DrawContext:
 
 
 class Part(Owner, ABC):
-    """One kind of content, added to the picture after the parts of a lower `order`.
-
-    A part is made when a scene has any of its content, or when frames need a layer whose file names
-    it in `drawn_by`: then the layer is always there, if only empty.
-    """
+    """One kind of content, made when a scene has any or frames need a layer `drawn_by` it."""
 
     name: ClassVar[str]
     order: ClassVar[int]

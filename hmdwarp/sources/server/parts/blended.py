@@ -249,11 +249,7 @@ class SheetsPart(Part):
 
 @parts.register
 class Cutouts(SheetsPart):
-    """Drawn before all other parts, while the depth buffer is still that of the surfaces.
-
-    As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
-    blended; their depth is that of the side that covers more.
-    """
+    """Drawn before all other parts, against the surfaces' depth, not as part of a veil."""
 
     name, order = "cutouts", 0
 
@@ -294,11 +290,7 @@ class Overlay(SheetsPart):
 
 @parts.register
 class Transparency(SheetsPart):
-    """Blended into the picture, sheets keep the depth of what lies behind.
-
-    As a layer, all sheets of a pixel are one veil at the depth of the nearest; one that the picture
-    occludes is left out where another is visible.
-    """
+    """Blended in, sheets keep the depth behind; as a layer they are one veil at the nearest."""
 
     name, order = "transparency", 70
 

@@ -184,10 +184,8 @@ def moved(view: View, way: Array) -> View:
 def chosen(view: View, size: Size, motion: EyeMotion, count: int, depth_of: Callable[[View], Array]) -> list[Array]:
     """Return the places of `count` further pictures, relative to the eye, the most useful first.
 
-    size: (w, h) of the pictures of depth. depth_of: returns inverse depth (h, w), -1 for none, the
-    bottom row first. One after the other, each is the candidate that leaves the smallest share of
-    the expected pictures unseen by the newest picture and by those chosen before it; the nearer one
-    of equals.
+    Each is the candidate that leaves the least of the expected pictures unseen, the nearer of two.
+    depth_of: returns inverse depth of (w, h) `size`, -1 for none, the bottom row first.
     """
     expected = [(target, depth_of(target)) for way in motion.expected() for target in [moved(view, way)]]
 
@@ -207,11 +205,7 @@ def chosen(view: View, size: Size, motion: EyeMotion, count: int, depth_of: Call
 
 
 def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> NDArray[np.bool_]:
-    """Return (h, w): which pixels of a target a picture shows, by the depth of both.
-
-    held, wanted: inverse depth (h, w) of the picture and of the target, the bottom row first. A
-    point is hidden if the nearest pixel of the picture holds something clearly nearer.
-    """
+    """Return (h, w): which pixels of a target a picture shows; both with the bottom row first."""
     wide, high = size
     y, x = np.mgrid[:high, :wide]
     pixels = np.stack([x + 0.5, y + 0.5], axis=-1)
