@@ -27,13 +27,8 @@ _SETTINGS, _SETTING = struct.Struct("<HH"), struct.Struct("<d")
 HEAD = struct.Struct("<16sBBBxIII")  # name of a layer, eye, format, whether it is packed, width, height, bytes
 # By number of the format: how numbers are stored, and how many there are a pixel, or in one place
 # of a table.
-FORMATS: dict[int, tuple[np.dtype, int]] = {
-    1: (np.dtype("<f2"), 4),
-    2: (np.dtype("<f4"), 1),
-    3: (np.dtype("<u2"), 1),
-    4: (np.dtype("<f8"), 1),
-    5: (np.dtype("u1"), 1),
-}
+_KINDS = (("<f2", 4), ("<f4", 1), ("<u2", 1), ("<f8", 1), ("u1", 1))
+FORMATS = dict(enumerate(((np.dtype(kind), count) for kind, count in _KINDS), 1))
 TABLE, BYTES = 4, 5
 _NAME = re.compile(rb"([a-z_]{1,16})\0*")
 _LEVEL = 1

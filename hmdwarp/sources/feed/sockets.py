@@ -48,15 +48,8 @@ SILENCE_NS, LOOK_NS = 1_500_000_000, 100_000_000
 # is called, over a connection that has ended while as many messages as RCVHWM allows waited. So
 # there is no RCVHWM: who sends more than may wait is cut by the system's count.
 CALLS = {"HEARTBEAT_IVL": 500, "HEARTBEAT_TIMEOUT": 60_000}
-LINK = {
-    "LINGER": 0,
-    "HANDSHAKE_IVL": SILENT_NS // 1_000_000,
-    "TCP_KEEPALIVE": 1,
-    "TCP_KEEPALIVE_IDLE": 5,
-    "TCP_KEEPALIVE_INTVL": 1,
-    "TCP_KEEPALIVE_CNT": 5,
-    "TCP_MAXRT": SILENT_NS // 1_000_000,
-}
+LINK = {"LINGER": 0, "HANDSHAKE_IVL": SILENT_NS // 1_000_000, "TCP_MAXRT": SILENT_NS // 1_000_000}
+LINK |= {"TCP_KEEPALIVE": 1, "TCP_KEEPALIVE_IDLE": 5, "TCP_KEEPALIVE_INTVL": 1, "TCP_KEEPALIVE_CNT": 5}
 KERNEL_BYTES = 1 << 14  # buffer of the kernel for each connection
 _EVERY_MS, _MOST_EVENTS = 20, 4096
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.

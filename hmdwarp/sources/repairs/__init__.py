@@ -17,12 +17,9 @@ from ...errors import InputError, in_brief
 from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
-repairs: Registry[type[Repair]] = Registry(
-    "repair",
-    __name__,
-    columns="needs settings=Settings source",
-    modules=dict.fromkeys(("complete", "edges", "none"), "edges"),
-)
+_MODULES = dict.fromkeys(("complete", "edges", "none"), "edges")
+_COLUMNS = "needs settings=Settings source"
+repairs: Registry[type[Repair]] = Registry("repair", __name__, columns=_COLUMNS, modules=_MODULES)
 
 
 def parse_repairs(text: str) -> RepairChain:

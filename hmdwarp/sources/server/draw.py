@@ -62,18 +62,9 @@ class Server(Renderer):
         self._colour, self._depth = self.own(colour), None  # type: ScenePasses, ScenePasses | None
         self._parts: dict[tuple[Hashable, str], Part] = {}  # by client and name; None for those that all share
         self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
-        self._context = DrawContext(
-            gpu,
-            scene,
-            self.textures,
-            self._framebuffers,
-            self._colour,
-            self.acquire,
-            self._draw,
-            self._passes_for,
-            self._draw_colour,
-            self.of_another,
-        )
+        resources = gpu, scene, self.textures, self._framebuffers, self._colour
+        draws = self.acquire, self._draw, self._passes_for, self._draw_colour, self.of_another
+        self._context = DrawContext(*resources, *draws)
 
     def of_another(self, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
         """Return a server of another scene that draws as this one does; who makes it closes it."""

@@ -29,16 +29,9 @@ _PARTS = ("colour", "depth", "info", "pose")
 _NAMING = ",".join(f"{part}=TOPIC" for part in _PARTS)
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
 # Bytes a pixel, and which of its channels are red, green and blue.
-_COLOURS = {
-    "rgb8": (3, (0, 1, 2)),
-    "bgr8": (3, (2, 1, 0)),
-    "8UC3": (3, (2, 1, 0)),
-    "rgba8": (4, (0, 1, 2)),
-    "bgra8": (4, (2, 1, 0)),
-    "8UC4": (4, (2, 1, 0)),
-    "mono8": (1, (0, 0, 0)),
-    "8UC1": (1, (0, 0, 0)),
-}
+_RGB, _BGR = (0, 1, 2), (2, 1, 0)
+_COLOURS = {"rgb8": (3, _RGB), "bgr8": (3, _BGR), "8UC3": (3, _BGR), "mono8": (1, (0, 0, 0)), "8UC1": (1, (0, 0, 0))}
+_COLOURS |= {"rgba8": (4, _RGB), "bgra8": (4, _BGR), "8UC4": (4, _BGR)}
 _DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  # type and metres per unit
 _COMPRESSED_DEPTH = "compressedDepth"
 _HEADER = 12  # bytes before the PNG of a compressed depth

@@ -24,15 +24,10 @@ from ...array_passes import Owner
 from ..passes import ScenePasses, SceneTextures
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 
-parts: Registry[type[Part]] = Registry(
-    "part",
-    __name__,
-    modules={
-        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "views"),
-        **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
-        **dict.fromkeys(("scene_update", "views", "wide"), "views"),
-    },
-)
+_VIEWS = ("cube", "difference", "foveated", "motion", "scene_update", "views", "wide")
+_BLENDED = ("cutouts", "light", "overlay", "panels", "peeled", "transparency")
+_MODULES = dict.fromkeys(_VIEWS, "views") | dict.fromkeys(_BLENDED, "blended")
+parts: Registry[type[Part]] = Registry("part", __name__, modules=_MODULES)
 
 
 @attrs.frozen(eq=False)
