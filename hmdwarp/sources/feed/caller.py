@@ -151,6 +151,8 @@ class Caller:
         if server_key:
             socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
             socket.curve_serverkey = server_key
+        failed = "EVENT_HANDSHAKE_FAILED_NO_DETAIL", "EVENT_HANDSHAKE_FAILED_PROTOCOL"
+        self._no_handshakes = sum(getattr(self._zmq, name) for name in failed)
         told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
         events = socket.get_monitor_socket(told)
         try:
@@ -241,10 +243,6 @@ class Caller:
             events.close(0)
             socket.close(0)
             orders.close(0)
-
-    @property
-    def _no_handshakes(self) -> int:
-        return int(self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
 
     def _cut_if_silent(self, now_ns: int) -> None:
         hearing = self._hearing

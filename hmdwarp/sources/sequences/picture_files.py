@@ -35,7 +35,7 @@ def read_colour(path: Path) -> NDArray[Any]:
     with _opened(path) as picture:
         if picture.mode in _DEEP:
             raise InputError(f"{path}: one channel of mode {picture.mode}, as depth has it; expected a colour picture")
-        return np.asarray(_loaded(path, picture).convert("RGBA" if picture.has_transparency_data else "RGB"))
+        return np.asarray(picture.convert("RGBA" if picture.has_transparency_data else "RGB"))
 
 
 def read_depth(path: Path) -> NDArray[Any]:
@@ -59,7 +59,7 @@ def read_depth(path: Path) -> NDArray[Any]:
                 f"{path}: a picture of mode {picture.mode}, 8 bits a channel; expected depth in one channel of 16 bits "
                 "or floats"
             )
-        values, most = np.asarray(_loaded(path, picture)), 0
+        values, most = np.asarray(picture), 0
         if picture.format == "PPM":  # the fourth word is the largest value that a PGM states
             with opened(path, PICTURE_FILE) as file:
                 head = (line.partition(b"#")[0].split() for line in file.read(1000).splitlines())
@@ -110,15 +110,10 @@ def _opened(path: Path) -> Iterator[Any]:
             raise InputError(
                 f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
             ) from error
-        yield picture
-
-
-def _loaded(path: Path, picture: Any) -> Any:
-    try:
-        picture.load()
-    except (OSError, ValueError, SyntaxError, IndexError) as error:
-        raise InputError(f"{path}: a damaged picture ({error})") from error
-    return picture
+        try:
+            yield picture
+        except (OSError, ValueError, SyntaxError, IndexError) as error:
+            raise InputError(f"{path}: a damaged picture ({error})") from error
 
 
 def _npy(path: Path) -> NDArray[Any]:

@@ -182,11 +182,6 @@ class Visibility:
 SRGB8_ALPHA8 = 0x8C43
 
 
-def emits(scene: Scene) -> bool:
-    """Return whether a texture of the scene emits, so that its surfaces need EMISSION."""
-    return any(texture.emission is not None for texture in scene.textures)
-
-
 @attrs.frozen(eq=False)
 class Batch:
     texture: moderngl.Texture
@@ -592,7 +587,7 @@ class ScenePasses(Owner):
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        lit, self._emits = self._lit_defines(), self._coloured and emits(scene)
+        lit, self._emits = self._lit_defines(), self._coloured and any(one.emission for one in scene.textures)
         self._is_lit, shining = bool(lit), {"EMISSION": 1} if self._emits else {}
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)

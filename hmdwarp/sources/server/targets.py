@@ -248,8 +248,9 @@ class Renderer(Owner):
 
     def close(self) -> None:
         super().close()
-        for pool in (*self._pools.values(), *self._uploads.values(), *self._given.values()):
-            pool.close()
+        made: list[Any] = [*self._pools.values(), *self._uploads.values(), *self._given.values()]
+        for one in made:
+            one.close()
 
 
 class Framebuffers:

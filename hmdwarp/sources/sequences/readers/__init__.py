@@ -512,20 +512,7 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
     if place.is_dir():
         enter(place)
-    if options.layout is not None:
-        return _read(readers.get(options.layout), place, options)
-    chances = {reader.name: reader.fits(place) for reader in readers}
-    best = max(chances, key=lambda name: chances[name])
-    if not chances[best]:
-        known = ", ".join(readers.names())
-        raise InputError(
-            f"{place} ({_content(place)}): no layout of recorded frames that is known: expected one of {known}; "
-            "'hmdwarp list layouts' says what each holds"
-        )
-    return _read(readers.get(best), place, options)
-
-
-def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequence:
+    reader = _reader_of(place) if options.layout is None else readers.get(options.layout)
     for name in ("frames_axes", "frames_camera", "frames_topics"):
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
@@ -536,25 +523,29 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
         raise InputError(f"{path}: noise_floor_db is {floor_db!r}; expected a positive number of dB")
     sequence = attrs.evolve(reader.read(place, options), noise_floor_db=floor_db)
     if (place / RIGHT).is_dir():
-        sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
+        right = reader.read(place / RIGHT, options)
+        times = [[frame.time_ns for frame in side.frames] for side in (sequence, right)]
+        if times[0] != times[1] or sequence.frames[0].size != right.frames[0].size:
+            what = "instants" if times[0] != times[1] else "pixels"
+            raise InputError(f"{right.path}: frames of other {what} than those of {sequence.path}; expected the same")
+        sequence = attrs.evolve(sequence, right=right)
     mask = options.hidden or place / MASK
     if options.hidden or mask.is_file():
         sequence = sequence.masked(mask)
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
 
 
-def _right(left: Sequence, right: Sequence) -> Sequence:
-    for name, one, other in (
-        ("instants", [frame.time_ns for frame in left.frames], [frame.time_ns for frame in right.frames]),
-        ("pixels", [left.frames[0].size], [right.frames[0].size]),
-    ):
-        if one != other:
-            raise InputError(f"{right.path}: frames of other {name} than those of {left.path}; expected the same")
-    return right
-
-
-def _content(place: Path) -> str:
-    if not place.is_dir():
-        return "a file"
-    names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
-    return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"
+def _reader_of(place: Path) -> SequenceReader:
+    chances = {reader.name: reader.fits(place) for reader in readers}
+    best = max(chances, key=lambda name: chances[name])
+    if chances[best]:
+        return readers.get(best)
+    held = "a file"
+    if place.is_dir():
+        names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
+        more = " .." if len(names) > _NAMED else ""
+        held = f"holds {', '.join(names[:_NAMED])}{more}" if names else "an empty folder"
+    raise InputError(
+        f"{place} ({held}): no layout of recorded frames that is known: expected one of {', '.join(readers.names())}; "
+        "'hmdwarp list layouts' says what each holds"
+    )
