@@ -561,7 +561,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 
 def _results() -> Iterator[tuple[str, Target]]:
-    from hmdwarp.link.delays.trace import read_delays
+    from hmdwarp.link.delays import read_delays
     from hmdwarp.pipeline.levels import read_rows
     from hmdwarp.study.analysis.long_table import from_csv
 

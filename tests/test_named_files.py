@@ -27,7 +27,7 @@ from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import MergeOptions, merge
 from hmdwarp.headsets import load_headset
-from hmdwarp.link.delays.trace import read_delays
+from hmdwarp.link.delays import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.pipeline.levels import read_rows

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...colour import srgb8_from_linear
 from ...errors import MachineError
 from ...frames import EyeImage, Frame
+from ...frames.layers import layers
 from ...geometry import Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
@@ -211,14 +212,16 @@ class Renderer(Owner):
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; later frames will overwrite them."""
-        for _, eye in frame.pictures():
+        for number, eye in frame.pictures():
             self.pool(eye.colour.size).release(eye.colour)
-        for layer, data in frame.contents():
-            for texture in layer.textures(data):
-                for pool in self._pools.values():
-                    if texture in pool.out:
-                        pool.release(texture)
-            layer.release(data)
+            for name, data in eye.carried.items():
+                if number and layers.get(name).per_frame:
+                    continue
+                for texture in layers.get(name).textures(data):
+                    for pool in self._pools.values():
+                        if texture in pool.out:
+                            pool.release(texture)
+                layers.get(name).release(data)
 
     def acquire(self, size: Size, kind: Kind = COLOUR, *, depth: bool = True) -> Target:
         """Return a target from the pool of its kind; recycle() returns it with its frame."""

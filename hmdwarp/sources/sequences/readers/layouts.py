@@ -22,9 +22,9 @@ from ....errors import InputError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, TABLE, content_of, enter, named_in, opened, text_in
 from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import AXES_BY, Assumption, By, first_stated
-from ....poses.load import find_format
+from ....poses.formats import find_format
 from ....poses.reading.cleaning import LoadedTrace
-from ....poses.reading.colmap import ColmapCamera, read_cameras, read_images
+from ....poses.reading.made_rows import ColmapCamera, read_cameras, read_images
 from ....poses.reading.text_table import read_head
 from .. import frame_files as _files
 from ..frame_files import JSON, NPZ, OWN_FACTS, Camera, FrameFile, Size, camera_of, read_json

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ....errors import InputError
 from ....frames import BodyIds, EyeImage, Needs
 from ....frames.layers import Outbox, Update
-from ....frames.layers.foveated import FoveatedPicture
+from ....frames.layers.pictures import FoveatedPicture
 from ....frames.layers.scene_parts import Delivery, Simplified
 from ....geometry import Fovea, Pose, View, WarpMap
 from ....geometry.cube import cube_size, wide_size, wide_view
