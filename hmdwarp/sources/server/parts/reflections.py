@@ -263,7 +263,10 @@ class Ball(MirrorSurface):
         around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         around.colour.use(0)
         around.inverse_depth.use(1)
-        places = {"clip_from_scene": clip_from_eye(view.fov) @ from_scene, "eye_from_scene": from_scene}
+        places: dict[str, object] = {
+            "clip_from_scene": clip_from_eye(view.fov) @ from_scene,
+            "eye_from_scene": from_scene,
+        }
         places |= {"world_from_eye": view.pose.rotation_matrix, "face_size": float(around.size[0] // 3)}
         self._image.uniforms.set(taken=taken, around=0, around_inverse_depth=1, **places, **mirrors)
         with drawing_into(framebuffer, moderngl.CULL_FACE):
