@@ -71,10 +71,6 @@ class Alignment:
         return jumped
 
     @property
-    def is_known(self) -> bool:
-        return bool(self._kept)
-
-    @property
     def _by_round_trip(self) -> list[Exchange]:
         return sorted(self._kept, key=lambda one: one.round_trip_ns)
 

@@ -49,11 +49,6 @@ class MeasuredDepth:
     inverse_depth: Pixels  # 1/m along -z; 0 is infinitely far, NaN is no depth
     confidence: Pixels  # 1 as measured, less where it is a guess, 0 where there is no depth
 
-    @classmethod
-    def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        inverse = np.asarray(inverse_depth, np.float32)
-        return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
-
 
 class Repair(ABC):
     """Make depth fit for warping, without memory; arguments are never changed."""
@@ -82,7 +77,8 @@ class RepairChain:
 
     def run(self, colour: Pixels, inverse_depth: NDArray[Any]) -> MeasuredDepth:
         """Return the repaired depth of colour (h, w, 3) sRGB 0 to 1 and (h, w) 1/m or NaN."""
-        depth = MeasuredDepth.measured(inverse_depth)
+        inverse = np.asarray(inverse_depth, np.float32)
+        depth = MeasuredDepth(inverse, (~np.isnan(inverse)).astype(np.float32))
         for step in self.steps:
             depth = step.run(colour, depth)
         known = (depth.inverse_depth >= 0) & (depth.confidence > 0)

@@ -626,7 +626,10 @@ class ScenePasses(Owner):
         if uniforms:
             self._surface.uniforms.set(**uniforms)
             self._background.uniforms.set(**uniforms)
-        self._set_background(view)
+        if self._colour:
+            sky = self.scene.background
+            light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
+            self._background.uniforms.set(world_from_ndc=self._world_from_ndc(view), **light)
         for drawing in self.moving:
             drawing.set_time(time_ns)
         if self.lighting is not None:
@@ -660,6 +663,9 @@ class ScenePasses(Owner):
 
     def _seen_from(self, view: View, place: Place) -> Place:
         return place
+
+    def _world_from_ndc(self, view: View) -> Array:
+        return world_from_ndc(view)
 
     def _world_from_ndc(self, view: View) -> Array:
         return world_from_ndc(view)

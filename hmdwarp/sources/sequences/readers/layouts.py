@@ -56,7 +56,12 @@ def tum(at: Folder) -> None:
     at.state(FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=by)
     at.only_for = None if own else VGA
     trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
-    colours, depths = (sorted(map(_listed, at.rows(file))) for file in ("rgb.txt", "depth.txt"))
+    lists = []
+    for rows in (at.rows("rgb.txt"), at.rows("depth.txt")):
+        if wrong := next((row for row in rows if len(row.words) != 2), None):
+            raise wrong.wrong("seconds and the name of a file")
+        lists.append(sorted((row.nanoseconds(), row.words[1]) for row in rows))
+    colours, depths = lists
     at.track, times, lost = trace.track, np.array([time_ns for time_ns, _ in depths]), 0
     if colours and depths:
         at.clocks = {"rgb.txt": (colours[0][0], colours[-1][0]), "depth.txt": (depths[0][0], depths[-1][0])}
@@ -82,12 +87,6 @@ def tum(at: Folder) -> None:
 def _span(trace: LoadedTrace) -> tuple[int, int]:
     track = trace.track
     return track.epoch_ns + track.start_ns, track.epoch_ns + track.end_ns
-
-
-def _listed(row: Row) -> tuple[int, str]:
-    if len(row.words) != 2:
-        raise row.wrong("seconds and the name of a file")
-    return row.nanoseconds(), row.words[1]
 
 
 @layout(

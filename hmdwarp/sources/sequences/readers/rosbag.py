@@ -53,11 +53,7 @@ def rosbag(at: Folder) -> None:
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")
     bag = Bag(place)
-    moving: list[Any] = []
-    still: list[Any] = []
-    for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
-        (still if topic.endswith("tf_static") else moving).extend(message.transforms)
-    tree, by = _Transforms(moving, still), By.USER if at.options.frames_topics else By.DEFAULT
+    tree, by = _Transforms(bag), By.USER if at.options.frames_topics else By.DEFAULT
     topics = _topics(at.path, bag, tree, at.options.frames_topics)
     colours, depths = (_stamped(bag, topics[part]) for part in ("colour", "depth"))
     scale = _DEPTHS[_encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
@@ -195,6 +191,11 @@ def _poses(
     return at, said, {topic: (min(instants), max(instants))}
 
 
+def _pictures(colour: Callable[[], Any], depth: Callable[[], Any], where: str, scale: float) -> Pictures:
+    picture = np.ascontiguousarray(colour())
+    return as_pictures(picture, in_metres(fitted_depth(depth(), picture, where), scale))
+
+
 def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     """Return (h, w, 3) uint8 sRGB, or (h, w) depth in its own unit. Errors: InputError."""
     where = f"{bag.path}, {topic} at {picture.time_ns} ns"
@@ -229,11 +230,6 @@ def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     if not count:
         return values.astype(kind.newbyteorder("="))
     return values.reshape(message.height, message.width, count)[..., list(channels)]
-
-
-def _pictures(colour: Callable[[], Any], depth: Callable[[], Any], where: str, scale: float) -> Pictures:
-    picture = np.ascontiguousarray(colour())
-    return as_pictures(picture, in_metres(fitted_depth(depth(), picture, where), scale))
 
 
 def _encoding_of(message: Any) -> str:
@@ -271,21 +267,18 @@ class _Motion:
     def at(self, time_ns: int) -> Matrix | None:
         """Return parent_from_child; None outside of the samples or in a gap."""
         sample = self._track.at(time_ns - self.times_ns[0])
-        if sample.origin is Origin.HELD:
-            return None
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = sample.pose.rotation_matrix, sample.pose.position_m
-        return matrix
+        return None if sample.origin is Origin.HELD else sample.pose.matrix()
 
 
 class _Transforms:
-    def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
+    def __init__(self, bag: Bag) -> None:
         samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
         self._still: dict[str, tuple[str, Matrix]] = {}
-        for is_still, transform in (*((True, one) for one in still), *((False, one) for one in moving)):
+        messages = bag.messages([name for name, kind in bag.topics.items() if kind in _TF])
+        for topic, transform in ((topic, one) for topic, _, message in messages for one in message.transforms):
             parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
             pose = transform.transform.translation, transform.transform.rotation
-            if is_still:
+            if topic.endswith("tf_static"):
                 self._still[child] = parent, _matrix_of(*pose)
             else:
                 samples.setdefault((child, parent), []).append((stamp_ns(transform.header.stamp), *pose))
