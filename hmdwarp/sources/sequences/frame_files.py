@@ -6,7 +6,7 @@ import io
 import math
 import re
 import reprlib
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -94,12 +94,17 @@ class Camera:
         return self.fy < 0
 
 
+def floats_in(words: Iterable[str]) -> list[float]:
+    """Return the numbers in words, none where one is something else."""
+    try:
+        return [float(word.encode("ascii")) for word in words]
+    except ValueError:
+        return []
+
+
 def parse_intrinsics(text: str) -> Camera:
     """Return the camera of 'FX,FY,CX,CY'. Errors: InputError."""
-    try:
-        numbers = [float(part.encode("ascii")) for part in text.split(",")]
-    except ValueError:
-        numbers = []
+    numbers = floats_in(text.split(","))
     if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or 0 in numbers[:2] or numbers[0] < 0:
         raise InputError(
             f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; a negative FY says "
@@ -111,10 +116,7 @@ def parse_intrinsics(text: str) -> Camera:
 def parse_projection(text: str) -> Camera:
     """Return the camera of a 4x4 matrix of OpenGL, WebXR, Unity, OpenVR. Errors: InputError."""
     try:
-        numbers = [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        numbers = []
-    try:
+        numbers = floats_in(text.replace(",", " ").split())
         return Camera(1, 1, 0, 0, projected=Fov.from_projection(numbers))
     except InputError as error:
         raise InputError(f"--projection '{text}': {error}") from error
@@ -250,64 +252,6 @@ def seconds_of(where: str | Path, key: str, value: Any) -> float:
 
 def scale_of(where: str | Path, value: Any) -> float:
     return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
-
-
-Matrix = NDArray[np.float64]
-LAST = (0.0, 0.0, 0.0, 1.0)
-_NOTHING = 1e-12
-_WITHIN = 1e-3
-
-
-def square_of(where: str, value: Any) -> Matrix:
-    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
-    try:
-        found = np.array(value, np.float64)
-    except (TypeError, ValueError):
-        found = np.empty(0)
-    if found.shape == (12,):
-        found = found.reshape(3, 4)
-        if not turns(found[:, :3]) and turns(found.reshape(4, 3)[:3]):
-            found = found.reshape(4, 3)
-    found = found.reshape(4, 4) if found.shape == (16,) else found
-    if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
-        raise InputError(
-            f"{where}: {reprlib.repr(value)}; expected a matrix of 4 rows of 4 finite numbers, nested or flat"
-        )
-    whole = np.diag(np.ones(4))
-    whole[: found.shape[0], : found.shape[1]] = found
-    return whole
-
-
-def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assumption]:
-    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
-    below, beside = (
-        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
-        for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])
-    )
-    rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
-    if len(rows) and len(columns):
-        raise InputError(
-            f"{where}: matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
-        )
-    order = "by columns" if len(columns) else "by rows"
-    by = By.FILE if len(rows) or len(columns) else By.FORMAT
-    turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)
-    return turned, Assumption(POSE, f"world from camera, matrices {order}", by)
-
-
-def turns(matrix: Matrix) -> bool:
-    """Return whether three rows are those of a rotation, within what a file rounds."""
-    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
-
-
-def shared_scale(matrices: Sequence[Matrix]) -> float:
-    """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
-    scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
-    if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
-        return 1.0
-    scale = float(np.median(scales))
-    is_shared = np.abs(scales / scale - 1).max() <= _WITHIN
-    return scale if is_shared and abs(scale - 1) > _WITHIN / 2 else 1.0
 
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}

@@ -16,6 +16,7 @@ import itertools
 import math
 import os
 import re
+import reprlib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Rows
@@ -38,7 +39,7 @@ from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ....registry import Registry
 from .. import recorded
-from ..frame_files import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
+from ..frame_files import Camera, Size, camera_of, floats_in, read_json, scale_of
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence
@@ -169,6 +170,64 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
             f"names: {', '.join(sorted(named)[:6])}"
         )
     return pictures
+
+
+Matrix = NDArray[np.float64]
+LAST = (0.0, 0.0, 0.0, 1.0)
+_NOTHING = 1e-12
+_WITHIN = 1e-3
+
+
+def square_of(where: str, value: Any) -> Matrix:
+    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
+    try:
+        found = np.array(value, np.float64)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape == (12,):
+        found = found.reshape(3, 4)
+        if not turns(found[:, :3]) and turns(found.reshape(4, 3)[:3]):
+            found = found.reshape(4, 3)
+    found = found.reshape(4, 4) if found.shape == (16,) else found
+    if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
+        raise InputError(
+            f"{where}: {reprlib.repr(value)}; expected a matrix of 4 rows of 4 finite numbers, nested or flat"
+        )
+    whole = np.diag(np.ones(4))
+    whole[: found.shape[0], : found.shape[1]] = found
+    return whole
+
+
+def by_rows(where: str, matrices: Rows[Matrix]) -> tuple[list[Matrix], Assumption]:
+    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
+    below, beside = (
+        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
+        for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])
+    )
+    rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
+    if len(rows) and len(columns):
+        raise InputError(
+            f"{where}: matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
+        )
+    order = "by columns" if len(columns) else "by rows"
+    by = By.FILE if len(rows) or len(columns) else By.FORMAT
+    turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)
+    return turned, Assumption(recorded.POSE, f"world from camera, matrices {order}", by)
+
+
+def turns(matrix: Matrix) -> bool:
+    """Return whether three rows are those of a rotation, within what a file rounds."""
+    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
+
+
+def shared_scale(matrices: Rows[Matrix]) -> float:
+    """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
+    scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
+    if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
+        return 1.0
+    scale = float(np.median(scales))
+    is_shared = np.abs(scales / scale - 1).max() <= _WITHIN
+    return scale if is_shared and abs(scale - 1) > _WITHIN / 2 else 1.0
 
 
 @attrs.frozen(eq=False)
@@ -434,10 +493,7 @@ class Row:
 
     def floats(self, count: int, begin: int = 0, *, whole: bool = True) -> list[float]:
         """Return so many numbers. whole: there are no others. Errors: InputError with the line."""
-        try:
-            values = [float(word) for word in (self.words if whole else self.words[: begin + count])]
-        except ValueError:
-            values = []
+        values = floats_in(self.words if whole else self.words[: begin + count])
         if len(values) != begin + count or not np.isfinite(values).all():
             raise self.wrong(f"{begin + count} finite numbers")
         return values[begin:]
@@ -477,10 +533,9 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
     """Return the matrix of (size, size) numbers in a file, maybe inf. Errors: InputError."""
     found = []
     for row in rows_of(path):
-        try:
-            found.append([float(word) for word in row.words])
-        except ValueError:
-            raise row.wrong(f"{size} numbers") from None
+        found.append(floats_in(row.words))
+        if not found[-1]:
+            raise row.wrong(f"{size} numbers")
     if [len(row) for row in found] != [size] * size:
         raise InputError(f"{path}: {len(found)} lines; expected a matrix, {size} lines of {size} numbers")
     return np.array(found)

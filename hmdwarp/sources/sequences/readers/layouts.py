@@ -531,10 +531,7 @@ def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float
     values = {key.strip(): value.split() for key, _, value in (line.partition("=") for line in text.splitlines())}
 
     def numbers(key: str, *counts: int) -> list[float]:
-        try:
-            found = [float(word) for word in values.get(key, [])]
-        except ValueError:
-            found = []
+        found = _files.floats_in(values.get(key, []))
         if len(found) not in counts or not np.isfinite(found).all():
             said = " ".join(values.get(key, [])) or "missing"
             raise InputError(f"{file}: {key} is {said}; expected {counts[0]} numbers")

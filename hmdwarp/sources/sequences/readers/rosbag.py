@@ -16,10 +16,10 @@ from ....errors import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
-from ..frame_files import Camera, Matrix, refuse_distortion
+from ..frame_files import Camera, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from . import Folder, layout
+from . import Folder, Matrix, layout
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
