@@ -163,7 +163,7 @@ class Visibility:
     """The draws of static chunks, computed once for all views of a cell, so reproducible."""
 
     def __init__(self, chunks: Chunks) -> None:
-        self._chunks, self._draws = chunks, functools.lru_cache(KEPT)(self._compute)
+        self._draws = functools.lru_cache(KEPT)(functools.partial(_draws_of_cell, chunks))
 
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
@@ -172,11 +172,12 @@ class Visibility:
         a, b, c = (round(part / EYE_STEP_M) for part in eye.tolist())
         return self._draws(x, y, z, w, a, b, c, fov)
 
-    def _compute(self, *cell: Any) -> Draws:
-        turn, eye, boxes = np.array(cell[:4]) * TURN_STEP, np.array(cell[4:7]) * EYE_STEP_M, self._chunks.boxes
-        middle = View(Pose(eye, turn), cell[7])
-        seen = may_be_seen(boxes[:3].T, boxes[4:].T, middle, np.zeros(3), EYE_OFF_M, TURN_RAD)
-        return draws_of(self._chunks, seen, eye)
+
+def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
+    turn, eye, boxes = np.array(cell[:4]) * TURN_STEP, np.array(cell[4:7]) * EYE_STEP_M, chunks.boxes
+    middle = View(Pose(eye, turn), cell[7])
+    seen = may_be_seen(boxes[:3].T, boxes[4:].T, middle, np.zeros(3), EYE_OFF_M, TURN_RAD)
+    return draws_of(chunks, seen, eye)
 
 
 SRGB8_ALPHA8 = 0x8C43
@@ -350,7 +351,7 @@ class Place:
     eye: NDArray[np.float64]  # (3,) metres
 
 
-class Moving(ABC):
+class Moving(Owner, ABC):
     layer: ClassVar[str]  # the layer that describes its motion: the client of a frame with that layer moves it
     buffers: SceneBuffers  # its triangles
 
@@ -366,16 +367,13 @@ class Moving(ABC):
         """Return the 4x4 that takes its positions to the scene's axes at an instant."""
         return STAYS
 
-    def close(self) -> None:
-        self.buffers.close()
-
 
 class MovingBody(Moving):
     layer = "ids"
 
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
-        self.buffers = SceneBuffers(gpu, meshes, textures)
+        self.buffers = self.own(SceneBuffers(gpu, meshes, textures))
         self._body, self._origin_m = scene.bodies[self.number - 1], scene.origin_m
 
     def set_time(self, time_ns: int) -> None:
@@ -397,7 +395,7 @@ class DeformingMesh(Moving):
     layer = "velocity"
 
     def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
-        self.buffers = SceneBuffers(gpu, [mesh], textures)
+        self.buffers = self.own(SceneBuffers(gpu, [mesh], textures))
         assert mesh.deformation is not None
         self.mesh, self._deformation, self._origin_m = mesh, mesh.deformation, scene.origin_m
         self._set_ns: int | None = None
