@@ -192,6 +192,7 @@ class Renderer(Owner):
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Take note of whether a frame arrived, which the server hears at that instant."""
+        self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         """Take note of whether a client's frame with these layers arrived."""
