@@ -47,7 +47,6 @@ class Owner:
         return made
 
     def close(self) -> None:
-        """Free what is owned."""
         while self._owned:
             made = self._owned.pop()
             (made.close if hasattr(made, "close") else made.release)()
@@ -119,7 +118,6 @@ class Found(Owner):
         return int(self._words[self.holes_slot])
 
     def has_largest(self, number: int) -> bool:
-        """Return whether the depth of that picture has the largest integer of its type."""
         return bool(self._words[_WORDS * number + _LARGEST])
 
     def is_doubtful(self, number: int, size: Size) -> bool:

@@ -96,7 +96,6 @@ class Alignment:
         return slope if abs(slope) <= MOST_DRIFT else None
 
     def summary(self) -> dict[str, float | int | None]:
-        """Return what summary.json has of the clocks; a drift of None is not known."""
         known: dict[str, float | int | None] = {}
         if self._kept:
             known = {"offset_ms": self.offset_ns / 1e6, "drift_ppm": self.drift and self.drift * 1e6}

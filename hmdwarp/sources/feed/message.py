@@ -255,8 +255,6 @@ class Refusal:
 
 @attrs.frozen
 class Unchanged:
-    """A request that is answered by no frame, as nothing has changed since the last one."""
-
     number: int
 
 
@@ -265,7 +263,6 @@ Piece = bytes | NDArray[Any]  # of a message: bytes, or an array whose bytes fol
 
 
 def request_bytes(eyes: int) -> int:
-    """Return the bytes of a request for so many eyes that wishes for no further layers."""
     return _HEAD.size + _ASK.size + _POSE.size + eyes * _EYE.size
 
 

@@ -66,7 +66,6 @@ class FeedOptions(Declared):
 
 
 def secret_in(path: Path | None) -> str:
-    """Return the secret in a file, "" for none. Errors: InputError."""
     if path is None:
         return ""
     text = text_in(path, SECRET).strip()
@@ -106,7 +105,6 @@ def key_pair(name: Path) -> tuple[KeyPair, bool]:
 
 
 def public_key(path: Path | None) -> bytes:
-    """Return the server's public key in its file, b"" for none. Errors: InputError."""
     return b"" if path is None else _keys_in(path, f"--server-key {path}")[0]
 
 

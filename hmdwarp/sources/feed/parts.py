@@ -79,7 +79,6 @@ def packed(numbers: Array) -> Packed:
 
 
 def format_of(numbers: Array) -> int:
-    """Return the format of (h, w), or (h, w, channels), numbers. Errors: ValueError."""
     for found, (kind, channels) in FORMATS.items():
         if numbers.dtype == kind and numbers.shape[2:] == ((channels,) if channels > 1 else ()):
             return found
@@ -134,7 +133,6 @@ def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tu
 
 
 def fov_of(left: float, right: float, down: float, up: float) -> Fov:
-    """Return the field of view of a message. Errors: OutOfBounds; InputError."""
     bounds.EXTENT.check(right - left, up - down)
     return Fov(left, right, down, up)
 

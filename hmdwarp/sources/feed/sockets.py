@@ -67,7 +67,6 @@ def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
 
 
 def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
-    """Return the parts of a socket's next message, [] where there is none."""
     parts: list[Any] = []
     with contextlib.suppress(zmq.Again):
         parts = one.recv_multipart(zmq.NOBLOCK, copy=copy)
@@ -119,7 +118,6 @@ class Wire:
         return cls(descriptor, (found.st_dev, found.st_ino))
 
     def handle(self) -> socket.socket:
-        """Return another handle of the connection. Errors: OSError where it is closed."""
         descriptor = os.dup(self.descriptor)
         try:
             if Wire.of(descriptor).opens != self.opens:
@@ -152,8 +150,6 @@ class Connection:
 
 @attrs.define(eq=False)
 class Places:
-    """What the feed's door and the web's share; a page is at both and counts at the feed's."""
-
     # Takes a kind, an address, and a line, of which so many a second are written.
     note: Callable[[str, str, str], None] = lambda kind, address, text: None
     per_address: int = MOST_OF_ADDRESS

@@ -70,8 +70,6 @@ class Repair(ABC):
 
 @attrs.frozen
 class RepairChain:
-    """Repairs, one after the other; without any, depth stays as it was."""
-
     steps: tuple[Repair, ...] = ()
     text: str = "none"  # the shortest text that makes the same chain
 

@@ -192,7 +192,6 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
 
 
 def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
-    """Raise InputError, with its name and value, for a lens that is no pinhole."""
     model = str(data.get("camera_model") or data.get("model") or "PINHOLE").upper()
     if model not in _PLAIN_MODELS:
         raise InputError(f"{where}: camera model {model}; expected a pinhole without distortion: {_UNDISTORT}")
@@ -246,7 +245,6 @@ def number_of(
 
 
 def seconds_of(where: str | Path, key: str, value: Any) -> float:
-    """Return an instant in seconds that 64 bits of nanoseconds hold. Errors: InputError."""
     return number_of(where, key, value, "seconds, -9e9 to 9e9", above=-9e9, most=9e9)
 
 

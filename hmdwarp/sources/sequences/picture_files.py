@@ -132,8 +132,6 @@ def _npy(path: Path) -> NDArray[Any]:
 
 
 class VideoPictures:
-    """The pictures of a video file. Errors: InputError for what is no video."""
-
     def __init__(self, path: Path) -> None:
         self.path = path
         self._lock = threading.Lock()
@@ -223,7 +221,6 @@ class ExrPicture:
         return [key for key in found if key[0] == self.views[0]] or found
 
     def colour(self) -> NDArray[np.float32]:
-        """Return (h, w, 3) linear light, or (h, w, 4) with coverage. Errors: InputError."""
         if len(found := self._of_colour()) != 1:
             several = ", ".join(self._layers()[key]["R"].removesuffix(".R") for key in found)
             raise InputError(

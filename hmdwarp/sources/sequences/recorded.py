@@ -123,7 +123,6 @@ class Sequence:
         return f"<Sequence '{self.name}', {self.layout}: {len(self)} frames of {wide}x{high} in {seconds:.2f} s>"
 
     def with_no_depth(self, meaning: str) -> Sequence:
-        """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""
         if meaning != FAR:
             return self
         fact = Assumption(NO_DEPTH, "infinitely far", By.USER, "--no-depth")
@@ -152,7 +151,6 @@ class Sequence:
         return attrs.evolve(self, frames=frames, right=self.right and self.right.masked(mask))
 
     def cropped(self, pixels: int) -> Sequence:
-        """Return the sequence without the outermost pixels of its frames. Errors: InputError."""
         if not pixels:
             return self
         note = f"The {pixels} outermost pixels of each picture are left out."

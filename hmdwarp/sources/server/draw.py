@@ -71,7 +71,6 @@ class Server(Renderer):
         return Server(self.gpu, scene, lighting=lighting, samples=self.samples, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`. Errors: InputError."""
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
@@ -106,7 +105,6 @@ class Server(Renderer):
         return next((passes for passes in made if passes is not None), self._colour)
 
     def _parts_for(self, drawing: Drawing) -> list[Part]:
-        """Return the parts that occur in the scene or draw a needed layer, of its client."""
         client, needs = drawing.client, drawing.needs
         chosen = self._chosen.get((client, needs))
         if chosen is None:

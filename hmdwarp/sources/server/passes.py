@@ -62,7 +62,6 @@ def boxes_of(centres: Array, half_sizes: Array) -> Array:
 
 
 def boxes_around(low: Array, high: Array) -> Array:
-    """Return (7, n) boxes between (n, 3) corners."""
     return boxes_of((low + high) / 2, (high - low) / 2)
 
 
@@ -240,7 +239,6 @@ class SceneTextures:
         return self._shines.get(index) or Shine(self._made[-1])
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
-        """Replace the image of one texture by another of the same size."""
         self._made[index].write(_texels(image))
         self._made[index].build_mipmaps()
         self.revision += 1
@@ -390,8 +388,6 @@ class MovingBody(Moving):
 
 
 class DeformingMesh(Moving):
-    """One mesh whose vertices move by themselves: uploaded again for each instant that is drawn."""
-
     layer = "velocity"
 
     def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
@@ -608,7 +604,6 @@ class ScenePasses(Owner):
 
     @property
     def revision(self) -> int:
-        """Counts changes of what is drawn, apart from textures."""
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:

@@ -293,7 +293,6 @@ class Framebuffers:
         self._depth.made(size, lambda: self._gl.depth_renderbuffer(size))
 
     def trim(self) -> None:
-        """Free depth buffers as Renderer.trim() frees targets, and the framebuffers with them."""
         for size, depth in self._depth.trimmed(lambda size, _: _DEPTH_BYTES * size[0] * size[1]):
             for texture in {held[0] for held, _ in self._made.values() if held[0].size == size}:
                 self.forget(texture)

@@ -78,8 +78,6 @@ class SequenceReader:
 
 @attrs.frozen(eq=False)
 class Layout(SequenceReader):
-    """A layout whose function adds its frames to a Folder. Made by `layout`."""
-
     name: str
     summary: str
     add_frames: Callable[[Folder], None]
@@ -299,7 +297,6 @@ class Folder:
         self.only_for = known.only_for
 
     def say(self, camera: Camera, camera_by: By, scale_by: By) -> None:
-        """State the camera and the scale, with who says them."""
         self.facts.append(Assumption(recorded.INTRINSICS, camera.text, camera_by, "--intrinsics"))
         self.facts.append(Assumption(recorded.DEPTH_SCALE, _scale_text(self.scale), scale_by, "--depth-scale"))
 
@@ -318,7 +315,6 @@ class Folder:
             self.notes.append(f"{count} frames were left out: {why}.")
 
     def clock(self, value: str = "", by: By = By.DEFAULT) -> None:
-        """State how frames have their instants: by default by the rate."""
         value = value or f"{self.rate_hz:g} frames per second"
         self.facts.append(Assumption(recorded.CLOCK, value, by, "--frames-rate"))
 
@@ -396,7 +392,6 @@ class Folder:
         return pose_of(self.axes, matrix[:3, 3] * unit, turn)
 
     def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
-        """Return world_from_eye of files of a matrix each; not those of inf or NaN."""
         whole = {at: matrix for at, path in files.items() if np.isfinite(matrix := matrix_in(path)).all()}
         return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
 
@@ -492,7 +487,6 @@ class Row:
     words: list[str]
 
     def floats(self, count: int, begin: int = 0, *, whole: bool = True) -> list[float]:
-        """Return so many numbers. whole: there are no others. Errors: InputError with the line."""
         values = floats_in(self.words if whole else self.words[: begin + count])
         if len(values) != begin + count or not np.isfinite(values).all():
             raise self.wrong(f"{begin + count} finite numbers")

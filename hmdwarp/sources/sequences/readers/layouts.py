@@ -6,7 +6,7 @@ import io
 import re
 import reprlib
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from decimal import Decimal, InvalidOperation
 from functools import partial
@@ -386,7 +386,6 @@ def _traces(path: Path) -> list[Path]:
     clock=Assumption(CLOCK, "names of pictures on the trace's clock, else a pose for each", By.FILE),
 )  # fmt: skip
 def traced(at: Folder) -> None:
-    """Pictures whose names are instants on the clock of a trace, or that have a pose each."""
     files = at.paired(at.folder(*_TRACED_DEPTHS))
     at.state(unit=1.0 if read_depth(files[0][1]).dtype.kind == "f" else None, own=_camera_beside(at))
     found = _traces(at.path)
@@ -418,7 +417,6 @@ def traced(at: Folder) -> None:
 
 
 def _instants(at: Folder, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
-    """Return the instant of each picture on the trace's clock, and how that is known."""
     track, whole = trace.track, []
     for colour, _ in files:
         with suppress(InvalidOperation):
@@ -476,8 +474,7 @@ def seven_scenes(at: Folder) -> None:
     """Source: Shotton et al. 2013, Scene coordinate regression forests (its page); 3DMatch."""
     if inner := _sequences_in(at.path):
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
-    own, depth_camera, scale = None, None, None
-    # What files there or above state.
+    own = depth_camera = scale = None
     info, file = at.first("info.txt", "_info.txt", above=True), at.first(_MATRIX, above=True)
     text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
     if info is not None and "m_calibrationColorIntrinsic" in text:
@@ -496,22 +493,15 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
     whole = sorted(colours.keys() & depths.keys() & poses.keys())
     for number in whole:
         at.add(colours[number], depths[number], number, poses[number])
-    if whole:
-        sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
-        at.fit = _through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
-
-
-def _through_cameras(
-    size: Size, of_depth: Size, camera: Camera, depth_camera: Camera | None
-) -> Callable[..., NDArray[Any]]:
-    """Return what takes depth of another camera in the same place to the colour's pixels."""
+    is_same = bool(whole) and size_of(colours[whole[0]]) == size_of(depths[whole[0]])
 
     def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
-        if size == of_depth and (high, wide) != (rows, columns):
+        """Return depth of another camera in the same place at the colour's pixels."""
+        (high, wide), (rows, columns), camera = colour.shape[:2], depth.shape, at.camera
+        if is_same and (high, wide) != (rows, columns):
             raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
-        if size == of_depth or depth_camera is None:
+        if is_same or depth_camera is None:
             return fitted_depth(depth, colour, where)
         row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
         column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
@@ -519,7 +509,7 @@ def _through_cameras(
         inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
         return np.asarray(np.where(inside, found, found.dtype.type(0)))
 
-    return through
+    at.fit = through
 
 
 def _refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:

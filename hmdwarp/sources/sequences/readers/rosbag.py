@@ -233,7 +233,6 @@ def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
 
 
 def _encoding_of(message: Any) -> str:
-    """Return a name of _COLOURS or _DEPTHS ("rgb8" for compressed colour), "" for others."""
     if hasattr(message, "encoding"):
         return str(message.encoding) if message.encoding in {*_COLOURS, *_DEPTHS} else ""
     encoding = str(message.format).partition(";")[0].strip()
@@ -252,8 +251,6 @@ def _matrix_of(position: Any, orientation: Any) -> Matrix:
 
 
 class _Motion:
-    """Samples of one frame in another, in the axes of ROS."""
-
     def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
         self._samples = dict(sorted({time_ns: _matrix_of(*pose) for time_ns, *pose in samples}.items()))
         self.times_ns = list(self._samples)
@@ -285,7 +282,6 @@ class _Transforms:
         self._moving = {child: (parent, _Motion(found)) for (child, parent), found in samples.items()}
 
     def chain(self, frame: str) -> list[str]:
-        """Return a frame and those that it is in, up to the root."""
         names = [frame]
         while (edge := self._moving.get(names[-1]) or self._still.get(names[-1])) and edge[0] not in names:
             names.append(edge[0])
@@ -299,7 +295,6 @@ class _Transforms:
         return {f"/tf of {name}": (times[0], times[-1]) for name, times in moving.items()}
 
     def up_to(self, frame: str, ancestor: str, time_ns: int) -> Matrix | None:
-        """Return ancestor_from_frame; None where a transform is missing, or has no sample then."""
         names, matrix = self.chain(frame), np.eye(4)
         if ancestor not in names:
             return None

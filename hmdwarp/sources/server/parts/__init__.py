@@ -114,7 +114,6 @@ class Part(Owner, ABC):
         return False
 
     def trim(self) -> None:
-        """Free kept targets as Renderer.trim() frees its own."""
         for _, target in self._kept.trimmed(lambda _, target: target.bytes):
             target.release(self.context.framebuffers.forget)
 

@@ -82,7 +82,6 @@ class Sheets(Owner):
         self._order: tuple[tuple[object, ...], list[_Run], list[Array]] = ((), [], [])
 
     def program(self, fragment: str = "pane", **defines: int) -> Draw:
-        """Return the program that draws the sheets by a fragment shader of the server."""
         slots = max(1, min(len(self._textures), _SLOTS))
         return self._context.gpu.shaders.draw("server/pane.vert", f"server/{fragment}.frag", SLOTS=slots, **defines)
 
@@ -430,8 +429,6 @@ class _DrawnPanel(Owner):
 
 
 class _PanelSender(Sender):
-    """The pictures of all panels that one PanelDelivery still has to send."""
-
     def __init__(self, panels: Sequence[Panel], wanted: PanelDelivery) -> None:
         self._panels, self._wanted = panels, wanted
         self._first = first_things(panels)

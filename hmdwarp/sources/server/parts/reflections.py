@@ -169,7 +169,6 @@ class MirroredPasses(ScenePasses):
     def draw_behind(
         self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int
     ) -> None:
-        """Draw colour and inverse depth into the pixels of `bounds`; the others are undefined."""
         self._mirror = mirror
         named, gl = tangents_of_pixels(view, framebuffer.size), self._gl
         start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])

@@ -299,8 +299,6 @@ class SceneUpdate(Sending[Delivery, "_Sender"]):
 
 
 class _Sender(Sender):
-    """What one Delivery still has to send, and in which order."""
-
     def __init__(self, scene: Scene, delivery: Delivery) -> None:
         self._budget = delivery.budget
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
