@@ -39,7 +39,7 @@ class RecordedFrame:
     pose: Pose  # world_from_eye in the axes of OpenXR
     fov: Fov
     size: tuple[int, int]  # (w, h) in pixels
-    _read: Callable[[], Pictures] = attrs.field(repr=False)
+    read: Callable[[], Pictures] = attrs.field(repr=False)  # colour and depth_m, from the file; raises InputError
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
     hidden: Hidden | None = None  # what a lens hides of it, None for nothing
@@ -47,10 +47,6 @@ class RecordedFrame:
     @property
     def view(self) -> View:
         return View(self.pose, self.fov, hidden=self.hidden)
-
-    def read(self) -> Pictures:
-        """Return colour and depth_m, read from the file. Errors: InputError."""
-        return self._read()
 
     def rim(self) -> int:
         """Return how many outermost pixels hold one colour, as rectification leaves; 0 for none."""
@@ -71,7 +67,7 @@ class RecordedFrame:
         inner = np.s_[pixels : pixels + size[1], pixels : pixels + size[0]]
 
         def read() -> Pictures:
-            colour, depth_m = self._read()
+            colour, depth_m = self.read()
             return np.ascontiguousarray(colour[inner]), np.ascontiguousarray(depth_m[inner])
 
         fov = Fov.from_tangents((left + x, right - x, down + y, up - y))
@@ -79,7 +75,7 @@ class RecordedFrame:
 
     def far_without_depth(self) -> RecordedFrame:
         def read() -> Pictures:
-            colour, depth_m = self._read()
+            colour, depth_m = self.read()
             return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)
 
         return attrs.evolve(self, read=read)
@@ -87,12 +83,12 @@ class RecordedFrame:
     @property
     def colour(self) -> NDArray[np.uint8]:
         """(h, w, 3) uint8 sRGB, row 0 at the top; read at each access."""
-        return self._read()[0]
+        return self.read()[0]
 
     @property
     def depth_m(self) -> NDArray[np.float32]:
         """(h, w) metres along -z; 0 or NaN is no depth, inf infinitely far; read at each access."""
-        return self._read()[1]
+        return self.read()[1]
 
 
 @attrs.frozen(eq=False)

@@ -6,10 +6,9 @@ occluded, by depth peeling. Source: Everitt 2001, Interactive Order-Independent 
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import moderngl
@@ -231,15 +230,12 @@ def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
 
 
 class SheetsPart(Part):
+    has: ClassVar[Callable[[Scene, Mesh], bool]]  # whether a mesh of the scene is one of its sheets
+
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         scene = context.scene
         self._sheets = self.own(Sheets(context, [mesh for mesh in scene.meshes if self.has(scene, mesh)]))
-
-    @staticmethod
-    @abstractmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        """Return whether a mesh of the scene is one of its sheets."""
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -251,10 +247,7 @@ class Cutouts(SheetsPart):
     """Drawn before all other parts, against the surfaces' depth, not as part of a veil."""
 
     name, order = "cutouts", 0
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return is_cutout(scene, mesh)
+    has = staticmethod(is_cutout)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         program = self._sheets.colour()
@@ -271,10 +264,7 @@ class Overlay(SheetsPart):
     """Drawn into the picture, it keeps the depth of what it covers."""
 
     name, order = "overlay", 95
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return mesh.material.head_locked
+    has = staticmethod(lambda _, mesh: mesh.material.head_locked)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "overlay" not in drawing.needs:
@@ -292,10 +282,7 @@ class Transparency(SheetsPart):
     """Blended in, sheets keep the depth behind; as a layer they are one veil at the nearest."""
 
     name, order = "transparency", 70
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return mesh.material.see_through and not is_cutout(scene, mesh)
+    has = staticmethod(lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh))
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         sheets, view, time_ns = self._sheets, eye.view, eye.drawn_ns
