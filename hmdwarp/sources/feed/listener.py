@@ -115,10 +115,8 @@ class Listener:
     ) -> None:
         where = sockets.address_of(address, "--listen", serves=True)
         if not (sockets.is_local(where) or secret or pair or is_open):
-            raise InputError(
-                f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "
-                "or --token-file FILE, or --open to let anybody in"
-            )
+            hint = "give --key-pair NAME or --token-file FILE, or --open to let anybody in"
+            raise InputError(f"--listen {address}: beyond this machine it wants a key pair or a shared secret: {hint}")
         self._zmq: Any = sockets.zmq_module()
         self._token, self._log, self._is_encrypted = message.token_of(secret), _Log(say), pair is not None
         self.places = sockets.Places(self._log.say, per_address)  # for the web's door beside it

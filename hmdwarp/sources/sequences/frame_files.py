@@ -106,10 +106,8 @@ def parse_intrinsics(text: str) -> Camera:
     """Return the camera of 'FX,FY,CX,CY'. Errors: InputError."""
     numbers = floats_in(text.split(","))
     if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or 0 in numbers[:2] or numbers[0] < 0:
-        raise InputError(
-            f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; a negative FY says "
-            "that the camera's y points up"
-        )
+        hint = "a negative FY says that the camera's y points up"
+        raise InputError(f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; {hint}")
     return Camera.of(numbers)
 
 
@@ -364,10 +362,8 @@ def find_frame(
             plain = {name: one.tolist() if name in (INTRINSICS, "centre") else one for name, one in facts.items()}
             read = partial(_from_npz, path, lambda data: (data["colour"], data["depth_m"]))
             return FrameFile(path, path, {**shared, **plain}, size, read)
-        raise InputError(
-            f"{path}: not an .npz file, nor a picture with depth; expected NumPy's .npz form, as numpy.savez writes "
-            f"it, or one of {', '.join((*PICTURES, EXR))}"
-        )
+        expected = f"expected NumPy's .npz form, as numpy.savez writes it, or one of {', '.join((*PICTURES, EXR))}"
+        raise InputError(f"{path}: not an .npz file, nor a picture with depth; {expected}")
     size, beside, where = size_of(path), path.with_suffix(JSON), camera
     if where is None and beside.exists():
         where = beside
@@ -458,10 +454,8 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
     position, orientation = (_numbers(path, key, data[key], count) for key, count in _POSE.items())
     length = float(np.linalg.norm(orientation))
     if not abs(length - 1) <= UNIT_WITHIN:
-        raise InputError(
-            f"{path}: orientation_xyzw has length {length:.4g}; expected 1 within {UNIT_WITHIN:g}, x y z w: divide it "
-            "by its length if it is a rotation"
-        )
+        expected = f"expected 1 within {UNIT_WITHIN:g}, x y z w: divide it by its length if it is a rotation"
+        raise InputError(f"{path}: orientation_xyzw has length {length:.4g}; {expected}")
     try:
         pose = Pose(position, orientation)
         pose.check_near(str(path))
@@ -470,10 +464,8 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
         camera = camera_of(path, data)
         assert camera is not None  # there are intrinsics
         if camera.is_y_up:
-            raise InputError(
-                f"{path}: fy is {camera.fy:g}; expected above 0: position_m and orientation_xyzw are those of "
-                "OpenXR, which has y up already"
-            )
+            hint = "position_m and orientation_xyzw are those of OpenXR, which has y up already"
+            raise InputError(f"{path}: fy is {camera.fy:g}; expected above 0: {hint}")
         return View(pose, camera.fov(size, str(path)))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error

@@ -55,10 +55,8 @@ def read_depth(path: Path) -> NDArray[Any]:
         return _npy(path)
     with _opened(path) as picture:
         if picture.mode not in _DEEP:
-            raise InputError(
-                f"{path}: a picture of mode {picture.mode}, 8 bits a channel; expected depth in one channel of 16 bits "
-                "or floats"
-            )
+            expected = "expected depth in one channel of 16 bits or floats"
+            raise InputError(f"{path}: a picture of mode {picture.mode}, 8 bits a channel; {expected}")
         values, most = np.asarray(picture), 0
         if picture.format == "PPM":  # the fourth word is the largest value that a PGM states
             with opened(path, PICTURE_FILE) as file:
@@ -89,10 +87,8 @@ def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> ND
     if (high, wide) == (rows, columns):
         return depth
     if abs(wide / high - columns / rows) > 0.01 * wide / high:
-        raise InputError(
-            f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, of another shape: expected depth that "
-            "is registered to the colour"
-        )
+        hint = "of another shape: expected depth that is registered to the colour"
+        raise InputError(f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, {hint}")
     row, column = (((np.arange(n) + 0.5) * m / n).astype(int) for n, m in ((high, rows), (wide, columns)))
     return np.asarray(depth[row[:, None], column])
 
@@ -247,10 +243,8 @@ class ExrPicture:
                 elif is_z or _last(layer) == "z" or len(self.channels) == 1 and name in _SOLE:
                     found.append((1, layer, of, name))
         if found and view and not (same := [one for one in found if one[2] == view]):
-            raise InputError(
-                f"{self.path}: colour of the view {view}, depth of another ({', '.join(one[3] for one in found)}); "
-                "expected both of one"
-            )
+            hint = f"depth of another ({', '.join(one[3] for one in found)}); expected both of one"
+            raise InputError(f"{self.path}: colour of the view {view}, {hint}")
         found = same if found and view else found
         named = [one for one in found if one[0] == min(found)[0]]
         named = [one for one in named if one[1].rpartition(".")[0] == beside.rpartition(".")[0]] or named

@@ -163,10 +163,8 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
     worded = [set(numbers) for name, numbers in named.items() if re.search("[A-Za-z]", name.replace("N", "", 1))]
     is_rig = len(worded) > 1 and 2 * len(set.intersection(*worded)) >= max(map(len, worded)) > 1
     if is_rig or wanted is not None:
-        raise InputError(
-            f"{where}: --frames-camera is {wanted or 'not given'}; expected what one of the cameras alone has in its "
-            f"names: {', '.join(sorted(named)[:6])}"
-        )
+        expected = f"expected what one of the cameras alone has in its names: {', '.join(sorted(named)[:6])}"
+        raise InputError(f"{where}: --frames-camera is {wanted or 'not given'}; {expected}")
     return pictures
 
 
@@ -283,10 +281,8 @@ class Folder:
                 f'{CAMERA} there: {{"intrinsics": [fx, fy, cx, cy], "depth_scale": 0.001}}'
             )
         if scale is None:
-            raise InputError(
-                f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
-                "millimetres, 0.0002 for TUM RGB-D)"
-            )
+            hint = "give --depth-scale, the metres per unit (0.001 for millimetres, 0.0002 for TUM RGB-D)"
+            raise InputError(f"{folder}: nothing says the unit of its depth: {hint}")
         self.camera, self.scale = found, float(scale)
         camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
         self.say(found, camera_by, scale_by)
@@ -385,10 +381,8 @@ class Folder:
         """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than that."""
         turn = matrix[:3, :3]
         if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
-            raise InputError(
-                f"{where}: the matrix does more than turn and move; expected a right-handed rotation, and a scale only "
-                "where all have the same"
-            )
+            expected = "expected a right-handed rotation, and a scale only where all have the same"
+            raise InputError(f"{where}: the matrix does more than turn and move; {expected}")
         return pose_of(self.axes, matrix[:3, 3] * unit, turn)
 
     def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
@@ -594,7 +588,5 @@ def _reader_of(place: Path) -> SequenceReader:
         names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
         more = " .." if len(names) > _NAMED else ""
         held = f"holds {', '.join(names[:_NAMED])}{more}" if names else "an empty folder"
-    raise InputError(
-        f"{place} ({held}): no layout of recorded frames that is known: expected one of {', '.join(readers.names())}; "
-        "'hmdwarp list layouts' says what each holds"
-    )
+    expected = f"expected one of {', '.join(readers.names())}; 'hmdwarp list layouts' says what each holds"
+    raise InputError(f"{place} ({held}): no layout of recorded frames that is known: {expected}")

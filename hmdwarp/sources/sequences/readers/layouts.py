@@ -899,10 +899,8 @@ def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
     def read() -> Pictures:
         colour, depth = found.arrays()
         if depth.dtype.kind != "f" and scale is None:
-            raise InputError(
-                f"{found.path}: depth is {depth.dtype}, of unknown unit: give --depth-scale, the metres per unit, or "
-                f"depth_scale in {CAMERA}"
-            )
+            hint = f"give --depth-scale, the metres per unit, or depth_scale in {CAMERA}"
+            raise InputError(f"{found.path}: depth is {depth.dtype}, of unknown unit: {hint}")
         is_light, wrong = colour.dtype == np.uint8 or colour.dtype.kind == "f", ""
         if not is_light or colour.ndim != 3 or colour.shape[2] not in (3, 4):
             wrong = f"colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats"

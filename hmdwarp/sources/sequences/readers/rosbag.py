@@ -116,10 +116,8 @@ def _topics(path: Path, bag: Bag, tree: _Transforms, stated: str | None) -> dict
     registered = [name for name in fitting if frames[name] == frames[colour]]
     depth = named.get("depth") or _one(path, "depth", registered or fitting, pictures)
     if frames[colour] != frames[depth]:
-        raise InputError(
-            f"{path}: {depth} is in frame '{frames[depth]}', {colour} in '{frames[colour]}'; expected depth that is "
-            "registered to the colour (aligned_depth_to_color, depth_registered)"
-        )
+        expected = "expected depth that is registered to the colour (aligned_depth_to_color, depth_registered)"
+        raise InputError(f"{path}: {depth} is in frame '{frames[depth]}', {colour} in '{frames[colour]}'; {expected}")
     infos = [name for name, kind in bag.topics.items() if kind == _INFO]
     beside = colour.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
     info = named.get("info") or (beside if beside in infos else infos[0] if len(infos) == 1 else "")
@@ -221,10 +219,8 @@ def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     kind = np.dtype("u1" if count else _DEPTHS[encoding][0]).newbyteorder(">" if message.is_bigendian else "<")
     width = message.width * max(count, 1) * kind.itemsize
     if message.step < width or len(data) < message.step * message.height:
-        raise InputError(
-            f"{where}: {len(data)} bytes in rows of {message.step}; expected {message.width}x{message.height} pixels "
-            f"of {encoding}"
-        )
+        expected = f"expected {message.width}x{message.height} pixels of {encoding}"
+        raise InputError(f"{where}: {len(data)} bytes in rows of {message.step}; {expected}")
     rows = data[: message.step * message.height].reshape(message.height, message.step)[:, :width]
     values = np.ascontiguousarray(rows).view(kind)
     if not count:
