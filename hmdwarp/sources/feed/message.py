@@ -487,8 +487,8 @@ def _frame(data: Data) -> FrameMessage:
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
     if colour not in (*COLOURS, NONE) or depth not in (*DEPTHS, NONE):
-        hint = f"{INVERSE_DEPTH} to {DEPTHS[-1]} for depth, {NONE} for none"
-        raise Malformed(f"formats {colour} and {depth}: expected {RGBA16F} to {COLOURS[-1]} for colour, {hint}")
+        why = f"{INVERSE_DEPTH} to {DEPTHS[-1]} for depth, {NONE} for none"
+        raise Malformed(f"formats {colour} and {depth}: expected {RGBA16F} to {COLOURS[-1]} for colour, {why}")
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
     lengths = [_LENGTHS.unpack_from(data, at + eye * _LENGTHS.size) for eye in range(eyes)]

@@ -53,9 +53,8 @@ class FeedOptions(Declared):
 
     def __attrs_post_init__(self) -> None:
         if self.added_latency_ms and not self.connect:
-            raise InputError(
-                f"--added-latency {self.added_latency_ms:g} ms: it is for --connect; say --latency, or name the server"
-            )
+            hint = "it is for --connect; say --latency, or name the server"
+            raise InputError(f"--added-latency {self.added_latency_ms:g} ms: {hint}")
         for name, value in (
             ("--server-key", self.server_key),
             ("--token-file", self.token_file),

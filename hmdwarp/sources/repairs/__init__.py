@@ -25,9 +25,8 @@ repairs: Registry[type[Repair]] = Registry("repair", __name__, columns=_COLUMNS,
 def parse_repairs(text: str) -> RepairChain:
     """Parse 'edges+complete', with 'name:key=value,..'. Errors: UnknownNameError, InputError."""
     if not isinstance(text, str):
-        raise InputError(
-            f"repair is {in_brief(text)}: expected a name: {', '.join(repairs.names())}, or several with +"
-        )
+        why = f"{', '.join(repairs.names())}, or several with +"
+        raise InputError(f"repair is {in_brief(text)}: expected a name: {why}")
     chain = tuple(parse_choice(repairs, part.strip()) for part in text.split("+"))
     if len(chain) > 1 and not all(choice.entry.is_pass for choice in chain):
         raise InputError(f"repair '{text}': 'none' in a chain means nothing; leave it out")

@@ -149,9 +149,8 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     else:
         return None
     if not fx > 0 or fy == 0:
-        raise InputError(
-            f"{where}: focal lengths fx {fx:g}, fy {fy:g}: expected fx above 0 and fy other than 0, in pixels"
-        )
+        expected = "expected fx above 0 and fy other than 0, in pixels"
+        raise InputError(f"{where}: focal lengths fx {fx:g}, fy {fy:g}: {expected}")
     return Camera(fx, fy, cx, cy, size, centre)
 
 
@@ -392,9 +391,8 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
     names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
     depth = depth or next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
     if depth is None:
-        raise InputError(
-            f"{path}: no depth beside it{channels}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
-        )
+        hint = f"name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+        raise InputError(f"{path}: no depth beside it{channels}: {hint}")
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
@@ -444,9 +442,8 @@ def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -
     missing = [key for key in wanted if key not in found and not (key == "fov" and INTRINSICS in found)]
     if missing:
         names = ", ".join(f"fov or {INTRINSICS}" if key == "fov" else key for key in wanted)
-        raise InputError(
-            f"{path}: no {', '.join(missing)} in it; found {', '.join(found) or 'nothing'}; expected {names}"
-        )
+        why = f"found {', '.join(found) or 'nothing'}; expected {names}"
+        raise InputError(f"{path}: no {', '.join(missing)} in it; {why}")
 
 
 def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
@@ -464,8 +461,8 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
         camera = camera_of(path, data)
         assert camera is not None  # there are intrinsics
         if camera.is_y_up:
-            hint = "position_m and orientation_xyzw are those of OpenXR, which has y up already"
-            raise InputError(f"{path}: fy is {camera.fy:g}; expected above 0: {hint}")
+            why = "position_m and orientation_xyzw are those of OpenXR, which has y up already"
+            raise InputError(f"{path}: fy is {camera.fy:g}; expected above 0: {why}")
         return View(pose, camera.fov(size, str(path)))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error

@@ -87,8 +87,8 @@ def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> ND
     if (high, wide) == (rows, columns):
         return depth
     if abs(wide / high - columns / rows) > 0.01 * wide / high:
-        hint = "of another shape: expected depth that is registered to the colour"
-        raise InputError(f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, {hint}")
+        why = "of another shape: expected depth that is registered to the colour"
+        raise InputError(f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, {why}")
     row, column = (((np.arange(n) + 0.5) * m / n).astype(int) for n, m in ((high, rows), (wide, columns)))
     return np.asarray(depth[row[:, None], column])
 
@@ -103,9 +103,8 @@ def _opened(path: Path) -> Iterator[Any]:
         except Image.DecompressionBombError as error:
             raise InputError(f"{path}: too large a picture ({error})") from error
         except (OSError, ValueError, SyntaxError) as error:
-            raise InputError(
-                f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
-            ) from error
+            expected = f"expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
+            raise InputError(f"{path}: not a picture that can be read; {expected}") from error
         try:
             yield picture
         except (OSError, ValueError, SyntaxError, IndexError) as error:
@@ -243,15 +242,14 @@ class ExrPicture:
                 elif is_z or _last(layer) == "z" or len(self.channels) == 1 and name in _SOLE:
                     found.append((1, layer, of, name))
         if found and view and not (same := [one for one in found if one[2] == view]):
-            hint = f"depth of another ({', '.join(one[3] for one in found)}); expected both of one"
-            raise InputError(f"{self.path}: colour of the view {view}, {hint}")
+            why = f"depth of another ({', '.join(one[3] for one in found)}); expected both of one"
+            raise InputError(f"{self.path}: colour of the view {view}, {why}")
         found = same if found and view else found
         named = [one for one in found if one[0] == min(found)[0]]
         named = [one for one in named if one[1].rpartition(".")[0] == beside.rpartition(".")[0]] or named
         if any((self.channels[one[3]] != self.channels[named[0][3]]).any() for one in named[1:]):
-            raise InputError(
-                f"{self.path}: depth in several channels ({', '.join(one[3] for one in named)}); expected one"
-            )
+            why = f"depth in several channels ({', '.join(one[3] for one in named)}); expected one"
+            raise InputError(f"{self.path}: {why}")
         if not named:
             return None
         depth = self.channels[named[0][3]]

@@ -226,6 +226,5 @@ class Server(Renderer):
 
 def _check_same_size(target: Size, picture: Size) -> None:
     if tuple(target) != tuple(picture):
-        raise InputError(
-            f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: they must be the same"
-        )
+        why = "they must be the same"
+        raise InputError(f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: {why}")

@@ -418,9 +418,8 @@ class DeformingMesh(Moving):
 def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
-        raise SceneError(
-            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
-        )
+        why = f"its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
+        raise SceneError(f"mesh '{mesh.name}': {why}")
     if not np.isfinite(array).all():
         raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} that are not finite numbers")
     return array

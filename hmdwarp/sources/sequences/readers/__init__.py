@@ -186,9 +186,8 @@ def square_of(where: str, value: Any) -> Matrix:
             found = found.reshape(4, 3)
     found = found.reshape(4, 4) if found.shape == (16,) else found
     if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
-        raise InputError(
-            f"{where}: {reprlib.repr(value)}; expected a matrix of 4 rows of 4 finite numbers, nested or flat"
-        )
+        expected = "expected a matrix of 4 rows of 4 finite numbers, nested or flat"
+        raise InputError(f"{where}: {reprlib.repr(value)}; {expected}")
     whole = np.diag(np.ones(4))
     whole[: found.shape[0], : found.shape[1]] = found
     return whole
@@ -202,9 +201,8 @@ def by_rows(where: str, matrices: Rows[Matrix]) -> tuple[list[Matrix], Assumptio
     )
     rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
     if len(rows) and len(columns):
-        raise InputError(
-            f"{where}: matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
-        )
+        why = f"matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
+        raise InputError(f"{where}: {why}")
     order = "by columns" if len(columns) else "by rows"
     by = By.FILE if len(rows) or len(columns) else By.FORMAT
     turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)

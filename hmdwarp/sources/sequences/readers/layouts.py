@@ -391,9 +391,8 @@ def traced(at: Folder) -> None:
     found = _traces(at.path)
     if len(found) != 1:
         names = ", ".join(file.name for file in found) or "no file of poses"
-        raise InputError(
-            f"{at.path}: {names}; expected one head trace, called {_NAMES[0]}.csv, .txt or as its format has it"
-        )
+        expected = f"expected one head trace, called {_NAMES[0]}.csv, .txt or as its format has it"
+        raise InputError(f"{at.path}: {names}; {expected}")
     reading, head = TraceOptions(axes=at.options.frames_axes), read_head(found[0])
     if find_format(head, reading).layout(head, reading).time is None:
         reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
@@ -768,9 +767,8 @@ def nerfstudio(at: Folder) -> None:
     if not whole:
         other = dict.fromkeys(key for entry in entries for key in entry if "depth" in key.lower())
         named = f": {', '.join(other)} is not read, {' or '.join(_DEPTH_KEYS[:2])} is" if other else ""
-        raise InputError(
-            f"{file}: none of its {len(entries)} frames has a depth_file_path; expected depth for a warp{named}"
-        )
+        expected = f"expected depth for a warp{named}"
+        raise InputError(f"{file}: none of its {len(entries)} frames has a depth_file_path; {expected}")
     every = {key: value for part in (data, *whole) for key, value in part.items()}
     at.notes = _files.unread_notes(file, every, _READ_KEYS)
     if len(whole) < len(entries):
@@ -794,9 +792,8 @@ def nerfstudio(at: Folder) -> None:
         facts = {**data, **entry}
         own = at.options.camera or camera_of(where, facts, _CENTRE)
         if own is None:
-            raise InputError(
-                f"{where}: no fl_x and no camera_angle_x; expected intrinsics in the file, or --intrinsics"
-            )
+            expected = "expected intrinsics in the file, or --intrinsics"
+            raise InputError(f"{where}: no fl_x and no camera_angle_x; {expected}")
         if own.is_y_up:
             raise InputError(f"{where}: fy is {own.fy:g}; expected above 0, as nerfstudio has it")
         colour, depth = (_picture(file, where, name) for name in (facts.get("file_path"), _depth_key(facts)))
@@ -866,9 +863,8 @@ def folder(at: Folder) -> None:
     stated = [frame for frame in found if frame.facts.keys() & {"time_ns", "time_s"}]
     if stated and len(stated) < len(found):
         lacking = next(frame for frame in found if frame not in stated)
-        raise InputError(
-            f"{lacking.where}: no time_s, which {stated[0].where.name} has; expected it in all frames or in none"
-        )
+        expected = "expected it in all frames or in none"
+        raise InputError(f"{lacking.where}: no time_s, which {stated[0].where.name} has; {expected}")
     own = [_time_ns(frame) for frame in stated] if at.options.frames_rate_hz is None else []
     times = [time - min(own) for time in own] or [at.instant_ns(number) for number in range(len(found))]
     at.frames = [_own_frame(at, one, time_ns) for one, time_ns in zip(found, times, strict=True)]
