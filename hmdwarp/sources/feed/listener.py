@@ -391,7 +391,13 @@ def serve(
 
 @contextmanager
 def serving(render: Render, listen: str = "127.0.0.1:*", **who: Any) -> Iterator[str]:
-    """Serve in a thread while the block runs; gives the address. Errors: as serve, at the end."""
+    """Serve in a thread while the block runs; gives the address for `--connect`.
+
+    Parameters
+    ----------
+    render, listen, who
+        As for serve. What render raises is raised at the end of the block.
+    """
     is_over = threading.Event()
     with closing(_listener(listen, **who)) as listener, ThreadPoolExecutor(1) as thread:
         running = thread.submit(_run, listener, render, lambda: not is_over.is_set())

@@ -225,14 +225,12 @@ def numbers_of(where: str | Path, key: str, value: Any, count: int) -> tuple[flo
     return tuple(number_of(where, key, entry) for entry in value)
 
 
+_INF = math.inf
+Where = str | Path  # a file, or a place in one
+
+
 def number_of(
-    where: str | Path,
-    key: str,
-    value: Any,
-    expected: str = "a finite number",
-    *,
-    above: float = -math.inf,
-    most: float = math.inf,
+    where: Where, key: str, value: Any, expected: str = "a finite number", *, above: float = -_INF, most: float = _INF
 ) -> float:
     """Return a finite number in this range. expected: the range in words. Errors: InputError."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -334,10 +332,19 @@ def assumptions_of(
 def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None) -> FrameFile:
     """Return the files of a frame, read and checked.
 
-    path: FRAME.npz with everything; or colour as a picture or EXR file. depth: of a picture, by
-    default the file beside it, or an EXR file's own Z. camera: JSON with fov or intrinsics,
-    position_m, orientation_xyzw, and maybe depth_scale and encoding; by default NAME.json beside.
-    Errors: InputError naming the file and its fault; MachineError for EXR without its package.
+    Parameters
+    ----------
+    path : path
+        FRAME.npz with everything, or colour as a picture or EXR file.
+    depth : path, optional
+        Depth of a picture; by default the file beside it, or an EXR file's own Z.
+    camera : path, optional
+        JSON with fov or intrinsics, position_m, orientation_xyzw; by default NAME.json beside.
+
+    Raises
+    ------
+    InputError
+        Naming the file and its fault.
     """
     found = find_frame(path, depth, camera)
     _ = found.view, found.colour, found.depth_scale  # what is wrong is found here, not at the first use
@@ -430,7 +437,19 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
 
 
 def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
-    """Return the view of a POSE.json. size: (w, h) that intrinsics are for. Errors: InputError."""
+    """Return the view of a POSE.json: position_m, orientation_xyzw, fov or intrinsics.
+
+    Parameters
+    ----------
+    path : path
+    size : tuple of int
+        (w, h) pixels of the intrinsics, unless width and height say it.
+
+    Raises
+    ------
+    InputError
+        For a file without them.
+    """
     path = as_path(path)
     data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))

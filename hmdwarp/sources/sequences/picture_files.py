@@ -28,7 +28,18 @@ Size = tuple[int, int]
 
 
 def read_colour(path: Path) -> NDArray[Any]:
-    """Return (h, w, 3) sRGB bytes, or light of EXR; (h, w, 4) with alpha. Errors: InputError."""
+    """Return the colour of a picture.
+
+    Returns
+    -------
+    array
+        (h, w, 3), or (h, w, 4) with alpha: uint8 sRGB, or float32 linear light of EXR.
+
+    Raises
+    ------
+    InputError
+        For what is no colour picture.
+    """
     path = as_path(path)
     if path.suffix.lower() == EXR:
         return read_exr(path).colour()
@@ -39,10 +50,17 @@ def read_colour(path: Path) -> NDArray[Any]:
 
 
 def read_depth(path: Path) -> NDArray[Any]:
-    """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour.
+    """Return the depth of a picture, in its own units.
 
-    A PGM states its largest value: where that is of whole bits, as of a sensor, pixels that have it
-    measure nothing and become 65535. A PNG of 12 bits states nothing: its 4095 stays.
+    Returns
+    -------
+    array
+        (h, w) integers or floats. The largest of a PGM's own bits measures nothing: 65535.
+
+    Raises
+    ------
+    InputError
+        For what is no depth.
     """
     path = as_path(path)
     suffix = path.suffix.lower()

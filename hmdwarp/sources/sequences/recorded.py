@@ -226,11 +226,10 @@ def depth_notes(sequence: Sequence) -> list[str]:
     )
     notes = []
     if empty := [depth for depth in depths if not (depth > 0).any()]:
-        behind = " It is below 0: expected metres along -z, which are above."
-        notes.append(
-            f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
-            + (behind if any((depth < 0).any() for depth in empty) else "")
-        )
+        below = any((depth < 0).any() for depth in empty)
+        why = " It is below 0: expected metres along -z, which are above." if below else ""
+        looked_at = f"{len(empty)} of {len(depths)} frames looked at"
+        notes.append(f"{looked_at} have no depth at all: warps by depth show nothing of them.{why}")
     notes += about_largest(raw) + ([] if is_far else about_sky(depths))
     notes += about_unit(depths, moved_m, "--depth-scale {:g}", raw)
     left, right, down, up = sequence.frames[0].fov.tangents.tolist()
@@ -260,21 +259,16 @@ def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
     below = sum(int((depth > most - most // _BELOW).sum()) for depth in whole) - count
     if most & (most + 1) or most < _LEAST_MOST or count < max(below, _LEAST_SHARE * pixels):
         return []
-    return [
-        f"{are} {most.bit_length()} bits, and hardly any is a little less: they are taken as depth. If the sensor "
-        "saturates there, write 0 for them."
-    ]
+    advice = "they are taken as depth. If the sensor saturates there, write 0 for them."
+    return [f"{are} {most.bit_length()} bits, and hardly any is a little less: {advice}"]
 
 
 def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
     """Return a note where large regions without depth, in metres, reach the border as sky does."""
     share = max(map(_sky, depths), default=0.0)
-    if not share:
-        return []
-    return [
-        f"A region without depth of {100 * share:.0f} % of the picture reaches its border. If that is sky, written as "
-        "no depth, state it by --no-depth far: it is a hole otherwise, which a fill covers with what is near."
-    ]
+    found = f"A region without depth of {100 * share:.0f} % of the picture reaches its border."
+    hint = "state it by --no-depth far: it is a hole otherwise, which a fill covers with what is near."
+    return [f"{found} If that is sky, written as no depth, {hint}"] if share else []
 
 
 def about_unit(
@@ -283,30 +277,23 @@ def about_unit(
     """Return a note on depth (metres; raw as in files) that is hardly metres. option: a format."""
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
     if len(known) and moved_m and known.min() < known.max() <= 1:
-        middle = float(np.median(known))
-        side = "above" if middle > _STANDARD else "below"
+        middle, spans = float(np.median(known)), f"Depth goes from {known.min():.3g} to {known.max():.3g}"
         floats = [one[np.isfinite(one)] for one in raw if one.dtype.kind == "f"]
         as_read = max((float(one.max(initial=0)) for one in floats), default=0.0)
         if middle < _REVERSED and as_read > 1:
-            return [
-                f"Depth goes from {known.min():.3g} to {known.max():.3g} m by the scale that is stated, and up to "
-                f"{as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
-            ]
-        if middle > _STANDARD or middle < _REVERSED:
-            planes = f"near, far{', reversed_z=True' if middle < _REVERSED else ''}"
-            return [
-                f"Depth goes from {known.min():.3g} to {known.max():.3g}, half of it {side} {middle:.3g}: so are the "
-                f"values of a depth buffer, not metres. If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, "
-                f"{planes}) has metres; 'hmdwarp check' finds near and far."
-            ]
+            read = f"up to {as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
+            return [f"{spans} m by the scale that is stated, and {read}"]
+        if not _REVERSED <= middle <= _STANDARD:
+            side, more = ("above", "") if middle > _STANDARD else ("below", ", reversed_z=True")
+            metres = f"If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, far{more}) has metres"
+            why = f"half of it {side} {middle:.3g}: so are the values of a depth buffer, not metres. {metres}"
+            return [f"{spans}, {why}; 'hmdwarp check' finds near and far."]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
     if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:
         return []
     readings = [f"{option.format(unit)} takes it as {name}: {near * unit:.3g} m" for name, unit in _UNITS.items()]
-    return [
-        f"The nearest surface is {near:.4g} m away, while the eye moves by {moved_m:.2g} m, so that hardly anything "
-        f"shifts against anything else. If depth is in another unit, {'; '.join(readings)}."
-    ]
+    moves = f"while the eye moves by {moved_m:.2g} m, so that hardly anything shifts against anything else."
+    return [f"The nearest surface is {near:.4g} m away, {moves} If depth is in another unit, {'; '.join(readings)}."]
 
 
 def _sky(depth: NDArray[np.floating]) -> float:

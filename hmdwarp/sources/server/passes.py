@@ -644,7 +644,7 @@ class ScenePasses(Owner):
                 else:
                     draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), seen_from.eye)
                 uniforms_of_surface = self._surface.uniforms if self._coloured else None
-                draw_chunks(gl, vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
+                draw_chunks(vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
             self._draw_background()
             gl.depth_func = "<"
         onto.viewport = (0, 0, *onto.size)
@@ -670,15 +670,10 @@ class ScenePasses(Owner):
 
 
 def draw_chunks(
-    gl: moderngl.Context,
-    vertices: moderngl.VertexArray,
-    buffers: SceneBuffers,
-    draws: Draws,
-    uniforms: Uniforms | None,
-    *,
-    emits: bool,
+    vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws, uniforms: Uniforms | None, *, emits: bool
 ) -> None:
     """Draw chunks. uniforms: where textures are sampled, on unit 0. emits: emission too."""
+    gl = vertices.ctx
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]
@@ -712,7 +707,7 @@ def draw_moving(
     draw.uniforms.set(clip_from_scene=clip)
     chunks = one.buffers.chunks
     draws = draws_of(chunks, visible(chunks.boxes, clip), place.eye)
-    draw_chunks(gl, vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
+    draw_chunks(vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

@@ -542,11 +542,19 @@ _NAMED = 6  # files of a folder that no reader knows
 
 
 def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -> Sequence:
-    """Return the recorded sequence of a folder, or of a file in it (transforms.json).
+    """Return the recorded sequence of a folder; pixels are read later, frame by frame.
 
-    options: overrides facts of the files, or adds missing ones. Pixels are read later, frame by
-    frame. Errors: InputError for what no reader knows, for files that are missing or damaged, for
-    facts that are missing (intrinsics, depth scale), and for lens distortion, by its name.
+    Parameters
+    ----------
+    path : path
+        Of the folder, or of a file in it (transforms.json, a bag).
+    options : SequenceOptions, optional
+        Overrides facts of the files, or adds missing ones.
+
+    Raises
+    ------
+    InputError
+        For what no reader knows, damaged or missing files, missing facts, and lens distortion.
     """
     options, place = SequenceOptions.checked(options, optional=True), as_path(path)
     if not place.exists():

@@ -292,11 +292,8 @@ def stray_scanner(at: Folder) -> None:
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
         if (depth := depths.get(int(float(row.words[1])))) is not None:
-            more = {"camera": cameras[number]} if own else {}
-            at.add(
-                Path(f"rgb.mp4 {number}"), depth, number, pose, row.nanoseconds(),
-                picture=partial(video.picture, number), **more,
-            )  # fmt: skip
+            more = {"picture": partial(video.picture, number)} | ({"camera": cameras[number]} if own else {})
+            at.add(Path(f"rgb.mp4 {number}"), depth, number, pose, row.nanoseconds(), **more)
     at.left_out(len(rows), "no depth")
 
 

@@ -57,12 +57,16 @@ class Sheets(Owner):
         self._context, self._meshes = context, tuple(meshes)
         starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._vertices_of = [slice(*ends) for ends in pairwise(starts)]
-        self._triangles = np.concatenate(
-            [np.empty((0, 3), np.uint32)]
-            + [mesh.triangles + np.uint32(start) for mesh, start in zip(meshes, starts, strict=False)]
-        )
+        triangles = [mesh.triangles + np.uint32(start) for mesh, start in zip(meshes, starts, strict=False)]
+        self._triangles = np.concatenate([np.empty((0, 3), np.uint32), *triangles])
         self._mesh_of = np.repeat(np.arange(len(meshes)), [len(mesh.triangles) for mesh in meshes])
-        self._rows = _rows(self._meshes)
+        self._rows = np.zeros(int(starts[-1]), _VERTEX)
+        # Share of each colour that passes where the mesh covers, its texture apart.
+        colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
+        for index, (mesh, ends) in enumerate(zip(meshes, self._vertices_of, strict=True)):
+            transmission, rows = mesh.material.transmission, self._rows[ends]
+            rows["position"], rows["uv"], rows["mesh"] = mesh.positions, mesh.uv, index
+            rows["light"], rows["coloured"] = mesh.light * np.float32(1 - transmission), transmission * colours[index]
         # (3, m), each coordinate by itself: three times as fast as (m, 3)
         self._middles = np.ascontiguousarray(_middles(self._rows["position"].astype(np.float64), self._triangles))
         self._places = [(mesh.material.head_locked, mesh.body) for mesh in meshes]
@@ -118,9 +122,8 @@ class Sheets(Owner):
             self._kinds["clip_from_here"] = [(clip @ from_here).T for from_here in eye_from]
             self._kinds_on_gpu.write(self._kinds.tobytes())
             self._kinds_on_gpu.bind_to_storage_buffer(0)
-        flags = (moderngl.BLEND if blending else 0) | (
-            moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0
-        )
+        tests_depth = hidden_by_surfaces or blending is None
+        flags = (moderngl.BLEND if blending else 0) | (moderngl.DEPTH_TEST if tests_depth else 0)
         if not any(mesh.double_sided for mesh in self._meshes):
             flags |= moderngl.CULL_FACE  # sooner than the shader, which leaves out the backs of the one-sided
         framebuffer.depth_mask = blending is None
@@ -211,22 +214,6 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
     for digit in digits[1:]:
         order = order[np.argsort(digit[order], kind="stable")]
     return order
-
-
-def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
-    rows = np.zeros(sum(len(mesh.positions) for mesh in meshes), _VERTEX)
-    # Share of each colour that passes where the mesh covers, its texture apart.
-    colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
-    for name, values in (
-        ("position", [mesh.positions for mesh in meshes]),
-        ("uv", [mesh.uv for mesh in meshes]),
-        ("light", [mesh.light * np.float32(1 - mesh.material.transmission) for mesh in meshes]),
-        ("coloured", [mesh.material.transmission * shares for mesh, shares in zip(meshes, colours, strict=True)]),
-        ("mesh", [np.full((len(mesh.positions), 1), index) for index, mesh in enumerate(meshes)]),
-    ):
-        if values:
-            rows[name] = np.concatenate(values)
-    return rows
 
 
 class SheetsPart(Part):

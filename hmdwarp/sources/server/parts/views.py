@@ -261,8 +261,7 @@ class Foveated(Part):
     name, order = "foveated", 195
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        needs = [drawing.needs[name] for name in _KINDS if name in drawing.needs]
-        fovea: Fovea = needs[0]
+        fovea: Fovea = next(drawing.needs[name] for name in _KINDS if name in drawing.needs)
         grid = fovea.grid(eye.view, eye.size)
         made: dict[str, Any] = {}
         for number, (name, kind) in enumerate(_KINDS.items()):
