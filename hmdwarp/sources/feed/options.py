@@ -1,7 +1,6 @@
-"""Options of a client of the feed, the secret it shares with its server, and a server's key pair.
+"""Options of a client of the feed, the secret it shares with its server, a server's key pair.
 
-CURVE encrypts both ways, and only who has the public key gets in. Source: ZeroMQ RFC 26 (CurveZMQ),
-Bernstein's CurveCP and Curve25519.
+Source: ZeroMQ RFC 26 (CurveZMQ), Bernstein's CurveCP and Curve25519.
 """
 
 from __future__ import annotations

@@ -43,9 +43,8 @@ class Wanted:
     """Which further layers a client reads, and the shown picture, whose size some of them have."""
 
     layers: tuple[tuple[str, int | Rows], ...]  # name of each, and how much of it: a number, or rows of settings
-    # (w, h) of the shown picture, and the field of view of each eye's.
-    size: Size
-    fovs: tuple[Fov, ...]
+    size: Size  # (w, h) of the shown picture
+    fovs: tuple[Fov, ...]  # of each eye's
 
 
 @attrs.frozen(eq=False)

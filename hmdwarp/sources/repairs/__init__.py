@@ -1,8 +1,4 @@
-"""Repairs: one file each, registered by name; each mends depth as cameras give it, before a warp.
-
-A camera leaves pixels without depth, mixes near and far at silhouettes, and may hold its depth a
-few pixels off its colour.
-"""
+"""Repairs, by name: each mends depth as cameras give it (holes, mixed edges), before a warp."""
 
 from __future__ import annotations
 

@@ -158,8 +158,7 @@ class Renderer(Owner):
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
     draw_frame: Callable[..., Frame]  # returns a frame with all eyes, and the needed layers, see Server.draw_frame
-    # Draws inverse depth alone, where the client has the geometry, see Server.draw_depth.
-    draw_depth: Callable[..., moderngl.Texture]
+    draw_depth: Callable[..., moderngl.Texture]  # draws inverse depth alone, see Server.draw_depth
 
     def __init__(self, gpu: Gpu, scene: Scene, forget: Forget = lambda texture: None) -> None:
         self.gpu, self.scene, self._forget = gpu, scene, forget

@@ -32,9 +32,8 @@ parts: Registry[type[Part]] = Registry("part", __name__, modules=_MODULES)
 
 @attrs.frozen(eq=False)
 class Drawing:
-    # The view as the eye has it, without guard band, and (w, h) pixels of it.
-    view: View
-    size: tuple[int, int]
+    view: View  # as the eye has it, without guard band
+    size: tuple[int, int]  # (w, h) pixels of it
     time_ns: int = 0  # the scene's clock
     needs: Needs = Needs()  # the layers to draw
     shown_size: tuple[int, int] | None = None  # (w, h) of the display's picture, where this one has another resolution
@@ -56,13 +55,9 @@ class DrawContext:
     textures: SceneTextures  # the scene's, on the GPU
     framebuffers: Framebuffers
     colour: ScenePasses  # the passes of the plain surfaces
-    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
-    # depth: with an r32f texture too.
-    acquire: Callable[..., Target]
-    # draw(view, size, drawing): draws a whole picture of another view.
-    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
-    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
-    passes_for: Callable[[Drawing], ScenePasses]
+    acquire: Callable[..., Target]  # (size, kind, depth=): freed with the frame; kind as in gpu.textures
+    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]  # draws a whole picture of another view
+    passes_for: Callable[[Drawing], ScenePasses]  # those of the plain surfaces, lit as its layers say
     # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
     draw_colour: Callable[[ScenePasses, View, moderngl.Texture, int], None]
     renderer: Callable[[Scene], Renderer]  # renderer(scene): a server of another scene; who makes it closes it
@@ -73,8 +68,7 @@ class Part(Owner, ABC):
 
     name: ClassVar[str]
     order: ClassVar[int]
-    # Whether what it draws depends on the frames before: each client has its own then.
-    of_client: ClassVar[bool] = False
+    of_client: ClassVar[bool] = False  # whether it depends on the frames before: each client has its own then
 
     def __init__(self, context: DrawContext) -> None:
         self.context = context
