@@ -277,13 +277,6 @@ _NEAREST_M = 0.01
 Points = NDArray[np.float64]
 
 
-@attrs.frozen(eq=False)
-class _Sent:
-    # One for each eye, and the largest inverse depth in its layers.
-    eyes: tuple[tuple[EyeImage, float], ...]
-    drawn_ns: int
-
-
 class Changes:
     """Bound how far anything has moved on the screen since the last frame that was sent.
 
@@ -303,25 +296,31 @@ class Changes:
             _corners(scene, number, moving) for number in dict.fromkeys(mesh.body for mesh in moving) if number
         ]
         self._movers += [_vertices(mesh, scene.origin_m) for mesh in moving if mesh.deformation is not None]
-        self._sent: _Sent | None = None
+        # Each eye with the largest inverse depth in its layers, and when that was drawn.
+        self._sent: list[tuple[EyeImage, float]] = []
+        self._drawn_ns = 0
 
     def sent(self, frame: Frame) -> None:
         """Compare with this frame from now on; waits until it has been drawn."""
-        self._sent = _Sent(tuple((eye, _nearest(eye)) for eye in frame.eyes), frame.drawn_ns)
+        self._sent, self._drawn_ns = [], frame.drawn_ns
+        for eye in frame.eyes:
+            depths = [texture for texture in eye.textures() if (texture.components, texture.dtype) == (1, "f4")]
+            nearest = max(0.0, *(float(np.nanmax(download(texture))) for texture in depths))
+            self._sent.append((eye, nearest))
 
     def moved_px(self, views: Sequence[View], now_ns: int) -> float:
         """Return a bound for a frame drawn now for these views; infinite before the first.
 
         In pixels of the frame that was sent.
         """
-        if self._sent is None or len(views) != len(self._sent.eyes):
+        if len(views) != len(self._sent):
             return math.inf
-        then_ns = self._sent.drawn_ns
+        then_ns = self._drawn_ns
         seen = (self._content, self.light_at, lambda time_ns: [each.showing(time_ns) for each in self._scene.panels])
         if any(at(then_ns) != at(now_ns) for at in seen):
             return math.inf
         moved = 0.0
-        for (eye, nearest), view in zip(self._sent.eyes, views, strict=True):
+        for (eye, nearest), view in zip(self._sent, views, strict=True):
             places = (eye.view.pose.position_m, view.pose.position_m)
             angles = (_moved_rad(points(then_ns), points(now_ns), places) for points in self._movers)
             left, right, down, up = eye.view.fov.tangents
@@ -382,12 +381,6 @@ def _by_head(eye: EyeImage, view: View, nearest: float) -> float:
     ends = [moved.apply(pixels, np.full(pixels.shape[:2], depth))[0] for depth in (0.0, nearest)]
     far = max(float(np.linalg.norm(end - pixels, axis=-1).max()) for end in ends)
     return far if math.isfinite(far) else math.inf
-
-
-def _nearest(eye: EyeImage) -> float:
-    """Return the largest inverse depth of any layer, 0 where all is infinitely far."""
-    depths = (texture for texture in eye.textures() if (texture.components, texture.dtype) == (1, "f4"))
-    return max(0.0, *(float(np.nanmax(download(texture))) for texture in depths))
 
 
 @attrs.frozen(eq=False)
