@@ -121,7 +121,8 @@ class Proxy(FrameSource):
         framebuffer.release()
         # What it showed for the last head; None before the server's first frame.
         self.shown: Refresh | None = None
-        self._recorded = True
+        # The same, until its times are noted.
+        self._last: Refresh | None = None
         self._stage_ms: defaultdict[str, deque[float]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._age_ms: deque[float] = deque(maxlen=_KEPT)
 
@@ -138,10 +139,9 @@ class Proxy(FrameSource):
         self._record_last()
         self._known.head = head
         self._loop.draw(now_ns)
-        self.shown = refresh = self._loop.show(now_ns)
+        self.shown = self._last = refresh = self._loop.show(now_ns)
         if refresh is None:
             return None
-        self._recorded = False
         eyes, timer = [], self._gpu.timer
         with timer.stage("copy"):  # the loop overwrites its pictures at its next refresh
             for eye in refresh.eyes:
@@ -164,11 +164,11 @@ class Proxy(FrameSource):
 
     def _record_last(self) -> None:
         """Note the times of the last refresh, which the GPU has finished by now."""
-        if self.shown is None or self._recorded:
+        last, self._last = self._last, None
+        if last is None:
             return
-        self._recorded = True
-        self._age_ms.append(self.shown.age_ns * 1e-6)
-        for stages in self.shown.stage_ms:
+        self._age_ms.append(last.age_ns * 1e-6)
+        for stages in last.stage_ms:
             took: defaultdict[str, float] = defaultdict(float)
             for name, milliseconds in stages:
                 took[name] += milliseconds
