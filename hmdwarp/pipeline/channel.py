@@ -24,27 +24,8 @@ from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov, View, WarpMap
 from ..gpu.textures import download, upload
-from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
-from ..link.codec import (
-    DEPTH_VIDEOS,
-    EXACT,
-    STEP,
-    Coding,
-    Decoder,
-    DepthDecoder,
-    DepthEncoder,
-    DepthVideoDecoder,
-    DepthVideoEncoder,
-    Encoder,
-    Packet,
-    Undecodable,
-    VectorDecoder,
-    VectorEncoder,
-    codecs,
-    depth_step,
-    pack,
-    unpack,
-)
+from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats, codec
+from ..link.codec import Coding, Packet, Undecodable
 from ..metrics import psnr
 from ..scenes import Mesh, Scene
 from ..sources.feed.message import request_bytes
@@ -164,7 +145,7 @@ class Coder:
     @classmethod
     def of(cls, coding: Coding, rate_hz: float, age_ns: int) -> Self | None:
         """Return what codes frames that are seen at that age; None where they go as they are."""
-        return None if codecs.get(coding.codec).is_none else cls(coding, rate_hz, age_ns * 1e-9)
+        return None if codec.codecs.get(coding.codec).is_none else cls(coding, rate_hz, age_ns * 1e-9)
 
     def encode(self, frame: Frame, reads: Reads, beside: Reads | None = None, *, wants_key: bool) -> CodedFrame:
         """Encode what is read of a frame; its time is entered in the frame's timings.
@@ -175,10 +156,10 @@ class Coder:
         parts = _parts(frame, reads | beside if beside is not None else reads)
         drawn = {key: into if isinstance(into, np.ndarray) else download(into) for key, (into, _) in parts.items()}
         pixels = {key: drawn[key].size if coding in _VIDEOS else 0 for key, (_, coding) in parts.items()}
-        size, step = frame.eyes[0].size, STEP
+        size, step = frame.eyes[0].size, codec.STEP
         streams = self._streams.setdefault(size, {})
-        if self._coding.depth != EXACT:
-            step = depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
+        if self._coding.depth != codec.EXACT:
+            step = codec.depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
         for key in parts.keys() - streams.keys():
             of_eye = sum(count for other, count in pixels.items() if other[0] == key[0])
             streams[key] = self._stream(drawn[key], parts[key][1], pixels[key] / max(of_eye, 1), step)
@@ -195,7 +176,7 @@ class Coder:
         before = {key: picture_from_linear(drawn[key]) for key in looked_at if pixels[key]}
         self._encoded += 1
         # Half a step, and as video for 98 % of pixels two.
-        error = 2 * step if self._coding.depth in DEPTH_VIDEOS else step / 2
+        error = 2 * step if self._coding.depth in codec.DEPTH_VIDEOS else step / 2
         frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
         return CodedFrame(frame, packets, counted, {key: into for key, (into, _) in parts.items()}, before)
 
@@ -235,20 +216,20 @@ class Coder:
     def _stream(self, drawn: Content, coding: str, share: float, step: float) -> _Stream:
         """Return a new stream. share: of its eye's bit rate."""
         size, asked = drawn.shape[1::-1], self._coding
-        if coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
-            video = DepthVideoEncoder(size, self._rate_hz, step, how)
-            return _Stream(video.encode, DepthVideoDecoder(size, how).decode)
+        if coding == DEPTH and (how := codec.DEPTH_VIDEOS.get(asked.depth)) is not None:
+            video = codec.DepthVideoEncoder(size, self._rate_hz, step, how)
+            return _Stream(video.encode, codec.DepthVideoDecoder(size, how).decode)
         if coding == DEPTH:
-            return _Stream.of_each(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
+            return _Stream.of_each(codec.DepthEncoder(size, step).encode, codec.DepthDecoder(size).decode)
         if coding == VECTORS:
-            channels = drawn.shape[2]
-            return _Stream.of_each(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
+            how_large = size, drawn.shape[2]
+            return _Stream.of_each(codec.VectorEncoder(*how_large).encode, codec.VectorDecoder(*how_large).decode)
         if coding not in _VIDEOS:
-            return _Stream.of_each(pack, unpack)
+            return _Stream.of_each(codec.pack, codec.unpack)
         rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
-        beyond = coding == BRIGHT_VIDEO
-        encoder = Encoder(asked.codec, size, self._rate_hz, crf=asked.crf, bitrate_mbit=rate, keeps_beyond_1=beyond)
-        return _Stream(encoder.encode, Decoder(asked.codec, size).decode)
+        quality = {"crf": asked.crf, "bitrate_mbit": rate}
+        encoder = codec.Encoder(asked.codec, size, self._rate_hz, **quality, keeps_beyond_1=coding == BRIGHT_VIDEO)
+        return _Stream(encoder.encode, codec.Decoder(asked.codec, size).decode)
 
 
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | Content, str]]:

@@ -29,21 +29,12 @@ from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
+from . import sizes
 from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
-from .sizes import (
-    check_held,
-    expected_age_ns,
-    eye_sizes,
-    guarded_size,
-    latency_ns,
-    proxy_plan_for,
-    refreshes_of,
-    rendered_entry,
-)
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
@@ -214,17 +205,20 @@ class ProxySource(Source):
         Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
         """
         way, gpu, rate_hz = options.to_proxy(), target.gpu, target.rate_hz
-        plan, eyes = proxy_plan_for(options, server.scene), GuardedEyes(target.eyes, requested.guard, requested.size)
+        plan, eyes = (
+            sizes.proxy_plan_for(options, server.scene),
+            GuardedEyes(target.eyes, requested.guard, requested.size),
+        )
         if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
             raise InputError(f"--proxy-warp {way.warp} looks into the other eye's picture, and there is one eye")
-        made = eye_sizes(way.guard_band, eyes, guarded_size(requested.guard, target.eyes, requested.size))
-        check_held(gpu, way, plan.needs, made, rate_hz)
-        refresh_ns = refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
-        link_ns = latency_ns(way)
+        made = sizes.eye_sizes(way.guard_band, eyes, sizes.guarded_size(requested.guard, target.eyes, requested.size))
+        sizes.check_held(gpu, way, plan.needs, made, rate_hz)
+        refresh_ns = sizes.refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
+        link_ns = sizes.latency_ns(way)
         if way.network.is_plain:
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
             link_ns = min(link_ns, max(0, round(refresh_ns) - 2))
-        age_ns = expected_age_ns(way, round(refresh_ns), rate_hz)
+        age_ns = sizes.expected_age_ns(way, round(refresh_ns), rate_hz)
         geometry = client_scene(options, server.scene, server, stack)
         # What it shows is for the requested head; what the server draws is seen later.
         guard = options.proxy.guard
@@ -236,7 +230,7 @@ class ProxySource(Source):
             "warp": way.warp,
             "fill": way.fill,
             "effects": list(plan.effects),
-            "rendered": rendered_entry(guard, made, plan.needs),
+            "rendered": sizes.rendered_entry(guard, made, plan.needs),
         }
         link = (way.network, link_ns, rate_hz, coder)
         return Proxy(frames, geometry, request, plan, eyes, made.rendered, link, about, stack)
