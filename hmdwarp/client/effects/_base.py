@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable
+from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar
 
 import attrs
@@ -141,10 +144,32 @@ class ShownPass(EffectPass):
 
 
 AUTO, NONE, FORBID = "auto", "none", "no-"
+_TABLE = Path(__file__).with_name("_table.toml")
+
+
+def _no_mesh(scene: Scene, mesh: Mesh) -> bool:
+    return False
 
 
 class EffectRegistry(Registry[Effect]):
     """Effects by name, with an order in which lists show them."""
+
+    @cached_property
+    def _table(self) -> dict[str, dict[str, Any]]:
+        return tomllib.loads(_TABLE.read_text(encoding="utf-8"))
+
+    def declare(
+        self,
+        name: str,
+        made_by: type[EffectPass],
+        needs: Needs = Needs(),  # noqa: B008 (frozen)
+        applies: Callable[[Scene, Mesh], bool] = _no_mesh,
+        in_scene: Callable[[Scene], bool] = lambda _: False,
+    ) -> None:
+        """Register one of this package's effects, of which _table.toml says the rest."""
+        said: dict[str, Any] = self._table[name]
+        said = {key: tuple(value) if isinstance(value, list) else value for key, value in said.items()}
+        self.register(Effect(name, made_by=made_by, needs=needs, applies=applies, in_scene=in_scene, **said))
 
     def of(self, scene: Scene) -> tuple[str, ...]:
         """Return the names of the effects that a scene calls for."""

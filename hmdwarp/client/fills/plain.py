@@ -181,9 +181,6 @@ class Stretch(Fill):
         both |= {"shown_size": self.shown_size, "e": forward.e, "least_parallax": LEAST_PARALLAX}
         both |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-        for program, own in (
-            (self._draw, {"stamp": stamp, **views}),
-            (self._smooth, {"spread": chosen.spread}),
-        ):
+        for program, own in ((self._draw, {"stamp": stamp, **views}), (self._smooth, {"spread": chosen.spread})):
             program.uniforms.set_declared(**both, **own)
             self._pieces.run(program)
