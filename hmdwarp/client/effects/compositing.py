@@ -52,10 +52,7 @@ class _Veil(GatherWarp):
             self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        """Composite the veil over `behind`.
-
-        inputs.rendered: the picture as it arrived.
-        """
+        """Composite the veil over `behind`. inputs.rendered: the picture as it arrived."""
         layer, settings = inputs.rendered["transparent"], self.settings
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface = bind_images({"rendered_inverse_depth": inputs.rendered.inverse_depth}, first=1)
