@@ -31,8 +31,7 @@ class Store(Owner):
     None where there is one only.
     """
 
-    # The frame layer whose updates it receives, see receiver_of; "" for none.
-    layer: ClassVar[str] = ""
+    layer: ClassVar[str] = ""  # The frame layer whose updates it receives, see receiver_of; "" for none.
 
     def __init__(self, client: ClientScene, wanted: Any) -> None:
         self.client, self.wanted = client, wanted

@@ -17,8 +17,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture, as_image
-from ..warps import Output
-from ..warps._base import pixel_of
+from ..warps import Output, pixel_of
 from ..warps.gather import DEPTH_FLOOR, DEPTH_TOLERANCE, bind_rendered_colour
 from ..warps.iterative import OF_A_PART, Iterative
 from . import RenderedPass, ShownPass, effects
