@@ -187,7 +187,8 @@ class Compensator(Owner):
 
     def _prepared(self, inputs: PassInputs) -> PassInputs:
         """Return the inputs with the rendered picture whole, and without what panels take out."""
-        inputs = inputs if self.plan.scanout else inputs.at_once()
+        if inputs.shown_last is not None and not self.plan.scanout:
+            inputs = inputs.at_once()
         if self._expand is not None:
             with self._stages["effects"]:
                 inputs = self._expand.run(inputs)

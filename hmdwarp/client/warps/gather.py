@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import PlanError
 from ...frames import EyeImage, Needs
-from ...frames.layers.foveated import FoveatedPicture
+from ...frames.layers.pictures import FoveatedPicture
 from ...geometry import FoveaGrid, Pose, View, WarpMap, view_map
 from ...geometry.cube import face_views
 from ...gpu.hidden import Grid

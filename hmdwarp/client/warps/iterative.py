@@ -225,7 +225,8 @@ class Iterative(GatherWarp):
         self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size)) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
+        limits = depth_limits(self.settings, inputs.rendered)
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, **limits}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
@@ -241,7 +242,6 @@ class Iterative(GatherWarp):
         # A picture that is shown as it was drawn keeps its last bits.
         if not all(map(WarpMap.moves_whole_pixels, maps)):
             back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
-            limits = depth_limits(self.settings, inputs.rendered)
             depths = [image.inverse_depth for image in older]
             if self._fringes:
                 held = self._fringed[inputs.eye]
