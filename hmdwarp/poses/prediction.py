@@ -55,7 +55,6 @@ def _in_world(track: PoseTrack, time_ns: int) -> Array | None:
 
 
 def _speeds(gaze: Array, time_ns: NDArray[np.int64]) -> Array:
-    """Return degrees a second from each direction to the next, (n - 1,); NaN where not known."""
     turned = np.arccos(np.clip(np.einsum("ij,ij->i", gaze[1:], gaze[:-1]), -1, 1))
     return np.asarray(np.degrees(turned) / (np.diff(time_ns) * 1e-9))
 

@@ -110,11 +110,9 @@ class GltfFile:
             raise self.error(f"{user} lies in '{uri}', which cannot be read: {error}") from error
 
     def error(self, what: str) -> SceneError:
-        """Return an error that names the file."""
         return SceneError(f"{self.path}: {what}")
 
     def damaged(self, what: str) -> SceneError:
-        """Return an error about what no sound file holds."""
         return self.error(f"{what}; export it again")
 
     def items(self, kind: str) -> list[dict[str, Any]]:
@@ -182,7 +180,6 @@ class GltfFile:
         return rows.copy()
 
     def _replaced(self, rows: NDArray[Any], accessor: dict[str, Any], user: str) -> NDArray[Any]:
-        """Return the rows with those of a sparse accessor in their places."""
         try:
             sparse, count = accessor["sparse"], int(accessor["sparse"]["count"])
             which = self._rows(sparse["indices"], sparse["indices"]["componentType"], (count, 1), user)[:, 0]
@@ -200,12 +197,10 @@ class GltfFile:
         return self.buffers[index]
 
     def view(self, view: dict[str, Any]) -> bytes:
-        """Return the bytes of a buffer view."""
         start, length = view.get("byteOffset", 0), view.get("byteLength", 0)
         return self._buffer_of(view, "a buffer view")[start : start + length]
 
     def image(self, index: object, user: str) -> NDArray[np.uint8]:
-        """Return (h, w, 4) bytes of an image. Errors: SceneError if it cannot be decoded."""
         from PIL import Image
 
         found = self.item("images", index, user)
@@ -225,7 +220,6 @@ def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
 
 
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
-    """Return the JSON of a glTF 2.0 file."""
     if len(text) > GLTF.most_bytes:
         raise SceneError(f"{path}: its JSON has {len(text)} bytes; expected at most {GLTF.most_bytes}; export it again")
     try:

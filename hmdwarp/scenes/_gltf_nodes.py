@@ -179,7 +179,6 @@ class Nodes:
         return placed, change
 
     def _rest_of(self, index: int) -> dict[str, Array] | Array:
-        """Return translation, rotation and scale of a node, or its 4x4 matrix."""
         node = self._nodes[index]
         if "matrix" in node:
             matrix = np.array(node["matrix"], np.float64)

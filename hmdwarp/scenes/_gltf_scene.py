@@ -58,7 +58,6 @@ def as_metal(
 
 
 def _linear(image: Image, size: tuple[int, int]) -> Array:
-    """Return the linear colours of a picture at that size, (1, 1, 3) of 1 without one."""
     from PIL import Image as Pictures
 
     if image is None:
@@ -69,7 +68,6 @@ def _linear(image: Image, size: tuple[int, int]) -> Array:
 
 
 def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
-    """Return base colour (h, w, 3) and how much is metal (h, w, 1)."""
     diffuse, specular = np.broadcast_arrays(diffuse, specular)
     bright_diffuse, bright = (np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]) for colour in (diffuse, specular))
     left = 1 - specular.max(axis=2, keepdims=True)
@@ -96,7 +94,6 @@ class Looks:
         self.textures: list[Texture] = []
 
     def look_of(self, primitive: dict[str, Any], head_locked: bool) -> Look | None:
-        """Return the look of a primitive; None if it is wholly cut away."""
         key = (primitive.get("material"), head_locked)
         if key not in self._made:
             material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
@@ -272,7 +269,6 @@ def _place_of(info: dict[str, Any]) -> tuple[str, dict[str, Any]]:
 
 
 def _mean_of(image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
-    """Return one pixel: the mean of an sRGB picture in linear light."""
     assert image is not None
     return srgb8_from_linear(linear_from_srgb(image).mean(axis=(0, 1), keepdims=True))
 
@@ -312,7 +308,6 @@ class GltfContent:
         return found
 
     def camera(self, wanted: str) -> tuple[float, ...]:
-        """Return x, y, z and yaw in degrees of a camera. Errors: InputError if unknown."""
         index = numbered([name for name, _ in self.cameras], wanted, "cameras", "--viewpoint", "X,Y,Z[,YAW]")
         matrix = self._nodes.at(self.cameras[index][1], 0)[0]
         ahead = -matrix[:3, 2]
@@ -351,7 +346,6 @@ class GltfContent:
         return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
 
     def move(self, world_from_file: Pose) -> None:
-        """Let everything that moves do so where the scene is put."""
         self._nodes.root = world_from_file.matrix() @ self._nodes.root
 
     def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
@@ -380,7 +374,6 @@ class GltfContent:
 
     @cached_property
     def _shown_nodes(self) -> list[int]:
-        """The nodes of the scene that the file shows first; all if it names no scene."""
         file, nodes = self._file, self._nodes
         if not file.items("scenes"):
             return list(range(len(nodes.parents)))
@@ -396,7 +389,6 @@ class GltfContent:
         return [index for index, is_shown in enumerate(nodes.inherited(own)) if is_shown]
 
     def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:
-        """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
         unpack_draco(file, primitive, user, self.notes)
         rest = file.numbers(attributes["POSITION"], user, 3).astype(np.float64)
@@ -517,7 +509,6 @@ def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count
 
 
 def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count: int) -> Array:
-    """Return (n, 3) or, with alpha, (n, 4) as they are in the file."""
     if "COLOR_0" not in attributes:
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))

@@ -36,7 +36,6 @@ class Lamp:
     brightness: Brightness | None = None  # the share of its colour that it sends; None for all of it
 
     def light(self, time_ns: int) -> Rgb:
-        """Return the colour that it sends at an instant."""
         share = 1.0 if self.brightness is None else self.brightness.share(time_ns)
         red, green, blue = self.colour
         return share * red, share * green, share * blue
@@ -152,7 +151,6 @@ class Background:
 
     @classmethod
     def uniform(cls, colour: Rgb) -> Background:
-        """Return a background of the same linear RGB in every direction."""
         return cls(colour, colour, colour)
 
 
@@ -189,7 +187,6 @@ class Panel:
             raise SceneError(f"{found}: expected one or more, and a finite time above 0")
 
     def showing(self, time_ns: int) -> int:
-        """Return which of its pictures it shows at an instant."""
         return int(time_ns // max(1, round(self.seconds * 1e9))) % len(self.pictures)
 
     def eye_from_panel(self, view: View) -> Pose:
@@ -197,12 +194,10 @@ class Panel:
         return self.pose.relative_to(view.head_from_eye if self.head_locked else view.pose)
 
     def away_m(self, view: View) -> float:
-        """Return how far its middle is from an eye."""
         return float(np.linalg.norm(self.eye_from_panel(view).position_m))
 
     @property
     def quad(self) -> Quad:
-        """The rectangle, in the panel's own axes."""
         width, height = self.size_m
         return Quad((0.0, 0.0, 0.0), (width / 2, 0.0, 0.0), (0.0, height / 2, 0.0))
 
@@ -283,7 +278,6 @@ class Scene:
 
     @property
     def lit_moves(self) -> bool:
-        """Whether something moves that lamps light, and that stops their light."""
         return any(mesh.light_uv is not None and mesh.body for mesh in self.meshes)
 
     @property
@@ -294,7 +288,6 @@ class Scene:
 
     @property
     def triangle_count(self) -> int:
-        """Triangles of all meshes together."""
         return sum(len(mesh.triangles) for mesh in self.meshes)
 
 

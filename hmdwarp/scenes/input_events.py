@@ -56,12 +56,10 @@ class InputEvent:
 
     @property
     def ray(self) -> tuple[Triple, Triple]:
-        """Where the hand is, and where it points."""
         return self.origin_m, self.direction
 
     @property
     def row(self) -> str:
-        """Its line in a file, with the newline."""
         numbers = map(repr, map(float, (*self.origin_m, *self.direction)))
         return ",".join([str(self.time_ns), self.action, self.target, *numbers]) + "\n"
 
@@ -117,7 +115,6 @@ class InputLog:
         return events, bisect_right(events, time_ns, key=_TIME)
 
     def __iter__(self) -> Iterator[InputEvent]:
-        """Iterate over all inputs, oldest first."""
         return iter(sorted((event for events in self.book.events.values() for event in events), key=_TIME))
 
     def __len__(self) -> int:
@@ -174,7 +171,6 @@ def _by_seed(seed: int, things: Sequence[Reacting[Any]], start_ns: int, end_ns: 
 
 
 def inputs_beside(trace: Path) -> Path:
-    """Return the file of what somebody did while a head trace was recorded."""
     return trace.with_suffix(".input.csv")
 
 

@@ -165,7 +165,6 @@ class Track:
 
     @cached_property
     def _path(self) -> Any:
-        """Piecewise polynomial of SciPy: position at a time in s; a second argument derives it."""
         from scipy.interpolate import CubicSpline, PPoly
 
         if not self.smooth:
@@ -235,7 +234,6 @@ class Waving:
             raise SceneError(f"waving: length {self.length_m:g} m, period {self.period_s:g} s: expected both above 0")
 
     def _swing(self, time_ns: int, quarter: int) -> Array:
-        """Return the share of the full swing; quarter: 1 for a quarter of a period later."""
         phase = time_ns * 1e-9 / self.period_s - self.away / self.length_m - self.lag + 0.25 * quarter
         return np.sin(2 * np.pi * phase)
 
@@ -272,7 +270,6 @@ class Reacting(ABC, Generic[State]):
         return self._since(count, time_ns)
 
     def _since(self, number: int, time_ns: int) -> State:
-        """Return the state at an instant after so many inputs."""
         book = self._log.book
         state: State = book.states[self.name][number]
         if not number:

@@ -62,13 +62,11 @@ class Axes:
             raise InputError(f"--axes {self.words()}: {what}; a rotation keeps the hand, so turn one axis around")
 
     def words(self) -> str:
-        """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
         bases = ((basis[0], basis[1], -basis[2]) for basis in (self.world, self.head))
         world, head = (",".join(map(axis_word, rows)) for rows in bases)
         return f"world={world} head={head}"
 
     def label(self) -> str:
-        """Return the preset's name, or the axes themselves."""
         return f"{self.name} ({self.words()})" if self.name else self.words()
 
     def up(self) -> str:
@@ -259,7 +257,6 @@ class Evidence:
         return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
 
     def faults(self, reading: Array) -> list[str]:
-        """Return what contradicts a reading, in words."""
         up, crown, gaze = reading
         found = []
         if self.gravity.any() and up @ self.gravity < UPRIGHT:
@@ -299,8 +296,6 @@ class Evidence:
 
 @attrs.frozen(eq=False)
 class Verdict:
-    """What the motion says about axes."""
-
     faults: list[str]  # what contradicts them; empty: nothing
     better: Axes | None  # what fits best; None: nothing fits better
     also: list[str]  # presets that fit as well as `better` and differ in what motion cannot show
@@ -525,7 +520,6 @@ class JudgedAxes:
             self.axes, self.axes_by = parse_up(up), By.USER
 
     def assumptions(self) -> tuple[Assumption, ...]:
-        """Return every fact by which rows became poses."""
         layout, options, (scale, scale_by) = self.r.layout, self.options, self.scale
         if layout.euler is not None:
             turn, option = f"angles {layout.euler.words()}", "--euler"
@@ -685,5 +679,4 @@ class JudgedAxes:
 
 
 def _tilt_of(up: Array) -> float:
-    """Return the angle of a direction (3,) from +y, in degrees."""
     return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))

@@ -246,7 +246,6 @@ def _is_row(line: str) -> bool:
 
 
 def _cells(line: str, separator: str | None) -> Iterator[str]:
-    """Yield the cells of a line; brackets and quotes hold theirs together."""
     depth, quoted, begin = 0, False, 0
     for i, sign in enumerate(line):
         quoted ^= sign == '"'
@@ -260,7 +259,6 @@ def _cells(line: str, separator: str | None) -> Iterator[str]:
 
 
 def _parts(cell: str) -> list[tuple[str, str]]:
-    """Return label and number of each part; a cell of one value is a part without a label."""
     bare = cell.strip().strip('"').strip()
     if re.fullmatch(r"[-+]?[0-9]*,[0-9]+", bare):
         return [("", bare.replace(",", "."))]
@@ -277,7 +275,6 @@ def _parts(cell: str) -> list[tuple[str, str]]:
 
 
 def _header_name(cell: str) -> tuple[str, str]:
-    """Return a column's name, and the letters that it lists: Rotation (x, y, z, w)."""
     bare = cell.strip().strip('"').strip("# ")
     letters = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", bare)
     if letters is None:
@@ -306,7 +303,6 @@ _QUALISYS_FACTS |= dict.fromkeys(("order_by", "scale_by"), By.FORMAT)
 
 
 def _qualisys_made(path: Path, text: str) -> Made:
-    """Return a row for each body in each frame. Errors: TraceError for other data than 6D."""
     lines = [line.rstrip("\r\n\t").split("\t") for line in text.splitlines()]
     begin = next((i for i, row in enumerate(lines) if "Rot[0]" in row), None)
     about = {row[0]: row[1:] for row in lines[:begin]}
@@ -335,7 +331,6 @@ _BODIES = ("rigidbody", "bone", "skeletonbone")
 
 
 def _motive_made(path: Path, text: str) -> Made:
-    """Return a row for each body that is tracked in a frame. Errors: TraceError."""
     lines = list(csv.reader(text.splitlines()))
     begin = next((i for i, row in enumerate(lines) if row[:1] == ["Frame"]), None)
     if begin is None or begin < 4:
@@ -376,7 +371,6 @@ _DIRECTIONS = {
 
 
 def _bids_made(path: Path, text: str) -> Made:
-    """Return a row for each tracked point in each sample. Errors: TraceError."""
     stem, beside = str(path).removesuffix(_ENDING), path.with_name(path.name.removesuffix(_ENDING) + "_channels.tsv")
     if not beside.exists():
         raise TraceError(f"{path}: BIDS describes its columns in {beside.name}, which is not beside it")
@@ -470,8 +464,6 @@ _MODEL = attrs.evolve(LIST, error=TraceError)
 
 @attrs.frozen(eq=False)
 class ColmapImage:
-    """An image and the pose of its camera."""
-
     where: str
     name: str
     camera_id: int
@@ -480,14 +472,11 @@ class ColmapImage:
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """(3,) of the camera in the world."""
         return np.asarray(-self.rotation @ np.array(self.pose[4:]))
 
 
 @attrs.frozen
 class ColmapCamera:
-    """A camera of a model."""
-
     where: str
     model: str
     size: tuple[int, int]  # (w, h)

@@ -37,7 +37,6 @@ StampedPose = tuple[int, str, str, tuple[float, ...]]
 
 
 def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
-    """Yield the poses of a message of a type that has them."""
     if name in _LISTS:
         for transform in message.transforms:
             yield from poses_in(_LISTS[name], transform)
@@ -77,7 +76,6 @@ class PoseMessages:
         raise NotImplementedError
 
     def table(self) -> Made:
-        """Return every pose in the order of logging. Errors: TraceError without any."""
         rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
         for topic, logged_ns, (stamped_ns, parent, child, numbers) in self.poses():
             if child:
@@ -200,7 +198,6 @@ _RECORD, _CHUNK, _CHUNK_HEAD = struct.Struct("<BQ"), 6, 32 + 8 + 8 + 18
 
 
 def _by_name(value: Any) -> Any:
-    """Return JSON with attributes in place of keys."""
     if isinstance(value, dict):
         return SimpleNamespace(**{key: _by_name(one) for key, one in value.items()})
     return [_by_name(one) for one in value] if isinstance(value, list) else value
