@@ -64,7 +64,7 @@ APART = {
     "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
-    "client/drawn_scenes.py",
+    "client/client_scene.py",
     "gpu/timers.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
@@ -247,7 +247,6 @@ ENTRIES = (
     "client/warps",
     "frames/layers",
     "link/codec/codecs",
-    "link/delays",
     "metrics/library",
     "poses/formats",
     "poses/predictors",

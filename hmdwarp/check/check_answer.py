@@ -32,14 +32,11 @@ class Finding:
 
     name: str
     label: str
-    # What was found, or what is stated where it cannot be told.
-    value: str
+    value: str  # what was found, or what is stated where it cannot be told
     as_stated: bool
     told: bool
-    # Standard errors by which the nearest other reading is worse; None for numbers.
-    margin: float | None = None
-    # Why it cannot be told; "" where it can.
-    why: str = ""
+    margin: float | None = None  # standard errors by which the nearest other reading is worse; None for numbers
+    why: str = ""  # why it cannot be told; "" where it can
 
 
 @attrs.frozen(eq=False)
@@ -48,15 +45,11 @@ class Answer:
 
     decision: Decision
     findings: tuple[Finding, ...]
-    # Share of the depths in view of two frames that agree within 5 %.
-    agreement_stated: float
+    agreement_stated: float  # share of the depths in view of two frames that agree within 5 %
     agreement: float
-    # Correlation of their brightness where depths agree.
-    likeness: float
-    # What it may be, where frames do not tell: each explains them as well.
-    as_good: tuple[str, ...]
-    # Empty where the cause is not known.
-    code: tuple[str, ...]
+    likeness: float  # correlation of their brightness where depths agree
+    as_good: tuple[str, ...]  # what it may be, where frames do not tell: each explains them as well
+    code: tuple[str, ...]  # empty where the cause is not known
 
     def __repr__(self) -> str:
         return f"<Answer {self.headline}>"

@@ -34,10 +34,8 @@ class Convention:
     """One convention."""
 
     label: str
-    # The frames that show it.
-    needs: str
-    # The parts of a reading that state it.
-    fields: tuple[str, ...]
+    needs: str  # the frames that show it
+    fields: tuple[str, ...]  # the parts of a reading that state it
     # Its value in words, where a reading differs; `plain` where it does not, if that differs.
     words: Callable[[Reading, Stated], str]
     # What is fitted for it, and the standard error beyond which it is unknown: of the factor's

@@ -16,8 +16,7 @@ from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
 
 CLOSE = 0.05  # share of the depth within which two depths agree
-# Of the depths agree: what is left are small numbers; one convention explains the frames.
-WELL, _ENOUGH = 0.85, 0.6
+WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
 AGREE = 0.5  # share of the depths: below it, frames do not agree
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
 _MOST_CHANGES = 2  # that are named
@@ -36,12 +35,10 @@ class Decision:
     search: Search
     noise: Noise
     best: Candidate
-    # Readings with as few other changes under which the frames agree as well.
-    rivals: tuple[Candidate, ...] = ()
+    rivals: tuple[Candidate, ...] = ()  # readings with as few other changes under which the frames agree as well
     # Conventions of which one or more differ besides, where no reading of them was found.
     besides: tuple[str, ...] = ()
-    # Faults that are no convention and explain as much, or what the best reading leaves.
-    faults: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()  # faults that are no convention and explain as much, or what the best reading leaves
     # Shares of the depths that the best reading explains, and what is stated.
     explained: tuple[float, float] = (1.0, 1.0)
 

@@ -24,8 +24,7 @@ _FITTED = {
     "depth of another scale in each frame": {"scales": 0.01},
 }
 FAULTS = ("depth that is cut off", *_FITTED)
-# Where a fit begins; shifts of the depth in shares of the width.
-_SHIFTS = (-0.1, -0.05, 0.0, 0.05, 0.1)
+_SHIFTS = (-0.1, -0.05, 0.0, 0.05, 0.1)  # where a fit begins; shifts of the depth in shares of the width
 _STARTS = {**dict.fromkeys(TURN, (-0.12, 0.0, 0.12)), BEND: (-0.2, 0.0, 0.2), DEPTH_WIDE: (0.85, 1.0, 1.18)}
 _SURELY = 14.0  # standard errors of the answer's numbers, with a fault fitted beside them
 

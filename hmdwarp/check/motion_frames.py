@@ -51,12 +51,10 @@ _PLANES, _FAR = ("minDepth", "maxDepth", "nearZ", "farZ"), "Infinity"
 class Convention:
     """What the numbers of motion vectors mean; the default is that of XR_EXT_frame_synthesis."""
 
-    # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour; METRES along the eye's axes.
-    unit: str = NDC
+    unit: str = NDC  # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour; METRES along the eye's axes
     y: str = DOWN
     sign: str = FORWARD
-    # Whether the sub-pixel jitter of the projections is in the vectors.
-    jitter: str = OUT
+    jitter: str = OUT  # whether the sub-pixel jitter of the projections is in the vectors
 
     def __attrs_post_init__(self) -> None:
         for name, (values, _) in PROPERTIES.items():
@@ -79,10 +77,8 @@ class MotionFrame:
     planes: DepthLayer | None = DepthLayer()
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
     offset: tuple[float, ...] = (0.0, 0.0, 0.0)
-    # Pixels of colour by which the projection moves everything right and down.
-    jitter: tuple[float, ...] = (0.0, 0.0)
-    # Of this frame's space in that of the frame before.
-    app_space_delta: Pose = attrs.field(factory=Pose)
+    jitter: tuple[float, ...] = (0.0, 0.0)  # pixels of colour by which the projection moves everything right and down
+    app_space_delta: Pose = attrs.field(factory=Pose)  # of this frame's space in that of the frame before
 
     def __attrs_post_init__(self) -> None:
         for name, array, shapes in (("depth", self.depth, ((),)), ("motion", self.vectors, ((2,), (3,), (4,)))):

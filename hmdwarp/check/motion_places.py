@@ -149,10 +149,8 @@ class Found:
 
     pair: Pair
     uv: Array
-    # In the picture before, and nothing nearer was there.
-    seen: NDArray[np.bool_]
-    # All that was there was farther: the surface was elsewhere.
-    elsewhere: NDArray[np.bool_]
+    seen: NDArray[np.bool_]  # in the picture before, and nothing nearer was there
+    elsewhere: NDArray[np.bool_]  # all that was there was farther: the surface was elsewhere
     bright: Array  # brightness now less before
     deep: Array  # inverse depth before less that expected, as a share of it
 

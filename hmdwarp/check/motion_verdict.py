@@ -17,8 +17,7 @@ from .motion_frames import BACKWARD, DOWN, IN, METRES, NDC, PIXELS, PROPERTIES, 
 from .motion_places import BLOCKS, CANDIDATES, SCORED, Found, Pair, grid, inside, nearest_at, sampled
 from .search import SURE
 
-# Of the brightness: sampling and 8 bits leave half of it on the library's scenes.
-_NOISE = 0.004
+_NOISE = 0.004  # of the brightness: sampling and 8 bits leave half of it on the library's scenes
 # What costs half of what nothing does: of the brightness, of the depth as a share of it.
 _SCORE_NOISE, _DEPTH_NOISE = 0.01, 0.03
 _SHARED = 9.0  # pixels of a blurred picture that count as one
@@ -39,14 +38,12 @@ _MOST = {
 class Contradictions:
     """What pictures and depths say against the best candidate."""
 
-    # Of the blocks that tell a shift, those but one that show it in frame after frame.
-    blocks: float
+    blocks: float  # of the blocks that tell a shift, those but one that show it in frame after frame
     drift: float  # the whole picture's shift in one of the frames, in pixels
     elsewhere: float  # of the pixels: the surface was not there
     missed: float  # of the pixels: something of another colour was there
     judged: int  # blocks that tell a shift, in two frames or more
-    # The factor by which the vectors fit best, of x and y, and its standard error.
-    factor: list[float]
+    factor: list[float]  # the factor by which the vectors fit best, of x and y, and its standard error
     factor_error: list[float]
 
     def reasons(self) -> list[str]:
@@ -63,8 +60,7 @@ class Property:
     name: str
     value: str
     as_stated: bool
-    # The best candidate of another value, and by how many standard errors it is worse.
-    other: Convention
+    other: Convention  # the best candidate of another value, and by how many standard errors it is worse
     margin: float
     moved_px: float  # median shift between the two
 
@@ -88,8 +84,7 @@ class Verdict:
 
     frames: MotionFrames
     best: Convention
-    # Those that fit as well with as few changes.
-    rivals: tuple[Convention, ...]
+    rivals: tuple[Convention, ...]  # those that fit as well with as few changes
     properties: tuple[Property, ...]
     contradictions: Contradictions
     # Slope of the change of depth over the vectors' z, and its standard error; None without z.

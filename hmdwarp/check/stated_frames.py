@@ -275,17 +275,12 @@ def eye_axes(name: str) -> Array:
 class Reading:
     """What is assumed about frames; the defaults are what hmdwarp reads."""
 
-    # Order of the quaternion: xyzw, or wxyz.
-    order: str = "xyzw"
-    # Whether the pose takes points of the world to the eye.
-    inverse: bool = False
-    # Of eye and world: a name of AXES, or right,up,forward.
-    axes: str = AS_STATED
-    # Whether the rows run from bottom to top.
-    colour_rows_up: bool = False
+    order: str = "xyzw"  # order of the quaternion: xyzw, or wxyz
+    inverse: bool = False  # whether the pose takes points of the world to the eye
+    axes: str = AS_STATED  # of eye and world: a name of AXES, or right,up,forward
+    colour_rows_up: bool = False  # whether the rows run from bottom to top
     depth_rows_up: bool = False
-    # Whether each frame has the other eye's pose.
-    eyes_swapped: bool = False
+    eyes_swapped: bool = False  # whether each frame has the other eye's pose
     # Inverse depth in 1/m = offset + factor * (base - end) * ray ** along. The base is 1 / number
     # for METRES, the number for BUFFER; `ray` is the length of the ray to the plane z = -1.
     kind: str = METRES
@@ -297,11 +292,9 @@ class Reading:
     # in pixels of the full resolution.
     pixel_x: float = 0.0
     pixel_y: float = 0.0
-    # Tangents of the view over those of the stated field of view: focal lengths stated over true.
-    wide_x: float = 1.0
+    wide_x: float = 1.0  # tangents of the view over those of the stated field of view: focal lengths stated over true
     wide_y: float = 1.0
-    # The instant of the picture after that of its pose, seconds.
-    late_s: float = 0.0
+    late_s: float = 0.0  # the instant of the picture after that of its pose, seconds
     # Faults that no answer names; fitted to tell one apart from them. Of the camera in its pose,
     # rad; of the lens, per squared tangent; of the depth's picture in the colour's: its tangents
     # over those, and pixels; of the depth of each frame, a logarithm.

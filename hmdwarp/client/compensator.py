@@ -15,8 +15,8 @@ from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
 from .effects import RenderedPass, ShownPass, Tools
+from .effects._base import ExpandPass
 from .effects.text import HeldPanel, PanelsPass, held_panels
-from .expand import ExpandPass
 from .inputs import PassInputs, ShownPicture
 from .lens import SeenPanel
 from .plan import SHOWN_DEPTH, Plan
@@ -121,12 +121,7 @@ class Compensator:
                 for fill in plan.fills
             ]
             tools = Tools(
-                carry,
-                pictures,
-                images_read(plan.needs),
-                geometry,
-                lens if plan.fused else None,
-                plan.hands_panels_on,
+                carry, pictures, images_read(plan.needs), geometry, lens if plan.fused else None, plan.hands_panels_on
             )
             self._expand = (
                 ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None

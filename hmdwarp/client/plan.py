@@ -18,7 +18,7 @@ from ..geometry import Fovea
 from ..options import Choice
 from ..scenes import CONVERGED
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
-from .expand import EXPANDED, ExpandPass
+from .effects._base import EXPANDED, ExpandPass
 from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .variants import fill_text, lit_by, parse_fills, parse_warp

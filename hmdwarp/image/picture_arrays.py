@@ -31,18 +31,12 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 class PictureArrays:
     """A picture with depth, checked; the top row first."""
 
-    # (h, w, 3) as the caller has it, 0 where it is hidden: uint8 sRGB, or floats.
-    colour: NDArray[Any]
-    # Of `colour`: "srgb8", "srgb" or "linear".
-    encoding: str
-    # (h, w, 3) the same in linear light.
-    light: NDArray[Any]
-    # (h, w) 1/m, NaN where there is no depth or no colour.
-    inverse_depth: NDArray[np.float64]
-    # (h, w) where there is no colour.
-    hidden: NDArray[np.bool_]
-    # What a caller should know of its depth, one sentence each.
-    notes: tuple[str, ...] = ()
+    colour: NDArray[Any]  # (h, w, 3) as the caller has it, 0 where it is hidden: uint8 sRGB, or floats
+    encoding: str  # of `colour`: "srgb8", "srgb" or "linear"
+    light: NDArray[Any]  # (h, w, 3) the same in linear light
+    inverse_depth: NDArray[np.float64]  # (h, w) 1/m, NaN where there is no depth or no colour
+    hidden: NDArray[np.bool_]  # (h, w) where there is no colour
+    notes: tuple[str, ...] = ()  # what a caller should know of its depth, one sentence each
 
     @property
     def size(self) -> tuple[int, int]:
@@ -78,8 +72,7 @@ class PictureArrays:
 class RawPicture(Arrays):
     """A picture of a caller, whose numbers the GPU checks as well."""
 
-    # What checked_picture takes, and what it has made of that, if it was asked.
-    passed: tuple[Any, ...] = ()
+    passed: tuple[Any, ...] = ()  # what checked_picture takes, and what it has made of that, if it was asked
     checked: PictureArrays | None = None
 
     def metres(self) -> NDArray[Any]:

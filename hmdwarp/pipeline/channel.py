@@ -6,7 +6,6 @@ And how much a new frame would differ, in pixels, from the last one that was sen
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
 from itertools import product
@@ -20,7 +19,7 @@ from ..frames import EyeImage, Frame
 from ..geometry import View, WarpMap
 from ..gpu.textures import download
 from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
-from ..scenes import Body, Mesh, Scene
+from ..scenes import Mesh, Scene
 from ..sources.feed.message import request_bytes
 from .frame_coder import CodedFrame, Coder, Reads
 
@@ -56,9 +55,10 @@ class Changes:
         self._scene, self._content = scene, content
         self._stops_light = sorted({mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0})
         moving = [mesh for mesh in scene.meshes if not mesh.material.head_locked]
-        bodies = {mesh.body: [other for other in moving if other.body == mesh.body] for mesh in moving if mesh.body}
-        self._movers: list[_Mover] = [_MovedBody(scene.bodies[n - 1], meshes) for n, meshes in bodies.items()]
-        self._movers += [_DeformedMesh(mesh, scene.origin_m) for mesh in moving if mesh.deformation is not None]
+        self._movers = [
+            _corners(scene, number, moving) for number in dict.fromkeys(mesh.body for mesh in moving) if number
+        ]
+        self._movers += [_vertices(mesh, scene.origin_m) for mesh in moving if mesh.deformation is not None]
         self._sent: _Sent | None = None
 
     def sent(self, frame: Frame) -> None:
@@ -79,13 +79,12 @@ class Changes:
         moved = 0.0
         for (eye, nearest), view in zip(self._sent.eyes, views, strict=True):
             places = (eye.view.pose.position_m, view.pose.position_m)
-            angles = (mover.moved_rad(places, then_ns, now_ns) for mover in self._movers)
+            angles = (_moved_rad(points(then_ns), points(now_ns), places) for points in self._movers)
             left, right, down, up = eye.view.fov.tangents
             per_tangent = max(eye.size[0] / (right - left), eye.size[1] / (up - down))
             # An angle covers most pixels in a corner of the picture, towards its middle.
             per_rad = float(per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up)))
-            by_movers = max(angles, default=0.0) * per_rad
-            moved = max(moved, _by_head(eye, view, nearest) + by_movers)
+            moved = max(moved, _by_head(eye, view, nearest) + max(angles, default=0.0) * per_rad)
         return moved
 
     def light_at(self, time_ns: int) -> object:
@@ -99,49 +98,37 @@ class Changes:
         )
 
 
-class _Mover(ABC):
-    """Something that moves by itself."""
-
-    @abstractmethod
-    def points(self, time_ns: int) -> Points:
-        """Return (n, 3) points in the world.
-
-        No other of its points moves farther or lies outside the box around them.
-        """
-
-    def moved_rad(self, places: Sequence[Points], then_ns: int, now_ns: int) -> float:
-        """Return a bound on the angle by which a point has moved, seen from any of the places."""
-        then, now = self.points(then_ns), self.points(now_ns)
-        far_m = float(np.linalg.norm(now - then, axis=1).max(initial=0.0))
-        if not far_m:
-            return 0.0
-        near_m = math.inf
-        for low, high in ((points.min(axis=0), points.max(axis=0)) for points in (then, now)):
-            # To the sphere around the box around the points.
-            middle, radius_m = (low + high) / 2, np.linalg.norm(high - low) / 2
-            near_m = min(near_m, *(float(np.linalg.norm(place - middle) - radius_m) for place in places))
-        return far_m / near_m if near_m > _NEAREST_M else math.inf
+# What moves by itself: (n, 3) points in the world at an instant. No other of its points moves
+# farther, or lies outside the box around them.
+Mover = Callable[[int], Points]
 
 
-class _MovedBody(_Mover):
-    def __init__(self, body: Body, meshes: Sequence[Mesh]) -> None:
-        positions = np.concatenate([mesh.positions for mesh in meshes]).astype(np.float64)
-        ends = zip(positions.min(axis=0), positions.max(axis=0), strict=True)
-        self._corners = np.array([(*corner, 1.0) for corner in product(*ends)])
-        self._body = body
-
-    def points(self, time_ns: int) -> Points:
-        # A rigid motion moves no point of a box farther than one of its corners.
-        return (self._corners @ self._body.motion.state(time_ns).pose.matrix().T)[:, :3]
+def _corners(scene: Scene, number: int, meshes: Sequence[Mesh]) -> Mover:
+    """Return those of a body's box: a rigid motion moves no point of it farther."""
+    body = scene.bodies[number - 1]
+    positions = np.concatenate([mesh.positions for mesh in meshes if mesh.body == number]).astype(np.float64)
+    ends = zip(positions.min(axis=0), positions.max(axis=0), strict=True)
+    corners = np.array([(*corner, 1.0) for corner in product(*ends)])
+    return lambda time_ns: (corners @ body.motion.state(time_ns).pose.matrix().T)[:, :3]
 
 
-class _DeformedMesh(_Mover):
-    def __init__(self, mesh: Mesh, origin_m: Points) -> None:
-        assert mesh.deformation is not None
-        self._deformation, self._origin_m = mesh.deformation, origin_m
+def _vertices(mesh: Mesh, origin_m: Points) -> Mover:
+    deformation = mesh.deformation
+    assert deformation is not None
+    return lambda time_ns: np.asarray(deformation.positions(time_ns), np.float64) + origin_m
 
-    def points(self, time_ns: int) -> Points:
-        return np.asarray(self._deformation.positions(time_ns), np.float64) + self._origin_m
+
+def _moved_rad(then: Points, now: Points, places: Sequence[Points]) -> float:
+    """Return a bound on the angle by which a point has moved, seen from any of the places."""
+    far_m = float(np.linalg.norm(now - then, axis=1).max(initial=0.0))
+    if not far_m:
+        return 0.0
+    near_m = math.inf
+    for low, high in ((points.min(axis=0), points.max(axis=0)) for points in (then, now)):
+        # To the sphere around the box around the points.
+        middle, radius_m = (low + high) / 2, np.linalg.norm(high - low) / 2
+        near_m = min(near_m, *(float(np.linalg.norm(place - middle) - radius_m) for place in places))
+    return far_m / near_m if near_m > _NEAREST_M else math.inf
 
 
 def _by_head(eye: EyeImage, view: View, nearest: float) -> float:
@@ -159,10 +146,6 @@ def _nearest(eye: EyeImage) -> float:
     return max(0.0, *(float(np.nanmax(download(texture))) for texture in depths))
 
 
-# Called with a frame, whether it arrived, and when the sender hears of it.
-Settled = Callable[["Frame", bool, int], None]
-
-
 @attrs.frozen(eq=False)
 class ChannelSetup:
     """What a channel is made for: the network, what is coded, and who gets the frames."""
@@ -172,13 +155,13 @@ class ChannelSetup:
     # Refresh rate of the display.
     rate_hz: float
     # None for frames that arrive as drawn.
-    coder: Coder | None
+    coder: Coder | None = None
     # What the client reads of a frame; no other layer is coded or counted.
-    reads: Reads
+    reads: Reads = Reads()
     # Called with each frame that the client used and no longer needs.
-    offer: Callable[[Frame], None]
-    # As of the link, with frames as they arrived.
-    settled: Settled = lambda frame, arrived, heard_ns: None  # noqa: E731
+    offer: Callable[[Frame], None] = lambda frame: None  # noqa: E731
+    # Called with a frame, whether it arrived, and when the sender hears of it.
+    settled: Callable[[Frame, bool, int], None] = lambda frame, arrived, heard_ns: None  # noqa: E731
 
 
 class Channel:
@@ -189,13 +172,13 @@ class Channel:
     server that is still at work on a frame, or whose client is, draws none: the slowest stage sets
     the pace.
 
-    recycle: called with each frame that the client never used.
+    recycle: called with each frame that the client never used. callbacks: of the Link, in place of
+    those for frames that are coded here.
     """
 
-    def __init__(self, setup: ChannelSetup, recycle: Callable[[Frame], None]) -> None:
-        network, coder, rate_hz = setup.network, setup.coder, setup.rate_hz
-        self._coder, self._reads, self._beside = coder, setup.reads, Reads()
-        self._tell = setup.settled
+    def __init__(self, setup: ChannelSetup, recycle: Callable[[Frame], None], **callbacks: Any) -> None:
+        network, self._coder, rate_hz = setup.network, setup.coder, setup.rate_hz
+        self._reads, self._beside = setup.reads, Reads()
         self.latency_ns = setup.latency_ns
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
         self._stages = network.response
@@ -212,24 +195,14 @@ class Channel:
         self._weights: dict[object, Counter[str]] = {}  # of frames that have pictures alone
         # Summary of what stands before this link, given the refreshes per second.
         self.before: Callable[[float], dict[str, Any]] | None = None
-        self.link: Link[CodedFrame] = network.link(
-            setup.latency_ns,
-            discard=lambda coded: setup.offer(coded.frame),
-            wasted=lambda coded: recycle(coded.frame),
-            receive=self._receiver(),
-            decoding=self._decoding,
-            settled=self._settled,
-            in_order=self._needs_earlier(),
-        )
-
-    def _receiver(self) -> Callable[[Any], bool] | None:
-        return self._coder.receive if self._coder is not None else None
-
-    def _needs_earlier(self) -> bool:
-        return True
-
-    def _settled(self, coded: CodedFrame, arrived: bool, heard_ns: int) -> None:
-        self._tell(coded.frame, arrived, heard_ns)
+        how: dict[str, Any] = {
+            "discard": lambda coded: setup.offer(coded.frame),
+            "wasted": lambda coded: recycle(coded.frame),
+            "receive": self._coder.receive if self._coder is not None else None,
+            "decoding": self._decoding,
+            "settled": lambda coded, arrived, heard_ns: setup.settled(coded.frame, arrived, heard_ns),
+        }
+        self.link: Link[Any] = network.link(setup.latency_ns, **how | callbacks)
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
         """Set the latency of frames sent from now on; those in transit keep theirs.
@@ -259,7 +232,7 @@ class Channel:
             return False
         self._skipped += 1
         if self._overload is not None:
-            self._overload.busy(now_ns, self._free_ns)
+            self._overload.lower(now_ns, self._free_ns - now_ns)
         return True
 
     @property
@@ -291,7 +264,15 @@ class Channel:
             sizes = coded.layer_bytes()
         self._frames += 1
         self._bytes.update(sizes)
-        render_ns, encode_ns = self._at_server(frame, now_ns)
+        render_ns = encode_ns = 0
+        if self._stages is not None:  # they delay the frame, and keep the server busy
+            took = frame.timings_ms
+            took["render"] = frame.render_ms if self._stages.render is None else 0.0
+            render_ns, encode_ns, decode_ns = self._stages.taken_ns(took, self._share)
+            took |= {"render": render_ns * 1e-6, "encode": encode_ns * 1e-6}
+            if self._stages.decode is not None:
+                self._decode_ns = decode_ns
+            self._free_ns = now_ns + max(render_ns, encode_ns, self._decode_ns)
         transit = self.link.send(coded, now_ns, sizes.total(), coded.is_key, render_ns, encode_ns)
         self._slowest_ns = max(render_ns, encode_ns, self._decode_ns, transit.transfer_ns)
         if self._overload is not None:
@@ -312,25 +293,11 @@ class Channel:
             self._weights[key] = sizes
         return sizes
 
-    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
-        """Return how long rendering and encoding delay the frame, and keep the server busy."""
-        if self._stages is None:
-            return 0, 0
-        took = frame.timings_ms
-        took["render"] = frame.render_ms if self._stages.render is None else 0.0
-        render_ns, encode_ns, decode_ns = self._stages.taken_ns(took, self._share)
-        took |= {"render": render_ns * 1e-6, "encode": encode_ns * 1e-6}
-        if self._stages.decode is not None:
-            self._decode_ns = decode_ns
-        self._free_ns = now_ns + max(render_ns, encode_ns, self._decode_ns)
-        return render_ns, encode_ns
-
     def _decoding(self, coded: CodedFrame) -> int:
         """Return how long decoding delays a frame that was received."""
         if self._stages is None:
             return 0
-        took = coded.frame.timings_ms
-        width, height = coded.frame.eyes[0].size
+        took, (width, height) = coded.frame.timings_ms, coded.frame.eyes[0].size
         *_, self._decode_ns = self._stages.taken_ns(took, width * height / self._full_pixels)
         took["decode"] = self._decode_ns * 1e-6
         return self._decode_ns

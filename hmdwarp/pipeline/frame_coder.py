@@ -7,7 +7,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from statistics import median
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import attrs
 import numpy as np
@@ -81,66 +81,30 @@ class Reads:
 
 
 # At most so many samples are kept: half an hour at 60 Hz.
-KEPT = 1 << 17
+_KEPT = 1 << 17
 # Coding loss is measured on every tenth frame, because it costs a comparison of two pictures.
-LOOK_EVERY = 10
+_LOOK_EVERY = 10
 _VIDEOS = (VIDEO, BRIGHT_VIDEO)
 _LEAST_MBIT = 0.01  # that a stream takes
 
 # A layer of an eye, and which of its textures or arrays.
 Key = tuple[int, str, int]
+Content = NDArray[Any]
 
 
-class Stream(Protocol):
+@attrs.frozen(eq=False)
+class _Stream:
     """One texture or array of every frame, coded in the order of drawing."""
 
-    def encode(self, content: NDArray[Any]) -> Packet:
-        """Encode the next."""
+    # Given whether the packet must need none before it.
+    encode: Callable[[Content, bool], Packet]
+    # Errors: Undecodable.
+    decode: Callable[[Packet], Content]
 
-    def decode(self, packet: Packet) -> NDArray[Any]:
-        """Return what arrives. Errors: Undecodable."""
-
-    def request_key(self) -> None:
-        """Make the next packet one that needs none before it."""
-
-
-@attrs.frozen(eq=False)
-class _Alone:
-    """A stream whose packets refer to no other."""
-
-    pack: Callable[[NDArray[Any]], bytes]
-    unpack: Callable[[bytes], NDArray[Any]]
-
-    def encode(self, content: NDArray[Any]) -> Packet:
-        return Packet(0, True, self.pack(content))
-
-    def decode(self, packet: Packet) -> NDArray[Any]:
-        return self.unpack(packet.data)
-
-    def request_key(self) -> None:
-        """Do nothing: every packet is one."""
-
-
-class _Video:
-    """A stream of pictures through a video codec."""
-
-    def __init__(self, encoder: Encoder | DepthVideoEncoder, decoder: Decoder | DepthVideoDecoder) -> None:
-        self.encode, self.request_key, self.decode = encoder.encode, encoder.request_key, decoder.decode
-
-
-@attrs.frozen(eq=False)
-class _Content:
-    """A texture or array that is sent, and how."""
-
-    # Decoded content is written over it.
-    into: moderngl.Texture | NDArray[Any]
-    coding: str
-    drawn: NDArray[Any]
-
-    @property
-    def video_pixels(self) -> int:
-        """Its pixels if it is a video's, else 0."""
-        return self.drawn.size if self.coding in _VIDEOS else 0
+    @classmethod
+    def of_each(cls, pack: Callable[[Content], bytes], unpack: Callable[[bytes], Content]) -> _Stream:
+        """Return a stream whose packets refer to no other."""
+        return cls(lambda content, key: Packet(0, True, pack(content)), lambda packet: unpack(packet.data))
 
 
 @attrs.frozen(eq=False)
@@ -152,14 +116,15 @@ class CodedFrame:
     packets: Mapping[Key, Packet] = attrs.field(factory=dict)
     # The packets that the client's plan reads; others are for plans that are compared with it.
     counted: frozenset[Key] = frozenset()
-    into: Mapping[Key, moderngl.Texture | NDArray[Any]] = attrs.field(factory=dict)
+    # What decoded content is written over.
+    into: Mapping[Key, moderngl.Texture | Content] = attrs.field(factory=dict)
     # The pictures before encoding; kept only where the loss is measured.
     before: Mapping[Key, NDArray[np.uint8]] = attrs.field(factory=dict)
 
     @property
     def is_key(self) -> bool:
         """Whether it can be decoded without those before it."""
-        return all(packet.key for packet in self.packets.values())
+        return not self.packets or all(packet.key for packet in self.packets.values())
 
     def layer_bytes(self) -> Counter[str]:
         """Return the bytes of what is counted, by layer."""
@@ -183,10 +148,10 @@ class Coder:
     def __init__(self, coding: Coding, rate_hz: float, age_s: float) -> None:
         self._coding, self._rate_hz, self._age_s = coding, rate_hz, age_s
         # By the size of the frame.
-        self._streams: dict[tuple[int, int], dict[Key, Stream]] = {}
+        self._streams: dict[tuple[int, int], dict[Key, _Stream]] = {}
         self._last_size = (0, 0)
         self._encoded = 0
-        self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=KEPT) for _ in range(3))
+        self._encode_ms, self._decode_ms, self._lost_db = (deque[float](maxlen=_KEPT) for _ in range(3))
 
     @classmethod
     def of(cls, coding: Coding, rate_hz: float, age_ns: int) -> Self | None:
@@ -199,49 +164,43 @@ class Coder:
         beside: what is read for comparison; it is coded too, and takes no time and no bytes.
         """
         counted = frozenset(_parts(frame, reads))
-        contents = {
-            key: _Content(into, coding, into if isinstance(into, np.ndarray) else download(into))
-            for key, (into, coding) in _parts(frame, reads | beside if beside is not None else reads).items()
-        }
-        size = frame.eyes[0].size
+        parts = _parts(frame, reads | beside if beside is not None else reads)
+        drawn = {key: into if isinstance(into, np.ndarray) else download(into) for key, (into, _) in parts.items()}
+        pixels = {key: drawn[key].size if coding in _VIDEOS else 0 for key, (_, coding) in parts.items()}
+        size, step = frame.eyes[0].size, STEP
         streams = self._streams.setdefault(size, {})
-        step = STEP
         if self._coding.depth != EXACT:
             step = depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
-        for key, content in contents.items():
-            if key not in streams:
-                of_eye = sum(one.video_pixels for (eye, *_), one in contents.items() if eye == key[0])
-                streams[key] = self._stream(content, content.video_pixels / max(of_eye, 1), step)
+        for key in parts.keys() - streams.keys():
+            of_eye = sum(count for other, count in pixels.items() if other[0] == key[0])
+            streams[key] = self._stream(drawn[key], parts[key][1], pixels[key] / max(of_eye, 1), step)
         # A stream that was left for another size begins anew.
         wants_key, self._last_size = wants_key or size != self._last_size, size
         packets, took_ms = {}, 0.0
-        for key, content in contents.items():
+        for key, content in drawn.items():
             started = time.perf_counter_ns()
-            if wants_key:
-                streams[key].request_key()
-            packets[key] = streams[key].encode(content.drawn)
-            took_ms += _milliseconds_since(started) if key in counted else 0
+            packets[key] = streams[key].encode(content, wants_key)
+            took_ms += (time.perf_counter_ns() - started) * 1e-6 if key in counted else 0
         frame.timings_ms["encode"] = took_ms
         self._encode_ms.append(took_ms)
-        looked_at = counted if self._encoded % LOOK_EVERY == 0 else ()
-        before = {key: picture_from_linear(contents[key].drawn) for key in looked_at if contents[key].video_pixels}
+        looked_at = counted if self._encoded % _LOOK_EVERY == 0 else ()
+        before = {key: picture_from_linear(drawn[key]) for key in looked_at if pixels[key]}
         self._encoded += 1
         # Half a step, and as video for 98 % of pixels two.
         error = 2 * step if self._coding.depth in DEPTH_VIDEOS else step / 2
         frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
-        return CodedFrame(frame, packets, counted, {key: one.into for key, one in contents.items()}, before)
+        return CodedFrame(frame, packets, counted, {key: into for key, (into, _) in parts.items()}, before)
 
     def receive(self, coded: CodedFrame) -> bool:
         """Decode into the frame's own textures; return False if the frame cannot be decoded."""
-        arrived: dict[Key, NDArray[Any]] = {}
-        streams = self._streams[coded.frame.eyes[0].size]
-        took_ms = 0.0
+        arrived: dict[Key, Content] = {}
+        streams, took_ms = self._streams[coded.frame.eyes[0].size], 0.0
         for key, packet in coded.packets.items():
             started = time.perf_counter_ns()
             # Each stream gets its packet, whatever has become of the others.
             with suppress(Undecodable):
                 arrived[key] = streams[key].decode(packet)
-            took_ms += _milliseconds_since(started) if key in coded.counted else 0
+            took_ms += (time.perf_counter_ns() - started) * 1e-6 if key in coded.counted else 0
         if len(arrived) < len(coded.packets):
             return False
         coded.frame.timings_ms["decode"] = took_ms
@@ -265,24 +224,26 @@ class Coder:
         told = {name: median(values) if values else None for name, values in figures.items()}
         return {"codec": self._coding.codec, **told}
 
-    def _stream(self, content: _Content, share: float, step: float) -> Stream:
-        size, asked = content.drawn.shape[1::-1], self._coding
-        if content.coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
-            return _Video(DepthVideoEncoder(size, self._rate_hz, step, how), DepthVideoDecoder(size, how))
-        if content.coding == DEPTH:
-            return _Alone(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
-        if content.coding == VECTORS:
-            channels = content.drawn.shape[2]
-            return _Alone(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
-        if content.coding not in _VIDEOS:
-            return _Alone(pack, unpack)
+    def _stream(self, drawn: Content, coding: str, share: float, step: float) -> _Stream:
+        """Return a new stream. share: of its eye's bit rate."""
+        size, asked = drawn.shape[1::-1], self._coding
+        if coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
+            video = DepthVideoEncoder(size, self._rate_hz, step, how)
+            return _Stream(video.encode, DepthVideoDecoder(size, how).decode)
+        if coding == DEPTH:
+            return _Stream.of_each(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
+        if coding == VECTORS:
+            channels = drawn.shape[2]
+            return _Stream.of_each(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
+        if coding not in _VIDEOS:
+            return _Stream.of_each(pack, unpack)
         rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
-        beyond = content.coding == BRIGHT_VIDEO
+        beyond = coding == BRIGHT_VIDEO
         encoder = Encoder(asked.codec, size, self._rate_hz, crf=asked.crf, bitrate_mbit=rate, keeps_beyond_1=beyond)
-        return _Video(encoder, Decoder(asked.codec, size))
+        return _Stream(encoder.encode, Decoder(asked.codec, size).decode)
 
 
-def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | NDArray[Any], str]]:
+def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | Content, str]]:
     """Return every texture and array that is read, with its coding."""
     is_light = "light" in frame.eyes[0]  # that an albedo will take from: what is beyond 1 is kept
     return {
@@ -296,7 +257,3 @@ def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float
     """Return how densely pictures of a field of view and size are drawn: of both axes the most."""
     sides = ((size, fov.tangents) for fov, size in pictures)
     return float(max(max(w / (right - left), h / (up - down)) for (w, h), (left, right, down, up) in sides))
-
-
-def _milliseconds_since(started_ns: int) -> float:
-    return (time.perf_counter_ns() - started_ns) * 1e-6

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
-
 import attrs
 
 from ..client.compensator import Compensator, EyeResult
@@ -18,11 +16,7 @@ from .channel import SEEN_PX, Changes, Channel
 from .governor import AdaptiveCompensator
 from .source import FrameSource, PoseRequest
 
-
-class _Pictures(TypedDict):
-    rendered: EyeImage
-    others: tuple[EyeImage, ...]
-    recent: tuple[EyeImage, ...]
+Several = tuple[EyeImage, ...]
 
 
 @attrs.frozen(eq=False)
@@ -132,7 +126,7 @@ class Loop:
         frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
-        head = self._requested.for_display(shown_ns)
+        head = self._requested.source.head_at(shown_ns)
         inputs = self._inputs(frame, head, shown_ns)
         eyes, laps = [], []
         for eye_inputs in inputs:
@@ -148,25 +142,25 @@ class Loop:
 
         Frames must carry what it needs, see PoseRequest.needs; layers beyond that are left out.
         """
-        return tuple(
-            attrs.evolve(eye_inputs, **self._pictures(refresh.frame, eye_inputs.eye, needs))
-            for eye_inputs in refresh.inputs
-        )
+        found = []
+        for before in refresh.inputs:
+            rendered, others, recent = self._pictures(refresh.frame, before.eye, needs)
+            found.append(attrs.evolve(before, rendered=rendered, others=others, recent=recent))
+        return tuple(found)
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
         last: tuple[View | None, ...] = (None,) * len(first)
         if asked.scanout_ns:
-            last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
-        return tuple(
-            [
-                PassInputs(shown=shown, eye=eye, shown_last=end, shown_ns=shown_ns, **self._pictures(frame, eye, needs))
-                for eye, (shown, end) in enumerate(zip(first, last, strict=True))
-            ]
-        )
+            last = self._eyes.views(asked.source.head_at(shown_ns + asked.scanout_ns).pose)
+        found = []
+        for eye, (shown, end) in enumerate(zip(first, last, strict=True)):
+            rendered, others, recent = self._pictures(frame, eye, needs)
+            found.append(PassInputs(rendered, shown, eye, others, recent, end, shown_ns=shown_ns))
+        return tuple(found)
 
-    def _pictures(self, frame: Frame, eye: int, needs: Needs) -> _Pictures:
-        """Return the eye's picture and the others that a plan reads, with the layers it needs.
+    def _pictures(self, frame: Frame, eye: int, needs: Needs) -> tuple[EyeImage, Several, Several]:
+        """Return the eye's picture, the other and the recent ones of a plan, with its layers.
 
         Frames may carry more layers, for plans that run on the same refresh.
         """
@@ -176,7 +170,13 @@ class Loop:
         found += rendered.carried.get("views", ())
         found += [before.eyes[eye] for before in kept.frames[: asked.past]]
         late = [before.eyes[eye] for before in kept.recent[: asked.recent]]
-        size = rendered.size  # passes are made for pictures of one size
-        others = tuple([one.only(needs) for one in found if one.size == size]) if found else ()
-        recent = tuple([one.only(needs) for one in late if one.size == size]) if late else ()
-        return {"rendered": rendered, "others": others, "recent": recent}
+        return rendered, _alike(found, rendered, needs), _alike(late, rendered, needs)
+
+
+def _alike(images: list[EyeImage], rendered: EyeImage, needs: Needs) -> Several:
+    """Return those of the picture's size, for which passes are made, with the needed layers."""
+    found = []
+    for one in images:
+        if one.colour.size == rendered.colour.size:
+            found.append(one.only(needs) if one.carried else one)
+    return tuple(found)

@@ -22,8 +22,7 @@ from ..poses.track import Moment
 from ..sources import sequences
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import Sequence
-from .options import PipelineOptions
-from .proxy_options import RECORDING
+from .options import RECORDING, PipelineOptions
 from .recorded_renderer import MomentOf, RecordedRenderer
 from .source import Options, Source, nothing
 

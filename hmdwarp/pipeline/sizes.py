@@ -25,8 +25,7 @@ from ..link import LinkOptions
 from ..options import AUTO, DEFAULT_GUARD, Choice
 from ..platforms import memory_bytes
 from ..scenes import CONVERGED, Scene
-from .options import PipelineOptions
-from .proxy_options import PROXY, RECORDING, ProxyOptions
+from .options import PROXY, RECORDING, PipelineOptions, ProxyOptions
 
 Size = tuple[int, int]
 

@@ -18,9 +18,9 @@ from ..errors import InputError
 from ..metrics import QUALITY, Figure
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
+from . import page
 from .files import LATE, Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
-from .page import Article, Choice, Group, Heading, Page, Picture, Section, Sentences, fact, machine_pairs
 from .replay_page import metric_charts
 from .run_texts import Cell, Line, Table, counted, figure_of
 
@@ -227,7 +227,7 @@ class RunDiff:
     def blocks(self) -> list[Any]:
         """Return the same as blocks of a page."""
         lines = self.lines(figures=False)
-        return [*[figures_table(self.figures)] * bool(self.figures), *[Sentences(lines)] * bool(lines)]
+        return [*[figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
         """Return it as plain data, for JSON."""
@@ -244,31 +244,32 @@ class RunDiff:
         """Return the page: the figures, each picture beside its difference, both runs over time."""
         count = len(self.setup) + len(self.figures) + len(self.refreshes) + len(self.pictures)
         labels = ("stored", "now", f"absolute difference, x{_MAGNIFY}")
-        choice = Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
-        articles = [
-            Article([Heading(one.name, one.told), Group("panels", [
-                Picture.of(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png")
+        choice = page.Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
+        articles = []
+        for one in (one for one in self.pictures if one.pictures):
+            shown = [
+                page.Picture.of(
+                    label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png"
+                )
                 for label, picture in zip(labels, one.pictures, strict=True)
-            ])])
-            for one in self.pictures
-            if one.pictures
-        ]  # fmt: skip
-        return Page(
+            ]
+            articles.append(page.Article([page.Heading(one.name, one.told), page.Group("panels", shown)]))
+        return page.Page(
             kind="diff",
             title="hmdwarp: run comparison",
             heading=("Run comparison:", counted(count, "difference")),
-            facts=[fact("stored", self.first.named), fact("now", self.second.named), self.told()],
+            facts=[page.fact("stored", self.first.named), page.fact("now", self.second.named), self.told()],
             command=command,
             remarks=self.notes,
             sections=(
-                Section("Differences", self.blocks()),
-                Section("Pictures", [choice, *articles] if articles else []),
-                Section(
+                page.Section("Differences", self.blocks()),
+                page.Section("Pictures", [choice, *articles] if articles else []),
+                page.Section(
                     "Over time",
-                    [Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
+                    [page.Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
                 ),
             ),
-            made_with=machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
+            made_with=page.machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
         ).html()
 
 

@@ -26,8 +26,7 @@ from ..pipeline.channel import Changes, Channel
 from ..pipeline.frame_coder import Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
-from ..pipeline.options import PREDICTED_GAZE, PipelineOptions
-from ..pipeline.proxy_options import REMOTE
+from ..pipeline.options import PREDICTED_GAZE, REMOTE, PipelineOptions
 from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size, plans_for
 from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, joined

@@ -67,7 +67,6 @@ class Arrays:
 
     @property
     def size(self) -> Size:
-        """(w, h) in pixels."""
         height, width = self.depth.shape
         return width, height
 
@@ -88,11 +87,9 @@ class Found:
         self._words = np.zeros(_WORDS * (pictures + 1), np.uint32)
 
     def clear(self) -> None:
-        """Set all words to 0."""
         clear_buffer(self.buffer, 0)
 
     def read(self) -> None:
-        """Wait for the passes."""
         self.buffer.read_into(self._words)
 
     @property
@@ -112,33 +109,26 @@ class Found:
         return bool(words[_WRONG] or (words[_NEGATIVE] and not words[_POSITIVE]) or bright)
 
     def close(self) -> None:
-        """Free the buffer."""
         self.buffer.release()
 
 
 class PixelBuffers:
-    """What one call in flight has of its own; each buffer is made when it is first needed.
-
-    Found, the bytes that go up, and those that come down.
-    """
+    """Found, and the buffers of one call in flight, each made when it is first needed."""
 
     def __init__(self, gpu: Gpu, pictures: int) -> None:
         self._gpu, self.found = gpu, Found(gpu, pictures)
         self._made: dict[tuple[str | int, ...], moderngl.Buffer] = {}
 
     def of(self, byte_count: int, *key: str | int) -> moderngl.Buffer:
-        """Return the buffer of that key and size."""
         if (*key, byte_count) not in self._made:
             self._made[*key, byte_count] = self._gpu.gl.buffer(reserve=byte_count, dynamic=True)
         return self._made[*key, byte_count]
 
     @property
     def bytes(self) -> int:
-        """The bytes of all of them."""
         return sum(buffer.size for buffer in self._made.values())
 
     def close(self) -> None:
-        """Free them."""
         self.found.close()
         release_all(*self._made.values())
 
@@ -158,7 +148,6 @@ class TakeIn:
 
     @property
     def bytes(self) -> int:
-        """The bytes of its textures."""
         return sum(map(texture_bytes, self._staged.values()))
 
     def send(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> Pair:
@@ -186,10 +175,7 @@ class TakeIn:
         return found[0], found[1][..., 0]
 
     def run(self, picture: Arrays, sent: Pair, into: Pair, found: Found, number: int) -> None:
-        """Write rgba16f linear light with coverage and r32f inverse depth.
-
-        sent: what `send` returns for the picture. number: which of the pictures of `found`.
-        """
+        """Write rgba16f light with coverage and r32f inverse depth, of what `send` returned."""
         size, light = self._size, self._light_of_byte
         if picture.scaling is not None:
             size, light = picture.scaling.size, self._bind_scaling(picture.scaling)
@@ -247,7 +233,6 @@ class TakeIn:
         return buffer, lambda raw: np.ndarray(array.shape, kind, raw, strides=steps)
 
     def close(self) -> None:
-        """Free the textures."""
         release_all(self._light_of_byte, *filter(None, (self._light,)), *self._spans.values(), *self._staged.values())
 
 
@@ -261,11 +246,7 @@ class GiveCodes:
         self._nearest, self._colours, self._codes = (gpu.gl.buffer(reserve=n) for n in (4, 4 * pixels, 2 * pixels))
 
     def run(self, pair: Pair) -> tuple[NDArray[np.uint8], NDArray[np.uint16], float]:
-        """Return colour (h, w, 4), codes (h, w) and their step in 1/m.
-
-        pair: rgba16f and r32f textures. A code is within 0.55 steps: half of one, and what two
-        divisions in float32, good to 2.5 units, are off by at 65534 of them.
-        """
+        """Return colour (h, w, 4), codes (h, w) within 0.55 steps, and their step in 1/m."""
         colour, inverse_depth = pair
         clear_buffer(self._nearest, 0)
         colour.bind_to_image(0, read=True, write=False, format=_RG32UI)
@@ -288,11 +269,9 @@ class GiveCodes:
 
     @property
     def bytes(self) -> int:
-        """The bytes of its buffers."""
         return self._colours.size + self._codes.size
 
     def close(self) -> None:
-        """Free what was made."""
         release_all(self._byte_of_half, self._nearest, self._colours, self._codes)
 
 
@@ -303,7 +282,6 @@ class Upload:
         self._taking, self._buffers = TakeIn(gpu, size), PixelBuffers(gpu, 1)
 
     def run(self, picture: Arrays, into: Pair) -> None:
-        """Write rgba16f linear light with coverage and r32f inverse depth."""
         if not picture.is_ready:
             sent = self._taking.send(picture, self._buffers)
             self._taking.run(picture, sent, into, self._buffers.found, 0)
@@ -316,17 +294,14 @@ class Upload:
 
     @property
     def bytes(self) -> int:
-        """The bytes of what was made."""
         return self._taking.bytes + self._buffers.bytes
 
     def close(self) -> None:
-        """Free what was made."""
         self._taking.close()
         self._buffers.close()
 
 
 def _arrays_of(picture: Arrays) -> dict[str, NDArray[Any]]:
-    """Return colour and depth, each (h, w, c)."""
     return {"colour": picture.colour, "depth": picture.depth[..., None]}
 
 
@@ -337,15 +312,12 @@ def _sent_as(name: str, array: NDArray[Any]) -> np.dtype[Any]:
 
 
 def _byte_table(gpu: Gpu) -> moderngl.Texture:
-    """Return the sRGB byte of each half, by its two bytes."""
     table = allocate(gpu.gl, (256, 256), (1, "u1"))
     table.write(srgb8_from_linear(np.arange(65536, dtype=np.uint16).view(np.float16)).tobytes())
     return table
 
 
 class GiveOut:
-    """Makes arrays of what is shown."""
-
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
         self._byte_of_half = _byte_table(gpu)
@@ -400,5 +372,4 @@ class GiveOut:
         return found
 
     def close(self) -> None:
-        """Free the texture."""
         self._byte_of_half.release()

@@ -17,7 +17,7 @@ from worlds import World, read
 
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
-from hmdwarp.client.fill_parts import (
+from hmdwarp.client.fills.memory import (
     BLOCK_SIDE,
     HoleFiller,
     Keeper,
@@ -30,7 +30,7 @@ from hmdwarp.client.fill_parts import (
     place_in_block,
     seeds_for,
 )
-from hmdwarp.client.warp_kinds import DepthPicture
+from hmdwarp.client.warps.multi import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
@@ -184,7 +184,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
     frames = [seconds(drawn(gpu, scene_of(WALL), turned(20 * k)), k) for k in range(8)]
     monkeypatch.setattr(type(gpu.shaders), "compute", refuse)
-    monkeypatch.setattr("hmdwarp.client.fill_parts.allocate", refuse)
+    monkeypatch.setattr("hmdwarp.client.fills.memory.allocate", refuse)
     for rendered in frames:
         for _ in range(2):
             client.sees(rendered, rendered.view)

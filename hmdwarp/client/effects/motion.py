@@ -21,7 +21,7 @@ from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, allocate, drawing_into, release_all
 from ...scenes import REACH_M, REACH_S, swing_seconds
 from ..inputs import PassInputs
-from ..warp_kinds import steepest
+from ..warps.mesh import steepest
 from . import Effect, RenderedPass, effects
 
 STEEPEST_DEG = 85.0  # angle from facing; steeper planes tear, as in the mesh warps

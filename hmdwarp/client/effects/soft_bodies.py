@@ -16,10 +16,8 @@ from ...gpu.shaders import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
 from ...scenes import unlit
 from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
-from ..client_scene import ClientScene, Store
-from ..drawn_scenes import whole_weight
-from ..fill_parts import NEAR, OFF_PLANE, BlockLights
-from ..fills.model import MODEL_WEIGHT, RelightSettings
+from ..client_scene import ClientScene, Store, whole_weight
+from ..fills.model import MODEL_WEIGHT, NEAR, OFF_PLANE, BlockLights, RelightSettings
 from ..inputs import PassInputs, ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
@@ -128,13 +126,7 @@ class SoftBodiesPass(ShownPass):
     name = "soft bodies"
     takes_out = True
     carries = True  # the depth of what is shown; what samples a cube map would also show the late body
-    reads = (
-        "shown.colour",
-        "shown.inverse_depth",
-        "rendered.colour",
-        "rendered.inverse_depth",
-        "client.soft_bodies",
-    )
+    reads = ("shown.colour", "shown.inverse_depth", "rendered.colour", "rendered.inverse_depth", "client.soft_bodies")
     writes = ("shown.colour", "shown.inverse_depth")
 
     def prepare(self) -> None:

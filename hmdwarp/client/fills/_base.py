@@ -1,15 +1,19 @@
-"""The base class of fills."""
+"""The base class of fills, and the list of the pieces of a picture that have holes."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
+import numpy as np
+
+from ...errors import InputError
 from ...frames import Needs
 from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import tiles
 from ...options import NoSettings
-from ..client_scene import ClientScene
-from ..drawn_scenes import DrawnModel, ReducedModel
+from ..client_scene import ClientScene, DrawnModel, ReducedModel
 from ..inputs import PassInputs, ShownPicture
 
 
@@ -95,3 +99,86 @@ class Fill(ABC):
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         """Return the bytes of the pictures that it may keep."""
         return 0
+
+
+PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
+_HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces
+_WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH = range(4)  # image units
+
+
+class HolePieces:
+    """The list of pieces with holes of the newest picture; owns its buffers.
+
+    with_depth: copies the inverse depth too. coarse: also lists the pieces of the picture at half
+    the resolution that see a hole.
+    """
+
+    def __init__(
+        self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, coarse: bool = False
+    ) -> None:
+        self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
+        self._program = gpu.shaders.compute(
+            "fills/holes.comp", grid="shown", WITH_DEPTH=int(with_depth), COARSE=int(coarse)
+        )
+        self.count = _pieces_in(size)
+        most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
+        if self.count * PIECE[0] > 64 * most:
+            raise InputError(
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
+                "smaller one"
+            )
+        self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
+        self._stamps = gpu.gl.buffer(bytes(8 * self.count))
+        at_half = _pieces_in(tiles(size, 2))
+        self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
+        self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
+        self._run_find = self._program.over(*size)
+
+    def find(self, picture: ShownPicture, into: ShownPicture) -> int:
+        """Copy the picture, and list its pieces with holes.
+
+        Return the stamp that marks its pieces with covered pixels.
+        """
+        self._stamp = self._stamp % (2**32 - 1) + 1
+        self.list.write(_HEADER)
+        uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
+        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
+        into.colour.texture.bind_to_image(_FILLED, read=False, write=True)
+        if self._with_depth and picture.inverse_depth is not None:
+            picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
+            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+            uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
+        self.list.bind_to_storage_buffer(0)
+        self._stamps.bind_to_storage_buffer(1)
+        if self._coarse is not None and self._coarse_stamps is not None:
+            self._coarse.write(_HEADER)
+            self._coarse.bind_to_storage_buffer(2)
+            self._coarse_stamps.bind_to_storage_buffer(3)
+        self._program.uniforms.set(**uniforms)
+        self._run_find()
+        self._gpu.barrier()
+        return self._stamp
+
+    def run(self, program: Compute) -> None:
+        """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
+        self.list.bind_to_storage_buffer(0)
+        self._stamps.bind_to_storage_buffer(1)
+        program.program.run_indirect(self.list)
+        self._gpu.barrier()
+
+    def run_coarse(self, program: Compute) -> None:
+        """Run it over the pieces at half the resolution; its shown_size is that resolution."""
+        assert self._coarse is not None
+        self._coarse.bind_to_storage_buffer(0)
+        program.program.run_indirect(self._coarse)
+        self._gpu.barrier()
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for buffer in (self.list, self._stamps, self._coarse, self._coarse_stamps):
+            if buffer is not None:
+                buffer.release()
+
+
+def _pieces_in(size: tuple[int, int]) -> int:
+    return -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])

@@ -10,10 +10,11 @@ import numpy as np
 
 from ...geometry import view_map
 from ...gpu.textures import COLOUR, allocate
-from ..fill_parts import HolePieces
+
+# FP HolePieces
 from ..inputs import PassInputs, ShownPicture
 from . import fills
-from ._base import Fill
+from ._base import Fill, HolePieces
 
 
 @fills.register

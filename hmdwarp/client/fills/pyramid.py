@@ -12,10 +12,11 @@ from ...geometry import view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
-from ..fill_parts import HolePieces
+
+# FP HolePieces
 from ..inputs import PassInputs, ShownPicture
 from . import fills
-from ._base import Fill
+from ._base import Fill, HolePieces
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
 # Up to texels of 2^LOCAL_LEVELS pixels, the farthest surface is preferred if it makes up

@@ -2,19 +2,152 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, Literal
 
 import attrs
 import moderngl
+import numpy as np
 
+from ...errors import InputError
 from ...frames import EyeImage, Needs, Others
-from ...geometry import Fov, Hidden, WarpMap
+from ...geometry import Fov, Hidden, WarpMap, view_map
+from ...gpu.context import Gpu
 from ...gpu.hidden import Grid
-from ...gpu.textures import SCALAR, Canvas, allocate, release_all
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all, tiles
 from ..inputs import PassInputs
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
-from ..warp_kinds.older import MOST_OLDER, OlderFrames
 from . import warps
+from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
+
+BLOCK = 4  # pixels on each axis, rendered and shown; as in shaders/lib/seeds.glsl
+BLOCK_BYTES, CELL_BYTES = 16, 4
+MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
+
+
+class Seeds:
+    """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
+
+    def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+        self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
+        self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
+        self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
+        self._check_size()
+        compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
+        # The last one visits every cell, whose key may be of the other eye.
+        programs = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
+        sizes = {"blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
+        grids = (rendered_size, self._blocks), (rendered_size, self._blocks), (shown_size, self.cells)
+        self._passes = [
+            (program, program.over(*size, BLOCK), {"grid": grid, **sizes})
+            for program, (size, grid) in zip(programs, grids, strict=True)
+        ]
+        self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
+        self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
+
+    def find(self, inputs: PassInputs, surface: dict[str, object]) -> None:
+        """Compute the guesses and leave them bound for the gather.
+
+        surface: the uniforms of lib/rendered_surface.glsl; the rendered depth is bound.
+        """
+        shown = inputs.middle
+        forward = view_map(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
+        back = view_map(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
+        for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
+            buffer.bind_to_storage_buffer(binding)
+        for (program, run, sizes), warp in zip(self._passes, (forward, forward, back), strict=True):
+            program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
+            run()
+            self._gpu.barrier()
+
+    def _check_size(self) -> None:
+        wide, high = self._rendered_size
+        most = min(self._gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
+        if sum(self._index_bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
+            raise InputError(
+                f"a rendered picture of {wide}x{high}: the forward seed takes about {most} pixels at most; use "
+                "seed=rotation"
+            )
+
+    def close(self) -> None:
+        """Free the buffers."""
+        release_all(self._seeds, self._nearest, self._keys)
+
+
+_MEAN_BLOCK = 8  # pixels on each side, as SIDE and ROWS in the shaders
+MOST_OLDER = 3
+# Image units; one for each older frame. The texture unit of a colour is that of its image.
+_SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + MOST_OLDER
+
+
+class OlderFrames:
+    """Passes that look each shown pixel up in older frames, where they saw the same surface.
+
+    The place follows from the depth that the warp has found, so nothing is searched again. Noise,
+    codec errors and the blur of sampling differ from frame to frame and average out. Of an older
+    frame only detail counts: in blocks of 8 x 8 pixels its mean becomes the newest frame's. It
+    counts less the more light has changed there, and the farther off it lies.
+    """
+
+    def __init__(
+        self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int], most: int, *, scanout: bool
+    ) -> None:
+        """Compile for at most `most` older frames."""
+        self._gpu = gpu
+        wide, high = blocks = tiles(shown_size, _MEAN_BLOCK)
+        ways = {name: 1 for name, asked in {"SCANOUT": scanout, "TEXELS": gpu.is_software}.items() if asked}
+        agree = gpu.shaders.compute("warps/older_agree.comp")
+        # For each number of frames the passes in order, the constants of each, and what runs it.
+        self._passes = []
+        for count in range(1, most + 1):
+            compare, join = (
+                gpu.shaders.compute(f"warps/older_{name}.comp", OLDER=count, **ways) for name in ("compare", "join")
+            )
+            every: dict[str, object] = {"shown_colour": _SHOWN, "shown_inverse_depth": _SHOWN_DEPTH, "sums": _SUMS}
+            every |= {"told": _TOLD, "blocks": blocks, "shown_size": shown_size, "rendered_size": rendered_size}
+            every["frames"] = count
+            for name, first in (("older_inverse_depth", _DEPTHS), ("older_colour", _COLOURS)):
+                every[name] = tuple(range(first, first + count)) if count > 1 else first
+            runs = compare.over(*blocks), agree.over(wide, count * high), join.over(wide, shown_size[1])
+            self._passes.append((every, tuple(zip((compare, agree, join), runs, strict=True))))
+        self._told = allocate(gpu.gl, (wide, most * high), COLOUR)
+        self._sums = allocate(gpu.gl, (wide, 4 * most * high), (4, "f4"))
+
+    def add(
+        self,
+        older: Sequence[EyeImage],
+        depths: Sequence[moderngl.Texture],
+        maps: Sequence[Mapping[str, np.ndarray]],
+        into: Canvas,
+        inverse_depth: moderngl.Texture,
+        limits: Mapping[str, object],
+    ) -> None:
+        """Average `into`, whose pixels lie at `inverse_depth` (r32f), with the older frames.
+
+        depths: their inverse depths. maps: H and e to each of them, as uniforms. limits:
+        depth_tolerance and depth_floor.
+        """
+        for k, (image, depth) in enumerate(zip(older, depths, strict=True)):
+            depth.bind_to_image(_DEPTHS + k, read=True, write=False)
+            image.colour.bind_to_image(_COLOURS + k, read=True, write=False)
+            image.colour.use(_COLOURS + k)
+        inverse_depth.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
+        into.texture.bind_to_image(_SHOWN, read=True, write=True)
+        self._sums.bind_to_image(_SUMS, read=True, write=True)
+        self._told.bind_to_image(_TOLD, read=True, write=True)
+        places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
+        every, passes = self._passes[len(older) - 1]
+        for program, run in passes:
+            self._gpu.barrier()
+            program.uniforms.settle(every)
+            if program.uniforms.declares("older_H"):
+                program.uniforms.set(**places, **limits)
+            run()
+
+    def close(self) -> None:
+        """Free the textures."""
+        release_all(self._told, self._sums)
+
 
 MOST_STEPS = 64
 
@@ -119,7 +252,8 @@ class Iterative(GatherWarp):
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
+        limits = depth_limits(self.settings, inputs.rendered)
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, **limits}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
@@ -135,7 +269,6 @@ class Iterative(GatherWarp):
         # A picture that is shown as it was drawn keeps its last bits.
         if not all(map(WarpMap.moves_whole_pixels, maps)):
             back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
-            limits = depth_limits(self.settings, inputs.rendered)
             depths = [image.inverse_depth for image in older]
             if self._fringes:
                 held = self._fringed[inputs.eye]

@@ -1,19 +1,177 @@
-"""Composites of several pictures, and of the layers of one."""
+"""Composites of several pictures with depth, and of the layers of one.
+
+The shown rays are intersected with one picture after the other; the best hit stays per pixel.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from abc import abstractmethod
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar, Literal
 
 import attrs
+import moderngl
 import numpy as np
 
-from ...errors import PlanError
+from ...errors import InputError, PlanError
 from ...frames import Needs, Others
-from ...geometry import WarpMap, view_map
+from ...geometry import View, WarpMap, view_map
+from ...gpu.context import Gpu
+from ...gpu.textures import Canvas, allocate, release_all
 from ..inputs import PassInputs
-from ..warp_kinds import CompositeWarp, DepthPicture
-from . import warps
+from . import KEY_BYTES, warps
+from ._base import Warp
+from .forward import check_room
+from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE
+
+PIECE_ROWS = 4
+# Pixels of a piece (lib/hole_pieces.glsl) and invocations of a work group (lib/rows.glsl).
+_PIECE, _GROUP = 8, 64
+_HEADER_BYTES = 16  # of a list: three work-group counts and one count of pieces
+
+
+class DepthGuesses:
+    """The nearest inverse depth that lands in each cell of the shown picture."""
+
+    def __init__(self, gpu: Gpu, cells: tuple[int, int]) -> None:
+        self._gpu, self._cells = gpu, cells
+        self._empty = gpu.shaders.compute("warps/layered_empty.comp")
+        self._seed = gpu.shaders.compute("warps/layered_seed.comp")
+        self._quads = -(-cells[0] * cells[1] // 4)
+        self._keys = gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
+        self._run_empty = self._empty.over(self._quads)
+        self._run_seed: dict[tuple[int, int], Callable[[], object]] = {}  # by the size of what is moved
+
+    def empty(self, pieces: moderngl.Buffer) -> None:
+        """Clear all guesses and the list; both stay bound."""
+        self._keys.bind_to_storage_buffer(0)
+        pieces.bind_to_storage_buffer(1)
+        self._empty.uniforms.set(quads=self._quads)
+        self._gpu.barrier()
+        self._run_empty()
+
+    def scatter(self, inverse_depth: moderngl.Texture, view: View, shown: View, unit: int) -> None:
+        """Move an inverse depth rendered for `view` to the shown view.
+
+        It stays bound as image `unit`.
+        """
+        size = inverse_depth.size
+        forward = view_map(view, size, shown, self._cells)
+        inverse_depth.bind_to_image(unit, read=True, write=False)
+        self._keys.bind_to_storage_buffer(0)
+        sizes = {"rendered_size": size, "shown_size": self._cells}
+        self._seed.uniforms.set(H=forward.H, e=forward.e, rendered_inverse_depth=unit, **sizes)
+        if size not in self._run_seed:
+            self._run_seed[size] = self._seed.over(*size)
+        self._gpu.barrier()
+        self._run_seed[size]()
+
+    def close(self) -> None:
+        """Free the guesses."""
+        self._keys.release()
+
+
+def piece_list(gpu: Gpu, user: str, shown_size: tuple[int, int]) -> moderngl.Buffer:
+    """Return an empty list with room for every piece of the shown picture.
+
+    user: for the message. Errors: InputError where the indirect dispatch over all pieces would
+    exceed the GL limit, and be dropped silently.
+    """
+    pieces = -(-shown_size[0] // _PIECE) * -(-shown_size[1] // PIECE_ROWS)
+    most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
+    if -(-pieces * _PIECE // _GROUP) > most:
+        wide, high = shown_size
+        found = f"a shown picture of {wide}x{high}: {user} would need more than this GPU's {most} work groups"
+        raise InputError(f"{found}; use a smaller one")
+    return gpu.gl.buffer(bytes(_HEADER_BYTES + 8 * pieces))
+
+
+def no_pieces(gpu: Gpu) -> moderngl.Buffer:
+    """Return a list of zero capacity, for guesses whose pieces are listed elsewhere."""
+    return gpu.gl.buffer(bytes(_HEADER_BYTES))
+
+
+_COLOUR = 1  # texture unit
+_RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; from 3 on they are the warp's own
+_GUESSES = 3
+
+
+@attrs.frozen(eq=False)
+class DepthPicture:
+    """A picture with depth and the view it was rendered for."""
+
+    colour: moderngl.Texture  # As in EyeImage.
+    inverse_depth: moderngl.Texture  # As in EyeImage.
+    view: View
+
+
+class CompositeWarp(Warp):
+    """A gather from several pictures, each seeded by a scatter of its depth alone.
+
+    The scatter leaves in each shown pixel the nearest depth that lands there. The gather starts
+    from these guesses, its own and its neighbours', and finds where the ray meets the picture's
+    surface (lib/meeting.glsl).
+    """
+
+    kind = "scatter"
+    best: ClassVar[tuple[int, str]] = (1, "f4")  # texture format of the best hit so far
+
+    def prepare(self) -> None:
+        check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
+        self._guesses = DepthGuesses(self.gpu, self.shown_size)
+        self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
+        compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=PIECE_ROWS)
+        self._choose, self._first = (compute(grid="shown", PASS=k) for k in (0, 1))
+        self._more = compute(PASS=2)
+        self._stamp = 0
+        self._best = allocate(self.gpu.gl, self.shown_size, self.best)
+
+    @abstractmethod
+    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+        """Return the pictures to combine, the preferred of equals first."""
+
+    def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
+        """Return further uniforms of the warp's own shader, by name."""
+        return {}
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        into.bind_for_writing(_RESULT)
+        self._best.bind_to_image(_BEST, read=True, write=True)
+        own = self.own_uniforms(inputs)
+        for index, picture in enumerate(self.pictures(inputs)):
+            self._guesses.empty(self._pieces)
+            self._guesses.scatter(picture.inverse_depth, picture.view, inputs.shown, _DEPTH)
+            self._gather(picture, inputs.middle, own, is_first=index == 0)
+
+    def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
+        size = picture.colour.size
+        back = view_map(shown, self.shown_size, picture.view, size)
+        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_rendered_colour
+        picture.colour.filter = (chosen, chosen)
+        picture.colour.use(_COLOUR)
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
+        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
+        units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
+        uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
+        if is_first:
+            self._first.uniforms.set(**uniforms)
+            self.gpu.barrier()
+            self._first.run(*self.shown_size)
+            return
+        self._stamp = self._stamp % 0xFFFFFFFF + 1
+        self._choose.uniforms.set(stamp=self._stamp, **uniforms)
+        self.gpu.barrier()
+        self._choose.run(*self.shown_size)
+        self._more.uniforms.set(**uniforms)
+        self.gpu.barrier()
+        self._more.program.run_indirect(self._pieces)
+
+    def close(self) -> None:
+        self._guesses.close()
+        release_all(self._pieces, self._best)
+
 
 MOST_LAYERS = 4
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, unknown_name
-from ...options.tables import Table
+from ...options import Table
 from .. import quaternions
 from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE

@@ -17,8 +17,6 @@ _DIAGONAL = np.float32(np.sqrt(2))
 
 @attrs.frozen
 class CompleteSettings(SurfaceSettings):
-    """How a gap is closed."""
-
     colour: float = 0.08  # standard deviation of colours of one surface, sRGB of 0 to 1
     reach: float = 0.075  # share of the picture's longer side at which the confidence has fallen to a half
     least: float = 0.0  # confidence below which a guess is not taken: the pixel stays a hole
@@ -34,13 +32,10 @@ class CompleteSettings(SurfaceSettings):
 class Complete(Repair):
     """Give each pixel without depth that of a surface next to the gap.
 
-    Eight directions each propose the first measured depth on them, weighted by how alike the
-    colours are and by the square of the distance. Proposals of one surface support each other; the
-    surface with the most support wins, and the weighted mean of its proposals is the guess. So no
-    guess lies between two surfaces, and none outside the range of what was measured.
-
-    The confidence is the surface's share of all weights, times 2^-(d / reach)^2 at the distance d
-    to its nearest proposal. Measured depth stays as it is, bit for bit.
+    Eight directions propose the first measured depth on them, weighted by colour and the square of
+    the distance. The surface with the most support wins; the weighted mean of its proposals is the
+    guess, its share of all weights times 2^-(d / reach)^2 at the nearest one's distance d the
+    confidence. Measured depth stays as it is, bit for bit.
     """
 
     name = "complete"
@@ -69,7 +64,6 @@ class Complete(Repair):
 
 
 def _reduced(colour: Pixels, inverse: Pixels, part: int) -> tuple[Pixels, Pixels]:
-    """Return blocks of part x part pixels as one: their mean colour, and one of their depths."""
     # The depth is the one nearest to their mean, never a mixture.
     if part == 1:
         return colour, inverse
@@ -116,7 +110,6 @@ def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: 
 
 
 def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) -> Pixels:
-    """Return the proposal of each pixel that most weight stands behind."""
     support = weight.copy()
     for index in range(len(values)):
         for other in range(index + 1, len(values)):
@@ -157,6 +150,5 @@ def _up_and_down(
 
 
 def _last_known(known: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """Return the row of the last known pixel at or above each pixel, -1 for none."""
     line = np.arange(len(known), dtype=np.int32)[:, None]
     return np.maximum.accumulate(np.where(known, line, np.int32(-1)), axis=0)

@@ -19,8 +19,6 @@ _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 @attrs.frozen
 class EdgesSettings(SurfaceSettings):
-    """What counts as a silhouette, and when depth is moved."""
-
     # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
     most: int = 6
     # Standard deviations by which the best offset must stand out from the others.
@@ -62,11 +60,7 @@ class Edges(Repair):
 
 
 def depth_offset(colour: Pixels, inverse: Pixels, settings: EdgesSettings) -> tuple[int, int]:
-    """Return by how many pixels depth must move, down and to the right, to meet its colour.
-
-    (0, 0) where no offset stands out: too few jumps, too little evidence, or a best one at the very
-    end of the search, which may go on beyond.
-    """
+    """Return how far depth must move, down and right, to meet its colour; (0, 0) if unclear."""
     most, contrast, count = settings.most, 0.0, 0
     for axis in (0, 1):
         here, before = np.moveaxis(inverse, axis, 0)[1:], np.moveaxis(inverse, axis, 0)[:-1]
@@ -95,7 +89,6 @@ def depth_offset(colour: Pixels, inverse: Pixels, settings: EdgesSettings) -> tu
 
 
 def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
-    """Return the picture moved by whole pixels; what comes in from outside is empty."""
     if down == right == 0:
         return values
     high, wide = values.shape
@@ -107,10 +100,7 @@ def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
 
 
 def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
-    """Return the pixels that are farther than one neighbour and nearer than the opposite one.
-
-    Neighbours are one pixel away, or two: a sensor's pixel and its interpolation mix as many.
-    """
+    """Return pixels farther than a neighbour, one or two away, and nearer than the opposite one."""
     around = np.pad(inverse, _REACH, constant_values=np.nan)
     at = np.flatnonzero(np.pad(_beside_jumps(inverse, settings), _REACH))
     depths, wide = around.ravel(), around.shape[1]
@@ -128,7 +118,6 @@ def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bo
 
 
 def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
-    """Return the pixels next to a jump of depth along a row or a column."""
     found = np.zeros(inverse.shape, bool)
     for axis in (0, 1):
         for distance in range(1, _REACH + 1):
@@ -142,8 +131,6 @@ def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]
 
 @repairs.register
 class NoRepair(Repair):
-    """Leave depth as it is: missing depth is a hole."""
-
     name = "none"
     summary = "depth as it was given: a pixel without depth is a hole"
     needs = "nothing"

@@ -22,9 +22,7 @@ from .recorded import POSE
 
 Size = tuple[int, int]
 _PLAIN_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "FULL_OPENCV", "RADIAL", "SIMPLE_RADIAL", "PERSPECTIVE")
-_COEFFICIENTS = tuple(
-    f"{kind}{number}" for kind, count in (("k", 6), ("p", 2), ("s", 4)) for number in range(1, count + 1)
-)
+_COEFFICIENTS = ("k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "s1", "s2", "s3", "s4")
 _LISTS = ("distortion", "distortion_coefficients", "distortion_params", "dist_coeffs")
 # Names of a 3x3 matrix of intrinsics: of Open3D, OpenCV, ROS and others.
 MATRICES = ("intrinsic_matrix", "camera_matrix", "intrinsic", "K", "k")
@@ -46,10 +44,7 @@ _UNDISTORT = (
 
 @attrs.frozen
 class Camera:
-    """Intrinsics of a camera without lens distortion.
-
-    A negative fy says that the camera's y points up, as ICL-NUIM has it.
-    """
+    """Intrinsics of a camera without lens distortion; fy < 0 where its y points up."""
 
     fx: float
     fy: float
@@ -61,7 +56,6 @@ class Camera:
 
     @classmethod
     def of(cls, numbers: Iterable[float]) -> Camera:
-        """Return the camera of fx, fy, cx, cy."""
         fx, fy, cx, cy = map(float, numbers)
         return cls(fx, fy, cx, cy)
 
@@ -82,7 +76,6 @@ class Camera:
 
     @property
     def text(self) -> str:
-        """The intrinsics in words."""
         if self.projected is not None:
             left, right, down, up = self.projected.tangents.tolist()
             return f"projection from {left:.6g} to {right:.6g} and {down:.6g} to {up:.6g}"
@@ -111,10 +104,7 @@ def parse_intrinsics(text: str) -> Camera:
 
 
 def parse_projection(text: str) -> Camera:
-    """Return the camera of the 16 numbers of a projection matrix, by rows or columns.
-
-    As OpenGL, WebXR, Unity and OpenVR have it. Errors: InputError.
-    """
+    """Return the camera of a 4x4 matrix of OpenGL, WebXR, Unity, OpenVR. Errors: InputError."""
     try:
         numbers = [float(part) for part in text.replace(",", " ").split()]
     except ValueError:
@@ -134,14 +124,26 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     Errors: InputError, which names a lens distortion.
     """
     refuse_distortion(where, data)
-    size, centre = _size(where, data), number_of(where, "centre", data.get("centre", centre))
+    sides = [
+        number_of(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
+    ]
+    size, centre = None, number_of(where, "centre", data.get("centre", centre))
+    if len(sides) == 2:
+        if min(sides) < 1 or any(side % 1 for side in sides):
+            raise InputError(f"{where}: pictures of {sides[0]:g}x{sides[1]:g}; expected whole pixels, 1 or more")
+        size = int(sides[0]), int(sides[1])
     named = next((name for name in ("intrinsics", *MATRICES) if data.get(name) is not None), "")
     if named:
         fx, fy, cx, cy = _of_list(where, named, data[named])
     elif "fx" in data:
         fx, fy, cx, cy = (number_of(where, name, data.get(name)) for name in ("fx", "fy", "cx", "cy"))
-    elif "fl_x" in data or "camera_angle_x" in data:
-        fx, fy, cx, cy = _of_nerf(where, data, size, centre)
+    elif "fl_x" in data or "camera_angle_x" in data:  # as nerfstudio has them, or the older files of NeRF
+        fx, fy = (_focal(where, data, size, axis) for axis in (0, 1))
+        if fx is None:
+            raise InputError(f"{where}: fl_y without fl_x: expected both focal lengths, in pixels")
+        fy = fy or fx
+        middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
+        cx, cy = (number_of(where, key, data.get(key, at)) for key, at in zip(("cx", "cy"), middle, strict=True))
     else:
         return None
     if not fx > 0 or fy == 0:
@@ -151,8 +153,19 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     return Camera(fx, fy, cx, cy, size, centre)
 
 
+def _focal(where: str | Path, data: Mapping[str, Any], size: Size | None, axis: int) -> float | None:
+    name = "xy"[axis]
+    if f"fl_{name}" in data:
+        return number_of(where, f"fl_{name}", data[f"fl_{name}"])
+    angle = data.get(f"camera_angle_{name}")
+    if angle is None:
+        return None
+    if size is None:
+        raise InputError(f"{where}: camera_angle_{name} without w and h: expected the pictures' size in pixels too")
+    return size[axis] / 2 / math.tan(number_of(where, f"camera_angle_{name}", angle) / 2)
+
+
 def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
-    """Return fx, fy, cx, cy of four numbers or of a 3x3 matrix, whose zeros say which way it is."""
     if isinstance(value, Mapping):  # as OpenCV writes a matrix
         value = value.get("data")
     try:
@@ -166,13 +179,11 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
         four = "4 numbers fx, fy, cx, cy, or " if name == "intrinsics" else ""
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected {four}9 numbers of a 3x3 matrix")
     matrix = np.reshape(numbers_of(where, name, numbers, 9), (3, 3))
-    matrix = matrix if np.array_equal(matrix[2], (0, 0, 1)) else matrix.T
+    matrix = matrix if np.array_equal(matrix[2], (0, 0, 1)) else matrix.T  # its zeros say which way it is
     if not np.array_equal(matrix[2], (0, 0, 1)):
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected 0, 0, 1 as its last row or column")
-    if matrix[0, 1] or matrix[1, 0]:
-        raise InputError(
-            f"{where}: {name} has a skew of {matrix[0, 1] or matrix[1, 0]:g}; expected 0: square the pixels"
-        )
+    if skew := matrix[0, 1] or matrix[1, 0]:
+        raise InputError(f"{where}: {name} has a skew of {skew:g}; expected 0: square the pixels")
     return float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[0, 2]), float(matrix[1, 2])
 
 
@@ -184,27 +195,20 @@ def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
     found = {name: data[name] for name in _COEFFICIENTS if name in data}
     for name in _LISTS:
         values = data.get(name) or []
-        found |= {
-            f"{name}[{i}]": value for i, value in enumerate(values if isinstance(values, list | tuple) else [values])
-        }
+        values = values if isinstance(values, list | tuple) else [values]
+        found |= {f"{name}[{i}]": value for i, value in enumerate(values)}
     for name, value in found.items():
         if value is not None and number_of(where, name, value) != 0:
             raise InputError(f"{where}: {name} is {value:g}; expected 0: {_UNDISTORT}")
 
 
 def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[str] = ()) -> list[str]:
-    """Return a note on the keys that may change the geometry and that nothing here reads.
-
-    known: keys that the caller reads or that change nothing, besides those of a camera.
-    """
+    """Return a note on keys that may change the geometry and are neither read nor known."""
     read = {*_CAMERA_KEYS, *_COEFFICIENTS, *_LISTS, *MATRICES, *known}
     found = [key for key in data if key not in read and _GEOMETRIC.search(key)]
-    if not found:
-        return []
-    return [
-        f"{where}: {', '.join(found)} {'is' if len(found) == 1 else 'are'} not read, and may change where things are: "
-        "'hmdwarp check' says whether the frames agree without."
-    ]
+    are = "is" if len(found) == 1 else "are"
+    note = f"{where}: {', '.join(found)} {are} not read, and may change where things are: "
+    return [note + "'hmdwarp check' says whether the frames agree without."] if found else []
 
 
 def read_json(path: Path, wanted: str = "an object", folder: Path | None = None) -> dict[str, Any]:
@@ -248,42 +252,6 @@ def scale_of(where: str | Path, value: Any) -> float:
     return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
 
 
-def _size(where: str | Path, data: Mapping[str, Any]) -> Size | None:
-    sides = [
-        number_of(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
-    ]
-    if len(sides) != 2:
-        return None
-    if min(sides) < 1 or any(side % 1 for side in sides):
-        raise InputError(f"{where}: pictures of {sides[0]:g}x{sides[1]:g}; expected whole pixels, 1 or more")
-    return int(sides[0]), int(sides[1])
-
-
-def _of_nerf(
-    where: str | Path, data: Mapping[str, Any], size: Size | None, centre: float
-) -> tuple[float, float, float, float]:
-    """Return fx, fy, cx, cy as nerfstudio has them, or as the older files of NeRF do."""
-
-    def focal(axis: int) -> float | None:
-        name = "xy"[axis]
-        if f"fl_{name}" in data:
-            return number_of(where, f"fl_{name}", data[f"fl_{name}"])
-        angle = data.get(f"camera_angle_{name}")
-        if angle is None:
-            return None
-        if size is None:
-            raise InputError(f"{where}: camera_angle_{name} without w and h: expected the pictures' size in pixels too")
-        return size[axis] / 2 / math.tan(number_of(where, f"camera_angle_{name}", angle) / 2)
-
-    fx = focal(0)
-    if fx is None:
-        raise InputError(f"{where}: fl_y without fl_x: expected both focal lengths, in pixels")
-    fy = focal(1) or fx
-    middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
-    cx, cy = (data.get(key, default) for key, default in zip(("cx", "cy"), middle, strict=True))
-    return fx, fy, number_of(where, "cx", cx), number_of(where, "cy", cy)
-
-
 Matrix = NDArray[np.float64]
 LAST = (0.0, 0.0, 0.0, 1.0)
 _NOTHING = 1e-12
@@ -291,11 +259,7 @@ _WITHIN = 1e-3
 
 
 def square_of(where: str, value: Any) -> Matrix:
-    """Return the numbers of one matrix as 4x4, as they are written.
-
-    value: 4x4, 3x4 or, by columns, 4x3; or their numbers in one list, of which 12 are by rows
-    unless a rotation stands only in their columns. Errors: InputError.
-    """
+    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
     try:
         found = np.array(value, np.float64)
     except (TypeError, ValueError):
@@ -315,11 +279,7 @@ def square_of(where: str, value: Any) -> Matrix:
 
 
 def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assumption]:
-    """Return the matrices of one file by rows, and who says which way they are written.
-
-    The last row or the last column of 0, 0, 0, 1 decides for all, wherever another place than the
-    origin makes them differ. Errors: InputError where two of a file are written in both ways.
-    """
+    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
     below, beside = (
         np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
         for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])

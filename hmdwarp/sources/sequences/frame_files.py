@@ -92,11 +92,7 @@ class FrameFile:
 def assumptions_of(
     found: FrameFile, camera: Camera | None = None, scale: float | None = None, encoding: str | None = None
 ) -> list[Assumption]:
-    """Return the facts by which a frame is read, with who says so.
-
-    camera, scale, encoding: intrinsics, metres per unit and encoding of float colour that the user
-    states in place of the files.
-    """
+    """Return the facts by which a frame is read, those the user states included."""
     if camera is not None or "fov" not in found.facts:
         stated = camera or camera_of(found.where, found.facts)
         by = By.FILE if camera is None else By.USER
@@ -132,10 +128,7 @@ def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None
 def find_frame(
     path: Path, depth: Path | None = None, camera: Path | None = None, shared: Mapping[str, Any] | None = None
 ) -> FrameFile:
-    """Return the files of a frame, as read_frame takes them, without reading their pixels.
-
-    shared: facts for what its own do not say. Errors: InputError.
-    """
+    """Return the files of a frame as read_frame does, pixels unread. shared: further facts."""
     path, (depth, camera) = as_path(path), (None if one is None else as_path(one) for one in (depth, camera))
     shared, ending = dict(shared or {}), path.suffix.lower()
     if ending == NPZ:
@@ -161,7 +154,6 @@ def find_frame(
 
 
 def _pictures(path: Path, depth: Path | None) -> Arrays:
-    """Return colour and depth, which is an EXR file's own if no other is named and it has one."""
     channels = ""
     if depth is None and path.suffix.lower() == EXR:
         both = read_exr(path)
@@ -179,7 +171,6 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
 
 
 def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -> Path | None:
-    """Return the JSON of a picture; None where none is there and the shared facts are enough."""
     if camera is not None:
         return camera
     beside = path.with_suffix(JSON)
@@ -209,7 +200,6 @@ def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
-    """Return the facts, the names of all arrays, and (w, h) of the colour by its head alone."""
     # What is no picture is refused when it is read.
     shape: tuple[int, ...] = ()
     if "colour" in data:
@@ -222,7 +212,6 @@ def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], t
 
 
 def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
-    """Return what `read` takes from the archive. Errors: InputError for a damaged one."""
     content = content_of(path, PICTURE_FILE)
     wanted = "expected NumPy's .npz form, as numpy.savez writes it"
     if not content.startswith(b"PK"):  # NumPy would take it for a pickle
@@ -242,11 +231,7 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
 
 
 def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
-    """Return the view of a POSE.json: position_m (3), orientation_xyzw (4), fov (4) or intrinsics.
-
-    size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
-    InputError.
-    """
+    """Return the view of a POSE.json. size: (w, h) that intrinsics are for. Errors: InputError."""
     path = as_path(path)
     data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))

@@ -38,10 +38,7 @@ def repair_field() -> Any:
 
 @attrs.frozen
 class SequenceOptions(Declared):
-    """Overrides for reading recorded frames; None leaves the fact to the files.
-
-    Errors: InputError for values that no recording can have.
-    """
+    """Overrides for reading recorded frames; None leaves it to the files. Errors: InputError."""
 
     heading = HEADING
     # Name of a reader.
@@ -122,7 +119,6 @@ class SequenceOptions(Declared):
 
     @property
     def camera(self) -> sequences.Camera | None:
-        """The camera that the user states."""
         return self.intrinsics or self.projection
 
     def refuse_unused(self) -> None:

@@ -28,11 +28,7 @@ Size = tuple[int, int]
 
 
 def read_colour(path: Path) -> NDArray[Any]:
-    """Return (h, w, 3) or, where the file has alpha, (h, w, 4).
-
-    uint8 sRGB; float32 linear light of an EXR file. Errors: InputError; MachineError for EXR
-    without its optional package.
-    """
+    """Return (h, w, 3) sRGB bytes, or light of EXR; (h, w, 4) with alpha. Errors: InputError."""
     path = as_path(path)
     if path.suffix.lower() == EXR:
         return read_exr(path).colour()
@@ -88,10 +84,7 @@ def size_of(path: Path) -> Size:
 
 
 def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-    """Return the depth at the pixels of its colour: as it is, or the nearest of one of its shape.
-
-    Errors: InputError where the two are not of one shape.
-    """
+    """Return the nearest depth at the pixels of its colour. Errors: InputError: other shape."""
     (high, wide), (rows, columns) = colour.shape[:2], depth.shape
     if (high, wide) == (rows, columns):
         return depth
@@ -129,7 +122,6 @@ def _loaded(path: Path, picture: Any) -> Any:
 
 
 def _most_of_pgm(path: Path) -> int:
-    """Return the largest value that the head of a PGM file states."""
     words: list[bytes] = []
     with opened(path, PICTURE_FILE) as file:
         head = file.read(1000)
@@ -196,7 +188,6 @@ class VideoPictures:
         raise InputError(f"{self.path}: {self._next} pictures; expected picture {number}, counted from 0")
 
     def _from(self, av: Any, instant: int | None) -> Iterator[Any]:
-        """Yield the pictures from an instant of the stream's clock on; None for all."""
         # Of this form alone: playlists, for instance, name other files.
         with opened(self.path, VIDEO) as file, av.open(file, format="mp4") as container:
             if not container.streams.video:
@@ -232,7 +223,6 @@ class ExrPicture:
     views: tuple[str, ...]  # names of views among those of layers; the first is that of channels without one
 
     def _layers(self) -> dict[tuple[str, str], dict[str, str]]:
-        """Return (view, layer) with the names of its channels by their last part."""
         found: dict[tuple[str, str], dict[str, str]] = {}
         for name in self.channels:
             *words, last = name.split(".")
@@ -266,11 +256,7 @@ class ExrPicture:
         return np.concatenate([rgb / np.where(alpha > 0, alpha, 1)[..., None], alpha[..., None]], axis=2)
 
     def depth(self) -> NDArray[np.float32] | None:
-        """Return (h, w) along -z in the file's units, inf beyond FAR_M; None where no name says so.
-
-        By name: of a layer called Depth, else Z alone or of the colour's layer; of the colour's
-        view. Errors: InputError for several, and for depth of another view.
-        """
+        """Return (h, w) in the file's units, inf beyond FAR_M, or None. Errors: InputError."""
         view, beside = next(iter(self._of_colour()), ("", ""))
         found: list[tuple[int, str, str, str]] = []
         for (of, layer), own in self._layers().items():
@@ -299,10 +285,7 @@ class ExrPicture:
 
 
 def read_exr(path: Path) -> ExrPicture:
-    """Return what an EXR file holds.
-
-    Errors: InputError; MachineError without the optional package.
-    """
+    """Return what an EXR file holds. Errors: InputError; MachineError without its package."""
     library = _library()
     damage: list[str] = []
     try:
@@ -329,11 +312,7 @@ def read_exr(path: Path) -> ExrPicture:
 
 
 def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m: NDArray[Any]) -> None:
-    """Write linear light and coverage as half floats, depth as Z in floats, NaN for none.
-
-    colour: (h, w, 3), not premultiplied; the file's is, as EXR has it. Errors: MachineError without
-    the optional package; OSError where the file cannot be written.
-    """
+    """Write light, not premultiplied, coverage in halves, and depth as Z, NaN for none."""
     library = _library()
     alpha = np.clip(coverage, 0, 1)
     half = np.finfo(np.float16)
@@ -375,7 +354,6 @@ def _library() -> Any:
 
 @contextmanager
 def _small(path: Path, file: Any) -> Iterator[None]:
-    """Check what a file says that its pixels are, before any are read. Errors: InputError."""
     with file:
         (left, top), (right, bottom) = file.header()["dataWindow"]
         count = (int(right) - int(left) + 1) * (int(bottom) - int(top) + 1) * len(file.header()["channels"])
@@ -385,7 +363,6 @@ def _small(path: Path, file: Any) -> Iterator[None]:
 
 
 def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[np.float32]:
-    """Return a channel over the whole display window, 0 where the data do not reach."""
     (low, high), (left_top, right_bottom) = head["dataWindow"], head["displayWindow"]
     size = (np.asarray(right_bottom) - np.asarray(left_top) + 1)[::-1]
     wanted = (np.asarray(high) - np.asarray(low) + 1)[::-1]

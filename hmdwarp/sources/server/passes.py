@@ -24,10 +24,7 @@ Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class Lighting:
-    """Direct light of a scene with lamps; a subclass says where the light between surfaces is.
-
-    most_blockers: triangles that stop light, at most; None for those of the scene.
-    """
+    """Direct light of lamps; subclasses add the rest. most_blockers: triangles in its way."""
 
     defines: ClassVar[tuple[str, ...]] = ("LAMPS",)  # of shaders, for where it is
     coloured: ClassVar[bool] = True  # whether colours are drawn, or data in their place
@@ -42,14 +39,10 @@ class Lighting:
         self._buffers: list[tuple[Sequence[Mesh], moderngl.Buffer]] = []
 
     def _rows(self, time_ns: int) -> NDArray[np.float64]:
-        """Return (n, 3, 4), the rows of each triangle that stops light at an instant."""
         return blocking(self._scene, time_ns)
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
-        """Return further inputs of the vertex stage, as moderngl takes them.
-
-        albedo: whether the shader reads it.
-        """
+        """Return further inputs of the vertex stage, as moderngl takes them, albedo if read."""
         buffer = self._gl.buffer(_all_rows(meshes))
         self._buffers.append((meshes, buffer))
         if not albedo:
@@ -88,7 +81,6 @@ class Lighting:
         return places.tobytes() + cones.tobytes() + colours.tobytes() + rows
 
     def close(self) -> None:
-        """Free its textures and buffers."""
         release_all(self._blockers, *(buffer for _, buffer in self._buffers))
 
 
@@ -101,7 +93,6 @@ class ConvergedLight(Lighting):
         self._light = b""
 
     def _atlas(self, time_ns: int) -> NDArray[np.float16]:
-        """Return the indirect light of an instant as the light atlas."""
         return indirect_atlas(self._scene, time_ns)
 
     def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
@@ -117,11 +108,7 @@ class ConvergedLight(Lighting):
 
 
 class ArrivingLight(ConvergedLight):
-    """Light of a scene whose meshes arrive: what is here stops the lamps' light.
-
-    scene: its lamps stand still; its meshes may be empty. atlas: indirect light of the whole scene.
-    most_blockers: see Lighting.
-    """
+    """Light of a scene whose meshes arrive and stop its still lamps' light. atlas: of the whole."""
 
     def __init__(self, gpu: Gpu, scene: Scene, atlas: NDArray[np.float16], most_blockers: int) -> None:
         super().__init__(gpu, scene, most_blockers)
@@ -159,9 +146,8 @@ SAME_SURFACE = 2.0**-16
 class ScenePasses:
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and the background.
 
-    colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
-    behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
-    light: of what kind that of lamps is. lighting: in place of that; its maker closes it.
+    colour: with inverse depth, else that alone. peel: only what lies behind an earlier picture, see
+    shaders/lib/peel.glsl. light: kind of the lamps' light; lighting: in its place, the caller's.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
@@ -189,24 +175,20 @@ class ScenePasses:
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        lit = self._lit_defines()
-        self._is_lit = bool(lit)
-        self._emits = self._coloured and emits(scene)
-        shining = {"EMISSION": 1} if self._emits else {}
+        lit, self._emits = self._lit_defines(), self._coloured and emits(scene)
+        self._is_lit, shining = bool(lit), {"EMISSION": 1} if self._emits else {}
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
-        self._vertices = self._vertex_array(gpu, buffers)
-        self._of_moving = [self._vertex_array(gpu, drawing.buffers) for drawing in self.moving]
+        self._vertices, *self._of_moving = (
+            each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured)
+            for each in (buffers, *(drawing.buffers for drawing in self.moving))
+        )
         self._empty = gpu.gl.vertex_array(self._background.program, [])
-
-    def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
-        return buffers.vertex_array(gpu.gl, self._surface.program, *self._more(buffers), colour=self._coloured)
 
     def _lit_defines(self) -> Mapping[str, object]:
         return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
 
     def _more(self, buffers: SceneBuffers) -> list[tuple[Any, ...]]:
-        """Return further inputs of the vertex stage, as moderngl takes them."""
         return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
@@ -234,10 +216,7 @@ class ScenePasses:
         time_ns: int = 0,
         **uniforms: object,
     ) -> None:
-        """Draw `view` into a viewport of a framebuffer, None for all of it.
-
-        Its depth must be cleared.
-        """
+        """Draw `view` into a viewport of a framebuffer whose depth is clear, None for all of it."""
         whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
         if uniforms:
             self._surface.uniforms.set(**uniforms)
@@ -247,8 +226,7 @@ class ScenePasses:
             drawing.set_time(time_ns)
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, view, whole, time_ns)
-        gl = self._gl
-        framebuffer.viewport = whole
+        gl, framebuffer.viewport = self._gl, whole
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
@@ -257,8 +235,7 @@ class ScenePasses:
             self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
             for one, vertices in zip(self.moving, self._of_moving, strict=True):
                 if self._is_lit:
-                    lit = one.scene_from_here(self.scene.lit_ns(time_ns))
-                    self._surface.uniforms.set(scene_from_here=lit)
+                    self._surface.uniforms.set(scene_from_here=one.scene_from_here(self.scene.lit_ns(time_ns)))
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             self._draw_background()
             gl.depth_func = "<"
@@ -290,7 +267,6 @@ class ScenePasses:
         draw_chunks(self._gl, vertices, buffers, draws, uniforms, emits=self._emits)
 
     def _seen_from(self, view: View, place: Place) -> Place:
-        """Return where surfaces are seen from."""
         return place
 
     def _set_background(self, view: View) -> None:
@@ -300,7 +276,6 @@ class ScenePasses:
             self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
 
     def close(self) -> None:
-        """Free the vertex arrays; the shader library owns programs, the scene buffers."""
         for vertices in (self._vertices, *self._of_moving):
             vertices.release()
         if self._made is not None:
@@ -317,11 +292,7 @@ def draw_chunks(
     *,
     emits: bool,
 ) -> None:
-    """Draw some chunks of some buffers.
-
-    uniforms: of a program that samples their textures on unit 0; None for one without. emits: it
-    includes lib/emission.glsl.
-    """
+    """Draw chunks. uniforms: where textures are sampled, on unit 0. emits: emission too."""
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]
@@ -348,11 +319,7 @@ def draw_moving(
     textured: bool = True,
     emitting: bool = False,
 ) -> None:
-    """Draw one moving thing at that instant into the bound framebuffer, by any program.
-
-    The program takes clip_from_scene. textured: bind each batch's texture to unit 0.
-    emitting: it includes lib/emission.glsl.
-    """
+    """Draw one moving thing by a program that takes clip_from_scene, textures on unit 0."""
     one.set_time(time_ns)
     place = one.place(view)
     clip = clip_from_eye(view.fov) @ place.eye_from_here

@@ -31,7 +31,6 @@ class Sender:
     complete = False  # whether nothing waits to be sent
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether anything waits to be sent."""
         return not self.complete
 
 
@@ -53,7 +52,6 @@ class Sending(Part, Generic[Wanted, S]):
         """Return the sender of a variant."""
 
     def sender(self, wanted: Wanted) -> S:
-        """Return the sender of a variant, made when it is first needed."""
         return self._senders.made(wanted, lambda: self.make_sender(wanted))
 
     def needed(self, drawing: Drawing) -> list[Wanted]:
@@ -83,7 +81,6 @@ class Head:
         self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
 
     def see(self, view: View, now_ns: int) -> None:
-        """Take the view of a frame."""
         if not self._seen or now_ns > self._seen[-1][0]:
             self._seen.append((now_ns, view))
 
@@ -101,10 +98,7 @@ class Head:
 def may_be_seen(
     centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
 ) -> NDArray[np.bool_]:
-    """Return which boxes may be visible to an eye that moves and turns by no more than that.
-
-    centres, halves: (n, 3) relative to `origin_m`. As Visibility, whose slack this is.
-    """
+    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
     clip = clip_from_eye(view.fov)
     steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
     reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)
@@ -116,11 +110,7 @@ def may_be_seen(
 def boxes_at(
     scene: Scene, bodies: NDArray[np.int64], centres: Array, halves: Array, time_ns: int
 ) -> tuple[Array, Array]:
-    """Return centres and halves of boxes at an instant; those of bodies hold them however turned.
-
-    bodies: (n,) the body of each, 0 for none. centres, halves: (n, 3), of bodies in their own axes,
-    of all others relative to the scene's origin, as what is returned.
-    """
+    """Return centres and halves (n, 3) at an instant; bodies' from their axes, however turned."""
     centres, halves = centres.copy(), halves.copy()
     for number in set(bodies.tolist()) - {0}:
         world_from_body = scene.bodies[number - 1].motion.state(time_ns).pose.matrix()

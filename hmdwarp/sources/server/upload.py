@@ -17,7 +17,7 @@ from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.textures import check_size, flip_rows, release_all
 from ...scenes import Mesh, Scene, Texture, chunks_of
-from .visibility import Chunks, Visibility, boxes_of, eye_from_scene
+from .visibility import Chunks, Visibility, boxes_around, eye_from_scene
 
 SRGB8_ALPHA8 = 0x8C43
 
@@ -32,8 +32,7 @@ class Batch:
     """The state that chunks drawn together share."""
 
     texture: moderngl.Texture
-    # Whether both sides of a triangle are visible; else back faces are culled.
-    double_sided: bool
+    double_sided: bool  # whether both sides of a triangle are visible; else back faces are culled
     emission: Shine
 
 
@@ -58,7 +57,6 @@ def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
 
 
 def _texels(image: NDArray[np.uint8]) -> bytes:
-    """Return the image as four channels, bottom row first."""
     if image.shape[2] == 3:
         image = np.concatenate([image, np.full((*image.shape[:2], 1), 255, np.uint8)], axis=2)
     return np.ascontiguousarray(flip_rows(image)).tobytes()
@@ -68,10 +66,7 @@ _WHITE = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
 
 
 class SceneTextures:
-    """A scene's textures on the GPU, by index; -1 is white.
-
-    lent: they never change, and others of the context share them.
-    """
+    """A scene's textures on the GPU, by index; -1 is white. lent: unchanging, and shared."""
 
     def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
         def made(one: Texture) -> moderngl.Texture:
@@ -98,7 +93,6 @@ class SceneTextures:
         self.revision += 1
 
     def close(self) -> None:
-        """Free them."""
         release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
         release_all(*(shine.texture for shine in self._shines.values()))
 
@@ -108,19 +102,33 @@ class SceneBuffers:
 
     def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.batches: list[Batch] = []
+        self.meshes, self.revision = list(meshes), 0  # it counts changes
         # Those that are drawn.
         self.chunks: Chunks
         self.visibility: Visibility
-        self.meshes = list(meshes)
-        self.revision = 0  # counts changes
-        # Of all chunks: the mesh of each, its indices, and which are drawn.
-        self._owner: NDArray[np.int64]
-        self._all: Chunks
         self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
-        self._order = indices = self._cut(meshes, textures)
-        self._drawn = np.ones(len(self._owner), bool)
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number, mesh in enumerate(meshes):
+            groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
+        # Of all chunks: the mesh of each, its indices, and which are drawn.
+        owner, self._order = [], []  # type: list[int], list[NDArray[np.uint32]]
+        batch_of, boxes = [], []
+        for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
+            for number in members:
+                for chunk in chunks_of(meshes[number]):
+                    boxes.append(_extremes(meshes[number], chunk))
+                    self._order.append(chunk.ravel() + np.uint32(self._starts[number]))
+                    batch_of.append(len(self.batches))
+                    owner.append(number)
+            self.batches.append(Batch(textures[texture], double_sided, textures.shine(texture)))
+        count = np.array([len(part) for part in self._order], np.int64)
+        around = boxes_around(*np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2))
+        self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
+        self._owner = np.array(owner, np.int64)
+        self.draw_only(range(len(meshes)))
         self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
-        self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
+        indices = np.concatenate([np.empty(0), *self._order]).astype(np.uint32)
+        self._indices = gpu.gl.buffer(indices.tobytes() or b"\0" * 12)
 
     def move_to(self, positions: NDArray[np.float32]) -> None:
         """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
@@ -131,14 +139,11 @@ class SceneBuffers:
         self._vertices.write(rows.tobytes())
         corners = positions[np.concatenate(self._order)].astype(np.float64)
         low, high = (extreme.reduceat(corners, self._all.first, axis=0) for extreme in (np.minimum, np.maximum))
-        self._all = attrs.evolve(self._all, boxes=boxes_of((low + high) / 2, (high - low) / 2))
+        self._all = attrs.evolve(self._all, boxes=boxes_around(low, high))
         self._choose()
 
     def put(self, number: int, mesh: Mesh) -> None:
-        """Replace the arrays of one of the meshes by others with as many vertices and triangles.
-
-        What deforms is then where it is at rest, until it is moved.
-        """
+        """Replace the arrays of a mesh by as many others, at rest until they are moved."""
         start = int(self._starts[number])
         self.meshes[number] = mesh
         self._vertices.write(_vertex_rows([mesh]).tobytes(), offset=_ROW_BYTES * start)
@@ -146,8 +151,7 @@ class SceneBuffers:
         for chunk, triangles in zip(np.flatnonzero(self._owner == number).tolist(), chunks_of(mesh), strict=True):
             self._order[chunk] = indices = triangles.ravel() + np.uint32(start)
             self._indices.write(indices.astype(np.uint32).tobytes(), offset=4 * int(self._all.first[chunk]))
-            low, high = _extremes(mesh, triangles)
-            boxes[:, [chunk]] = boxes_of((low + high)[None] / 2, (high - low)[None] / 2)
+            boxes[:, [chunk]] = boxes_around(*(corner[None] for corner in _extremes(mesh, triangles)))
         self._all = attrs.evolve(self._all, boxes=boxes)
         self._choose()
 
@@ -157,38 +161,10 @@ class SceneBuffers:
         self._choose()
 
     def _choose(self) -> None:
-        """Take the chunks that are drawn."""
         every, drawn = self._all, self._drawn
-        self.chunks = (
-            every
-            if drawn.all()
-            else Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
-        )
+        self.chunks = Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
         self.visibility = Visibility(self.chunks)
         self.revision += 1
-
-    def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray[np.uint32]]:
-        """Fill batches and chunks; return the chunks' indices."""
-        groups: dict[tuple[bool, int], list[int]] = {}
-        for number, mesh in enumerate(meshes):
-            groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
-        indices, batch_of, boxes, owner = [], [], [], []
-        for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
-            for number in members:
-                mesh, start = meshes[number], int(self._starts[number])
-                for chunk in chunks_of(mesh):
-                    boxes.append(_extremes(mesh, chunk))
-                    indices.append(chunk.ravel() + np.uint32(start))
-                    batch_of.append(len(self.batches))
-                    owner.append(number)
-            self.batches.append(Batch(textures[texture], double_sided, textures.shine(texture)))
-        count = np.array([len(part) for part in indices], np.int64)
-        low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
-        around = boxes_of((low + high) / 2, (high - low) / 2)
-        self.chunks = self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
-        self.visibility = Visibility(self.chunks)
-        self._owner = np.array(owner, np.int64)
-        return indices
 
     def vertex_array(
         self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[Any, ...], colour: bool
@@ -199,13 +175,11 @@ class SceneBuffers:
         return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
 
     def close(self) -> None:
-        """Free the buffers."""
         self._vertices.release()
         self._indices.release()
 
 
 def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the lowest and highest corner of the box around some of a mesh's triangles."""
     corners = mesh.positions[triangles.ravel()].astype(np.float64)
     return corners.min(axis=0), corners.max(axis=0)
 
@@ -226,19 +200,14 @@ STAYS.flags.writeable = False
 class Place:
     """An eye in the space that positions are relative to."""
 
-    # 4x4.
-    eye_from_here: NDArray[np.float64]
-    # (3,) metres.
-    eye: NDArray[np.float64]
+    eye_from_here: NDArray[np.float64]  # 4x4
+    eye: NDArray[np.float64]  # (3,) metres
 
 
 class Moving(ABC):
-    """One thing that moves."""
-
     # The layer that describes its motion: the client of a frame with that layer moves it.
     layer: ClassVar[str]
-    # Its triangles.
-    buffers: SceneBuffers
+    buffers: SceneBuffers  # its triangles
 
     @abstractmethod
     def set_time(self, time_ns: int) -> None:
@@ -253,7 +222,6 @@ class Moving(ABC):
         return STAYS
 
     def close(self) -> None:
-        """Free its buffers."""
         self.buffers.close()
 
 
@@ -312,7 +280,6 @@ class DeformingMesh(Moving):
 
 
 def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
-    """Return the values as float32. Errors: SceneError for another shape, or not finite."""
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
         raise SceneError(
@@ -324,7 +291,6 @@ def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]
 
 
 def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
-    """Return all moving surfaces of the scene."""
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
     numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
     bodies = [

@@ -20,10 +20,7 @@ Array = NDArray[np.float64]
 
 
 def eye_from_scene(view: View, origin_m: Array) -> Array:
-    """Return 4x4: metres relative to `origin_m` to eye space.
-
-    Positions are subtracted before anything is rotated.
-    """
+    """Return 4x4: metres relative to `origin_m`, subtracted before rotating, to the eye."""
     out = _IDENTITY.copy()
     out[:3, :3] = view.pose.rotation_matrix.T
     out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
@@ -32,12 +29,7 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
 
 @lru_cache(maxsize=64)  # few fields of view, used at every frame
 def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
-    """Return the 4x4 asymmetric projection with an infinite far plane; read-only.
-
-    w is metres along -z, window depth is 1 - near/w.
-
-    Source: Akenine-Moeller et al. 2018, Real-Time Rendering, 4.7.2.
-    """
+    """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
     left, right, down, up = fov.tangents
     return _read_only(
         [
@@ -50,10 +42,7 @@ def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
 
 
 def world_from_ndc(view: View) -> Array:
-    """Return 3x3: normalised device coordinates (x, y, 1) to a direction in the world.
-
-    The direction has length 1 along the eye's -z.
-    """
+    """Return 3x3: device coordinates (x, y, 1) to a direction of length 1 along -z."""
     return view.pose.rotation_matrix @ _eye_from_ndc(view.fov)
 
 
@@ -70,19 +59,17 @@ def _read_only(rows: list[list[float]]) -> Array:
 
 
 def boxes_of(centres: Array, half_sizes: Array) -> Array:
-    """Return (7, n) axis-aligned boxes for `visible` and `nearest_first`.
-
-    x, y, z of the centre, 1, and half the size along each axis.
-    """
+    """Return (7, n) boxes for `visible` and `nearest_first`: centre x, y, z, 1, half sizes."""
     return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
 
 
-def side_planes(clip: Array) -> Array:
-    """Return the planes (5, 4) of `clip` (4x4 from some space): left, bottom, near, right, top.
+def boxes_around(low: Array, high: Array) -> Array:
+    """Return (7, n) boxes between (n, 3) corners."""
+    return boxes_of((low + high) / 2, (high - low) / 2)
 
-    n . (x, y, z, 1) >= 0 inside. There is no far plane.
-    Source: Gribb and Hartmann 2001, Fast Extraction of Viewing Frustum Planes.
-    """
+
+def side_planes(clip: Array) -> Array:
+    """Return planes (5, 4), n . (x, y, z, 1) >= 0 inside. Source: Gribb and Hartmann 2001."""
     planes = np.empty((5, 4))
     np.add(clip[3], clip[:3], out=planes[:3])
     np.subtract(clip[3], clip[:2], out=planes[3:])
@@ -103,13 +90,9 @@ def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
-    """Return a class 0 .. classes - 1 for each box, as many boxes in each.
-
-    Boxes are ordered by the distance of their farthest corner from `eye`.
-
-    Near surfaces are drawn first and occlude those behind before they are textured: 1.6 textured
-    pixels per pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
-    """
+    """Return a class 0 .. classes - 1 for each box, as many in each, by its farthest corner."""
+    # Near surfaces drawn first occlude others before they are textured: 1.6 textured pixels per
+    # pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
     corner = np.abs(boxes[:3] - eye[:, None])
     corner += boxes[4:]
     x, y, z = corner * corner
@@ -133,8 +116,7 @@ Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they a
 class Chunks:
     """All chunks of a scene, in the order of the index buffer, batch by batch."""
 
-    # (n,) index ranges.
-    first: NDArray[np.int64]
+    first: NDArray[np.int64]  # (n,) index ranges, with the next
     count: NDArray[np.int64]
     batch: NDArray[np.int64]  # (n,) the batch each belongs to
     boxes: NDArray[np.float64]  # (7, n) as projection.boxes_of returns them, relative to the scene's origin
@@ -177,20 +159,13 @@ _Cell = tuple[Any, ...]  # whole steps of the quaternion, then of the eye; the f
 
 @attrs.define
 class Visibility:
-    """The draws of static chunks, computed once for all views of a cell.
-
-    Most refreshes find them cached. They depend on the view and nothing else, so the order, which
-    decides between surfaces at the same depth, is reproducible.
-    """
+    """The draws of static chunks, computed once for all views of a cell, so reproducible."""
 
     _chunks: Chunks
     _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)
 
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
-        """Return the draw calls for an eye.
-
-        turn: unit quaternion xyzw from eye to chunks. eye: (3,) metres in the space of the chunks.
-        """
+        """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
         x, y, z, w = turn if turn[3] >= 0 else (-turn[0], -turn[1], -turn[2], -turn[3])
         a, b, c = eye.tolist()
         per_turn, per_m = 1 / TURN_STEP, 1 / EYE_STEP_M

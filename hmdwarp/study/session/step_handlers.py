@@ -13,9 +13,8 @@ from ...poses import Origin, PoseSample
 from ...run import FrameHandler
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Ask, Design, Pause, Read, Show, Step
-from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, TextDialog
+from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, QuestionDialog, TextDialog
 from ..dialogs.dialog_panels import MessagePanel, hints_for
-from ..dialogs.question_dialog import QuestionDialog
 from ..line_console import ConsoleState, LineConsole
 from ..respondents import Respondent
 from ..scales import WORDS

@@ -85,7 +85,8 @@ def test_a_layer_arrives_as_it_was_drawn(server, name, packs):
     arrived = message(eyes, needs_of_client(wanted), packs=packs)
     is_something = bool([*layer.sent(eyes[0][name])])
     assert eyes[0].size == SIZE and (name != "overlay" or eyes[0][name].size == SHOWN)
-    assert (packs and is_something) == any(isinstance(part, Packed) for part in arrived.further)
+    parts = [part for of_eye in arrived.layers for several in of_eye.values() for part in several]
+    assert (packs and is_something) == any(isinstance(part, Packed) for part in parts)
     found = unpacked(arrived)
     assert misfit(found, wanted) == ""
     bare = [attrs.evolve(eye, carried={}) for eye in eyes]

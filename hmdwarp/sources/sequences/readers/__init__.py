@@ -47,7 +47,6 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
 
 
 def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequence:
-    """Return the sequence as the options want it. Errors: InputError, also for an unused option."""
     for name in ("frames_axes", "frames_camera", "frames_topics"):
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
@@ -66,7 +65,6 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
 
 
 def _right(left: Sequence, right: Sequence) -> Sequence:
-    """Return what the right eye saw. Errors: InputError for other instants or another size."""
     for name, one, other in (
         ("instants", [frame.time_ns for frame in left.frames], [frame.time_ns for frame in right.frames]),
         ("pixels", [left.frames[0].size], [right.frames[0].size]),
@@ -77,7 +75,6 @@ def _right(left: Sequence, right: Sequence) -> Sequence:
 
 
 def _content(place: Path) -> str:
-    """Return what is there, in words."""
     if not place.is_dir():
         return "a file"
     names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())

@@ -34,21 +34,11 @@ from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ....registry import Registry
+from .. import recorded
 from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
-from ..recorded import (
-    CLOCK,
-    DEPTH_SCALE,
-    FACTS,
-    INTRINSICS,
-    Pictures,
-    RecordedFrame,
-    Sequence,
-    as_pictures,
-    in_metres,
-    replaced,
-)
+from ..recorded import Pictures, RecordedFrame, Sequence
 
 OPTICAL = "x,-y,z"  # right, up and forward of a camera that looks along +z, with y down
 VGA: Size = (640, 480)
@@ -58,7 +48,7 @@ COLOURS = ("color", "colour", "rgb", "image", "images")
 # The usual forms of poses.
 XYZW, MATRICES = "world from camera, x y z qx qy qz qw", "world from camera, matrices by rows"
 _STATED_BY = ("--intrinsics", "--depth-scale", "--no-depth", "", "", "--frames-rate")  # of each of FACTS
-_STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
+_STATES = {recorded.INTRINSICS: "--intrinsics FX,FY,CX,CY", recorded.DEPTH_SCALE: "--depth-scale METRES"}
 # Beyond the first, an instant is in another unit than its file says; beyond the second it may be.
 _APART_S, _USUAL_S = (0.9e-4, 1.1e4), (0.9e-3, 10.0)
 _BREATHES = 0.005  # of the width: telephones focus within it
@@ -102,7 +92,6 @@ class Layout(SequenceReader):
     takes: tuple[str, ...] = ()
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        """Return the sequence. Errors: InputError naming the file and its fault."""
         folder = Folder(self, path, options)
         self.add_frames(folder)
         return folder.sequence()
@@ -145,15 +134,15 @@ def layout(
         one
         if isinstance(one, Assumption)
         else Assumption(what, *((one, By.FORMAT) if isinstance(one, str) else one), option)
-        for what, option, one in zip(FACTS, _STATED_BY, said, strict=True)
+        for what, option, one in zip(recorded.FACTS, _STATED_BY, said, strict=True)
     )
 
-    def holds_all(path: Path) -> int:
-        score, *needed = holds  # type: ignore[misc]
-        return score if path.is_dir() and all(any(path.glob(each)) for each in needed) else 0
+    def fits(path: Path) -> int:
+        if not isinstance(holds, tuple):
+            return holds(path)
+        return holds[0] if path.is_dir() and all(any(path.glob(each)) for each in holds[1:]) else 0
 
     def register(add_frames: Callable[[Folder], None]) -> Callable[[Folder], None]:
-        fits = holds_all if isinstance(holds, tuple) else holds
         readers.register(Layout(name, summary, add_frames, fits, assumes, axes=placed, y_up=not axes, **more))
         return add_frames
 
@@ -165,10 +154,7 @@ def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
 
 
 def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Path]:
-    """Return the pictures of the camera that the user names, all of a single one.
-
-    Rigs of cameras have the same numbers under several names. Errors: InputError names the cameras.
-    """
+    """Return the pictures of the camera the user names, or the only one. Errors: InputError."""
     named: dict[str, dict[str, Path]] = defaultdict(dict)
     for path in pictures:
         if found := re.search(r"^(.*?)(\d+)(\D*)$", path.stem):
@@ -187,13 +173,11 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
 
 
 def intrinsics_fact(camera: Camera, by: By) -> Assumption:
-    """Return the entry for the intrinsics of a camera."""
-    return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
+    return Assumption(recorded.INTRINSICS, camera.text, by, "--intrinsics")
 
 
 def scale_fact(scale: float, by: By) -> Assumption:
-    """Return the entry for the metres per unit of depth."""
-    return Assumption(DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
+    return Assumption(recorded.DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
 
 
 @attrs.frozen(eq=False)
@@ -237,10 +221,7 @@ class Folder:
         own_scale: float | None = None,
         by: By | None = None,
     ) -> None:
-        """Take camera and depth scale of options, else of camera.json, own files, or the layout.
-
-        Errors: InputError where nothing states one, or where the layout's y must not point up.
-        """
+        """Take camera and scale of options, camera.json, own files, layout. Errors: InputError."""
         known: Any = self.layout
         camera, unit, by = camera or known.camera, unit or known.unit, by or known.by
         folder = self.path if self.path.is_dir() else self.path.parent
@@ -287,11 +268,10 @@ class Folder:
     def clock(self, value: str = "", by: By = By.DEFAULT, **more: Any) -> None:
         """State how frames have their instants: by default by the rate."""
         self.facts.append(
-            Assumption(CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
+            Assumption(recorded.CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
         )
 
     def rows(self, name: str) -> list[Row]:
-        """Return the lines of a file."""
         return rows_of(self.path / name)
 
     def folder(self, *names: str) -> Path:
@@ -313,10 +293,7 @@ class Folder:
         return dict(numbers)
 
     def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
-        """Return the pictures of colour and depth, by their names, else their numbers or instants.
-
-        Errors: InputError where one of colour has no depth so.
-        """
+        """Return pictures with depth, by names, numbers, else instants. Errors: InputError."""
         colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
         first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
         first, wanted = of_camera(colours, first, self.options.frames_camera), self.options.frames_camera or ""
@@ -369,34 +346,47 @@ class Folder:
         return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
 
     def sequence(self) -> Sequence:
-        """Return the sequence of what was added, whose clock begins with the first frame.
-
-        Errors: InputError without frames, for two of one instant, for several sizes, and for
-        pictures of another size than the layout's numbers are for.
-        """
+        """Return the sequence of what was added, from the first frame on. Errors: InputError."""
         frames = sorted(self.frames or self._frames(), key=lambda frame: frame.time_ns)
         if not frames:
             self.refuse_apart()
             raise InputError(f"{self.path}: no frame with colour, depth and a pose; expected {self.layout.summary}")
-        for before, after in zip(frames, frames[1:], strict=False):
+        for before, after in itertools.pairwise(frames):
             if before.time_ns == after.time_ns:
                 raise InputError(f"{self.path}: {before.name} and {after.name} are of one instant; expected one each")
             if before.size != after.size:
                 sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
                 raise InputError(f"{self.path}: pictures of several sizes ({sizes}); expected one size")
-        self._check_steps([frame.time_ns * 1e-9 for frame in frames])
-        name = (self.path if self.path.is_dir() else self.path.parent).resolve().name
         begins_ns = frames[0].time_ns
         frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
-        epoch_ns = begins_ns + (0 if self.track is None else self.track.epoch_ns)
-        track = attrs.evolve(
-            _motion(frames, self.track, begins_ns), name=name, origin=f"recorded frames ({name})", epoch_ns=epoch_ns
-        )
-        facts = {fact.what: fact for fact in replaced(self.layout.assumes, *self.facts)}
-        if self.options.frames_rate_hz is not None and facts[CLOCK].option:
-            facts[CLOCK] = Assumption(
-                CLOCK, f"{self.options.frames_rate_hz:g} frames per second", By.USER, facts[CLOCK].option
+        times = np.array([frame.time_ns for frame in frames])
+        apart_s = float(np.median(np.diff(times))) * 1e-9 if len(times) > 1 else 1.0
+        if not _APART_S[0] <= apart_s <= _APART_S[1]:
+            raise InputError(
+                f"{self.path}: frames are {apart_s:g} s apart: expected {_APART_S[0]:g} to {_APART_S[1]:g} s; write "
+                "instants in their unit, or give --frames-rate"
             )
+        if not _USUAL_S[0] <= apart_s <= _USUAL_S[1]:
+            self.notes.append(
+                f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
+            )
+        # The motion from the first frame to the last, with the frames' own poses in it.
+        positions = np.array([frame.pose.position_m for frame in frames])
+        turned = np.array([frame.pose.orientation_xyzw for frame in frames])
+        epoch_ns, more, every = begins_ns, {}, times  # type: int, dict[str, Any], NDArray[np.int64]
+        if (denser := self.track) is not None:
+            between = denser.time_ns - begins_ns
+            kept = (between > times[0]) & (between < times[-1]) & ~np.isin(between, times)
+            every = np.concatenate([times, between[kept]])
+            positions = np.concatenate([positions, denser.position_m[kept]])
+            turned = np.concatenate([turned, denser.orientation_xyzw[kept]])
+            epoch_ns, more = epoch_ns + denser.epoch_ns, {"axes": denser.axes, "max_gap_ns": denser.max_gap_ns}
+        name, order = (self.path if self.path.is_dir() else self.path.parent).resolve().name, np.argsort(every)
+        more |= {"name": name, "origin": f"recorded frames ({name})", "epoch_ns": epoch_ns}
+        track = PoseTrack(every[order], positions[order], turned[order], **more)
+        facts = {fact.what: fact for fact in recorded.replaced(self.layout.assumes, *self.facts)}
+        if (rate_hz := self.options.frames_rate_hz) is not None and (option := facts[recorded.CLOCK].option):
+            facts[recorded.CLOCK] = Assumption(recorded.CLOCK, f"{rate_hz:g} frames per second", By.USER, option)
         notes, assumptions = tuple(self.notes), tuple(facts.values())
         return Sequence(name, self.path, self.layout.name, tuple(frames), track, notes, assumptions=assumptions)
 
@@ -407,25 +397,19 @@ class Folder:
             spans = "; ".join(f"{name}: {a / 1e9:.6f} to {b / 1e9:.6f} s" for name, (a, b) in self.clocks.items())
             raise InputError(f"{self.path}: the clocks are {apart / 1e9:.6g} s apart ({spans}); expected one clock")
 
-    def _check_steps(self, times_s: Rows[float]) -> None:
-        apart_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 1.0
-        least, most = _APART_S
-        if not least <= apart_s <= most:
-            raise InputError(
-                f"{self.path}: frames are {apart_s:g} s apart: expected {least:g} to {most:g} s; write instants in "
-                "their unit, or give --frames-rate"
-            )
-        if not _USUAL_S[0] <= apart_s <= _USUAL_S[1]:
-            self.notes.append(
-                f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
-            )
-
     def _frames(self) -> list[RecordedFrame]:
         pairs = sorted(self.pairs, key=lambda pair: pair.time_ns)
         if not pairs:
             return []
         size = self.size or size_of(pairs[0].colour)
-        self._refuse_other_size(size)
+        open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.DEFAULT)]
+        if self.only_for not in (None, size) and open_facts:
+            taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
+            raise InputError(
+                f"{self.path}: pictures of {size[0]}x{size[1]}, and what {self.layout.name} takes where files do not "
+                f"say it ({taken}) is for {self.only_for[0]}x{self.only_for[1]}: "
+                f"give {' '.join(_STATES[fact.what] for fact in open_facts)}, or write {CAMERA} there"
+            )
         return [self._frame(pair, size) for pair in pairs]
 
     def _frame(self, pair: Pair, size: Size) -> RecordedFrame:
@@ -435,38 +419,11 @@ class Folder:
             if (w, h) != size:
                 raise InputError(f"{pair.colour}: {w}x{h} pixels; expected {size[0]}x{size[1]}, as the first frame has")
             picture = read_colour(pair.colour) if picture is None else picture
-            return as_pictures(picture, in_metres(self.fit(depth(), picture, pair.depth), self.scale))
+            return recorded.as_pictures(picture, recorded.in_metres(self.fit(depth(), picture, pair.depth), self.scale))
 
         depth = partial(self.depth_of, pair.depth)
         fov = (pair.camera or self.camera).fov(size, str(self.path))
         return RecordedFrame(pair.colour.name, pair.time_ns, pair.pose, fov, size, read, depth)
-
-    def _refuse_other_size(self, size: Size) -> None:
-        """Raise InputError where numbers of a layout are for pictures of another size."""
-        open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.DEFAULT)]
-        if self.only_for in (None, size) or not open_facts:
-            return
-        taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
-        raise InputError(
-            f"{self.path}: pictures of {size[0]}x{size[1]}, and what {self.layout.name} takes where files do not say "
-            f"it ({taken}) is for {self.only_for[0]}x{self.only_for[1]}: "
-            f"give {' '.join(_STATES[fact.what] for fact in open_facts)}, or write {CAMERA} there"
-        )
-
-
-def _motion(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
-    """Return the motion from the first frame to the last, with the frames' own poses in it."""
-    times = np.array([frame.time_ns for frame in frames])
-    positions = np.array([frame.pose.position_m for frame in frames])
-    turned = np.array([frame.pose.orientation_xyzw for frame in frames])
-    if denser is None:
-        return PoseTrack(times, positions, turned)
-    between = denser.time_ns - begins_ns
-    kept = (between > times[0]) & (between < times[-1]) & ~np.isin(between, times)
-    order = np.argsort(every := np.concatenate([times, between[kept]]))
-    positions = np.concatenate([positions, denser.position_m[kept]])[order]
-    turned = np.concatenate([turned, denser.orientation_xyzw[kept]])[order]
-    return PoseTrack(every[order], positions, turned, axes=denser.axes, max_gap_ns=denser.max_gap_ns)
 
 
 def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
@@ -516,7 +473,6 @@ class Row:
         return matrix
 
     def pose(self, axes: Axes, begin: int = 0, **more: Any) -> Pose:
-        """Return world_from_eye of x y z qx qy qz qw. Errors: InputError."""
         matrix = self.matrix(begin, **more)
         return pose_of(axes, matrix[:3, 3], matrix[:3, :3])
 
@@ -573,28 +529,23 @@ def through_cameras(
 ) -> Callable[..., NDArray[Any]]:
     """Return what takes depth of another camera in the same place to the colour's pixels."""
 
-    def as_many(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        if depth.shape != colour.shape[:2]:
-            raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
-        return depth
-
     def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        assert depth_camera is not None
         (high, wide), (rows, columns) = colour.shape[:2], depth.shape
+        if size == of_depth and (high, wide) != (rows, columns):
+            raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
+        if size == of_depth or depth_camera is None:
+            return fitted_depth(depth, colour, where)
         row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
         column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
         found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
         inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
         return np.asarray(np.where(inside, found, found.dtype.type(0)))
 
-    return as_many if size == of_depth else fitted_depth if depth_camera is None else through
+    return through
 
 
 def shared_camera(cameras: Rows[Camera], size: Size) -> tuple[Camera | None, list[str]]:
-    """Return one camera for frames whose focus breathes, and the note on it; None for none or many.
-
-    It is the median, where no pixel moves by more than 0.5 % of the width; a replay takes one.
-    """
+    """Return the median camera, with a note, where focus breathes by 0.5 % of the width."""
     if not cameras:
         return None, []
     numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])

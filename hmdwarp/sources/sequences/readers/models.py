@@ -17,44 +17,19 @@ from ....errors import InputError, TraceError, are_digits, listed
 from ....options.named_files import FACTS, LIST, PICTURE_FILE, content_of, enter, named_in, opened
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.made_rows import ColmapCamera, read_cameras, read_images
-from ..camera import (
-    Camera,
-    Size,
-    camera_of,
-    number_of,
-    read_json,
-    refuse_distortion,
-    scale_of,
-    seconds_of,
-    unread_notes,
-)
+from .. import camera as _camera
+from ..camera import Camera, Size, camera_of, read_json
 from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth
 from ..options import RATE_HZ
 from ..picture_files import EXR, PICTURES, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, as_pictures, in_metres
-from ._base import (
-    CAMERA,
-    COLOURS,
-    DEPTHS,
-    MATRICES,
-    VGA,
-    Folder,
-    Pair,
-    intrinsics_fact,
-    layout,
-    matrix_in,
-    pictures_in,
-    pose_of,
-    refuse_moved,
-    scale_fact,
-    through_cameras,
-)
+from . import _base
+from ._base import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Pair, layout
 
 _MATRIX = "camera-intrinsics.txt"
 
 
 def _sequences_in(path: Path) -> list[str]:
-    """Return the folders of a scene's sequences."""
     return sorted({pose.parent.name for pose in path.glob("seq-*/frame-*.pose.txt")})
 
 
@@ -67,15 +42,17 @@ def _sequences_in(path: Path) -> list[str]:
     camera=Camera(585.0, 585.0, 320.0, 240.0, VGA), unit=1e-3, by=By.DEFAULT, no_depth="0 or 65535", pose=MATRICES,
 )  # fmt: skip
 def seven_scenes(at: Folder) -> None:
-    """Sequences of 7-Scenes; matrices from camera to world, depth in millimetres.
-
-    Source: Shotton et al. 2013, Scene coordinate regression forests for camera relocalization in
-    RGB-D images (the data set's page: the files of a frame, 65535 for no depth, 585/320/240). The
-    same names with info.txt: 12-Scenes, BundleFusion, 3RScan; with camera-intrinsics.txt: 3DMatch.
-    """
+    """Source: Shotton et al. 2013, Scene coordinate regression forests (its page); 3DMatch."""
     if inner := _sequences_in(at.path):
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
-    own, depth_camera, scale = _stated(at)
+    own, depth_camera, scale = None, None, None
+    # What files there or above state.
+    info, file = at.first("info.txt", "_info.txt", above=True), at.first(_MATRIX, above=True)
+    text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
+    if info is not None and "m_calibrationColorIntrinsic" in text:
+        own, depth_camera, scale = _of_info(info, text)
+    elif file is not None:
+        own = depth_camera = camera_of(file, {"intrinsic_matrix": _base.matrix_in(file, 3).tolist()})
     at.state(own=own, own_scale=scale)
     if not (own or at.options.camera):
         at.notes.append("Colour and depth of 7-Scenes are of two cameras and not registered to each other.")
@@ -83,7 +60,6 @@ def seven_scenes(at: Folder) -> None:
 
 
 def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: Camera | None) -> None:
-    """Add the frames of three files by their numbers."""
     colours, depths = at.numbered(colour), at.numbered(depth)
     poses = at.poses_in(at.numbered(pose))
     whole = sorted(colours.keys() & depths.keys() & poses.keys())
@@ -91,24 +67,11 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
         at.add(colours[number], depths[number], number, poses[number])
     if whole:
         sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
-        at.fit = through_cameras(*sizes, at.camera, depth_camera)
+        at.fit = _base.through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
 
 
-def _stated(at: Folder) -> tuple[Camera | None, Camera | None, float | None]:
-    """Return both cameras and the metres per unit that files there or above state."""
-    info = at.first("info.txt", "_info.txt", above=True)
-    text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
-    if info is not None and "m_calibrationColorIntrinsic" in text:
-        return _of_info(info, text)
-    if (file := at.first(_MATRIX, above=True)) is None:
-        return None, None, None
-    camera = camera_of(file, {"intrinsic_matrix": matrix_in(file, 3).tolist()})
-    return camera, camera, None
-
-
 def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float | None]:
-    """Return cameras and scale of lines such as m_depthShift = 1000. Errors: InputError."""
     values = {key.strip(): value.split() for key, _, value in (line.partition("=") for line in text.splitlines())}
 
     def numbers(key: str, *counts: int) -> list[float]:
@@ -125,10 +88,10 @@ def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float
         at = numbers(f"m_calibration{side}Intrinsic", 16, 12)
         wide, high = (round(numbers(f"m_{side.lower()}{way}", 1)[0]) for way in ("Width", "Height"))
         if (moved := f"m_calibration{side}Extrinsic") in values:
-            refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
+            _base.refuse_moved(f"{file}, {moved}", np.reshape(numbers(moved, 16), (4, 4)))
         return camera_of(file, {"intrinsic_matrix": [at[0:3], at[4:7], at[8:11]], "w": wide, "h": high})
 
-    shift = number_of(file, "m_depthShift", numbers("m_depthShift", 1)[0], "units per metre, above 0", above=0)
+    shift = _camera.number_of(file, "m_depthShift", numbers("m_depthShift", 1)[0], "units per metre, above 0", above=0)
     return camera("Color"), camera("Depth"), 1 / shift
 
 
@@ -149,22 +112,18 @@ def _scannet_file(path: Path, name: str) -> Path | None:
     clock=f"{RATE_HZ:g} frames per second",
 )  # fmt: skip
 def scannet(at: Folder) -> None:
-    """Read scans of ScanNet; matrices from camera to world, those of -inf where tracking was lost.
-
-    Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions of indoor scenes (its
-    SensReader: names, depth shift 1000, 4x4 intrinsics and extrinsics; 30 Hz).
-    """
+    """Source: Dai et al. 2017, ScanNet: richly-annotated 3D reconstructions (SensReader)."""
     for side in ("color", "depth"):
         if (file := _scannet_file(at.path, f"extrinsic_{side}")) is not None:
-            refuse_moved(file, matrix_in(file))
-    colours = {int(one.stem): one for one in pictures_in(at.path / "color") if are_digits(one.stem)}
+            _base.refuse_moved(file, _base.matrix_in(file))
+    colours = {int(one.stem): one for one in _base.pictures_in(at.path / "color") if are_digits(one.stem)}
     depths = at.numbered("depth/*.png")
     first = min(colours.keys() & depths.keys(), default=None)
     if first is None:
         raise InputError(f"{at.path}: no number in both color and depth; expected {at.layout.summary}")
     stated: list[Camera | None] = []
     for file in (_scannet_file(at.path, f"intrinsic_{side}") for side in ("color", "depth")):
-        matrix = np.eye(4) if file is None else matrix_in(file)
+        matrix = np.eye(4) if file is None else _base.matrix_in(file)
         fx, fy, cx, cy = map(float, matrix[(0, 1, 0, 1), (0, 1, 2, 2)])
         if not np.isfinite(matrix).all() or min(fx, fy) <= 0:
             raise InputError(f"{file}: focal lengths {fx:g}, {fy:g}; expected a 4x4 matrix, both above 0, in pixels")
@@ -193,8 +152,6 @@ _ENDS = 4096  # bytes at each end that are searched for the class
 
 
 def _trajectory(path: Path) -> Path | None:
-    """Return the trajectory by its usual names, else the only JSON file of its class."""
-
     def is_one(file: Path) -> bool:
         with opened(file, FACTS) as stream:
             head = stream.read(_ENDS)
@@ -213,11 +170,7 @@ def _trajectory(path: Path) -> Path | None:
     pose="camera from world, inverted; matrices by columns", takes=("frames_camera",),
 )  # fmt: skip
 def open3d(at: Folder) -> None:
-    """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
-
-    Source: Open3D documentation, io.write_pinhole_camera_trajectory, camera.PinholeCameraParameters
-    and geometry.RGBDImage (depth_scale 1000).
-    """
+    """Source: Open3D documentation, io.write_pinhole_camera_trajectory, geometry.RGBDImage."""
     file = _trajectory(at.path)
     if file is None:
         raise InputError(f"{at.path}: no JSON file of class {_CLASS}; expected {at.layout.summary}")
@@ -246,12 +199,8 @@ _SPARSE = ("sparse/0", "sparse", ".", "colmap/sparse/0")
 _MAPS = ("depth", "depths", "depth_maps", "stereo/depth_maps")
 _OWN = (".geometric.bin", ".photometric.bin")  # depth of COLMAP's stereo, in the model's unit
 _CENTRE = 0.5  # of the first pixel, in COLMAP and nerfstudio
-_KINDS = {
-    "SIMPLE_PINHOLE": "f cx cy",
-    "PINHOLE": "fx fy cx cy",
-    "SIMPLE_RADIAL": "f cx cy k1",
-    "RADIAL": "f cx cy k1 k2",
-}
+_KINDS = {"SIMPLE_PINHOLE": "f cx cy", "PINHOLE": "fx fy cx cy"}
+_KINDS |= {"SIMPLE_RADIAL": "f cx cy k1", "RADIAL": "f cx cy k1 k2"}
 _KINDS |= {"OPENCV": "fx fy cx cy k1 k2 p1 p2", "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"}
 
 
@@ -260,7 +209,6 @@ def _first(path: Path, places: Any) -> Path | None:
 
 
 def _images(path: Path) -> Path | None:
-    """Return the file of a model's images."""
     return _first(path, [f"{place}/images{ending}" for place in _SPARSE for ending in (".txt", ".bin")])
 
 
@@ -272,10 +220,7 @@ def _images(path: Path) -> Path | None:
     pose="camera from world, inverted; qw qx qy qz tx ty tz", takes=("frames_camera",),
 )  # fmt: skip
 def colmap(at: Folder) -> None:
-    """Models of COLMAP with depth; poses are camera from world and inverted, in the model's unit.
-
-    Source: COLMAP documentation, output format (cameras, images, depth maps) and camera models.
-    """
+    """Source: COLMAP documentation, output format (cameras, images, depth maps), camera models."""
     model = _images(at.path)
     if model is None:
         raise InputError(
@@ -308,22 +253,22 @@ def colmap(at: Folder) -> None:
     at.depth_of = _depth_of_colmap
     for number, image, depth in chosen:
         camera = own[image.camera_id] if at.options.camera is None else None
-        at.add(pictures / image.name, depth, number, pose_of(at.axes, image.position, image.rotation), camera=camera)
+        pose = _base.pose_of(at.axes, image.position, image.rotation)
+        at.add(pictures / image.name, depth, number, pose, camera=camera)
     at.facts.append(Assumption("length", "1 m per unit of the model, whose own is any", By.DEFAULT))
     at.left_out(len(images) - per.total() + len(chosen), "no picture or no depth")
 
 
 def _camera_of_colmap(cameras: dict[int, ColmapCamera], key: int, model: Path) -> Camera:
-    """Return a camera without distortion. Errors: InputError, which names the distortion."""
     if key not in cameras:
         raise InputError(f"{model}: its images name camera {key}; expected it in cameras{model.suffix}")
     camera = cameras[key]
-    refuse_distortion(camera.where, {"camera_model": camera.model})
+    _camera.refuse_distortion(camera.where, {"camera_model": camera.model})
     names, found = _KINDS.get(camera.model, "").split(), camera.parameters
     if len(names) != len(found):
         raise InputError(f"{camera.where}: {len(found)} parameters of {camera.model}; expected {len(names)}")
     facts: dict[str, Any] = dict(zip(names, found, strict=True))
-    refuse_distortion(camera.where, facts)
+    _camera.refuse_distortion(camera.where, facts)
     fx, fy = (facts["f"], facts["f"]) if "f" in facts else (facts["fx"], facts["fy"])
     return Camera(fx, fy, facts["cx"], facts["cy"], camera.size, _CENTRE)
 
@@ -369,11 +314,7 @@ def _transforms(path: Path) -> Path:
     looks="x right, y up, -z forward, in a world of z up",
 )  # fmt: skip
 def nerfstudio(at: Folder) -> None:
-    """Read data sets of nerfstudio and instant-ngp that have depth.
-
-    Source: nerfstudio documentation, data conventions; depth_unit_scale_factor and applied_scale as
-    its parser of these files has them; instant-ngp's nerf_loader (integer_depth_scale, depth_path).
-    """
+    """Source: nerfstudio documentation, data conventions, and its parser; nerf_loader."""
     file = _transforms(at.path)
     data = read_json(file)
     enter(file.parent)
@@ -390,10 +331,20 @@ def nerfstudio(at: Folder) -> None:
         raise InputError(
             f"{file}: none of its {len(entries)} frames has a depth_file_path; expected depth for a warp{named}"
         )
-    at.notes = unread_notes(file, {key: value for part in (data, *whole) for key, value in part.items()}, _READ_KEYS)
+    every = {key: value for part in (data, *whole) for key, value in part.items()}
+    at.notes = _camera.unread_notes(file, every, _READ_KEYS)
     if len(whole) < len(entries):
         at.notes.insert(0, f"{len(entries) - len(whole)} frames were left out: they have no depth_file_path.")
-    at.scale, scale_by = _scale_of(file, data, whole, at.options.depth_scale)
+    stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
+    if data.get("depth_scale") is not None:
+        stated["depth_scale"] = _camera.scale_of(file, data["depth_scale"])
+    if len(set(stated.values())) > 1 and at.options.depth_scale is None:
+        both = listed([f"{key} {value:g}" for key, value in stated.items()])
+        raise InputError(f"{file}: {both} differ; expected one scale: give --depth-scale")
+    scale, scale_by = first_stated(at.options.depth_scale, next(iter(stated.values()), None), None)
+    if scale is None:  # by default in nerfstudio; instant-ngp has none
+        scale, scale_by = _UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT
+    at.scale = scale
     unit = 1 / (_positive(file, "applied_scale", data) or 1.0)
     wheres = [f"{file}, frame {number}" for number in range(len(whole))]
     poses = at.poses(((where, one.get("transform_matrix")) for where, one in zip(wheres, whole, strict=True)), unit)
@@ -411,24 +362,11 @@ def nerfstudio(at: Folder) -> None:
         colour, depth = (_picture(file, where, name) for name in (facts.get("file_path"), _depth_key(facts)))
         at.pairs.append(Pair(colour, depth, times[number], pose, own))
     assert camera is not None, "each frame has one"
-    at.facts += [intrinsics_fact(camera, camera_by), scale_fact(at.scale, scale_by)]
+    at.facts += [_base.intrinsics_fact(camera, camera_by), _base.scale_fact(at.scale, scale_by)]
 
 
 def _depth_key(entry: Mapping[str, Any]) -> Any:
     return next((entry[key] for key in _DEPTH_KEYS if entry.get(key)), None)
-
-
-def _scale_of(file: Path, data: Mapping[str, Any], whole: list[Any], by_user: float | None) -> tuple[float, By]:
-    """Return the metres per unit of depth, and who says so. Errors: InputError if two differ."""
-    stated = {key: _positive(file, key, data) for key in _SCALE_KEYS if data.get(key) is not None}
-    if data.get("depth_scale") is not None:
-        stated["depth_scale"] = scale_of(file, data["depth_scale"])
-    if len(set(stated.values())) > 1 and by_user is None:
-        both = listed([f"{key} {value:g}" for key, value in stated.items()])
-        raise InputError(f"{file}: {both} differ; expected one scale: give --depth-scale")
-    scale, by = first_stated(by_user, next(iter(stated.values()), None), None)
-    # By default in nerfstudio; instant-ngp has none.
-    return (scale, by) if scale is not None else (_UNIT, By.FORMAT if whole[0].get(_DEPTH_KEYS[0]) else By.DEFAULT)
 
 
 def _picture(file: Path, where: str, name: object) -> Path:
@@ -441,7 +379,7 @@ def _picture(file: Path, where: str, name: object) -> Path:
 
 def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | None:
     value = data.get(key)
-    return None if value is None else number_of(where, key, value, "a number above 0", above=0)
+    return None if value is None else _camera.number_of(where, key, value, "a number above 0", above=0)
 
 
 def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> list[int]:
@@ -456,12 +394,14 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
     if not key or rated and key == "timestamp":
         at.clock()
         return counted
-    found = [seconds_of(where, key, entry.get(key)) for where, entry in zip(wheres, whole, strict=True)]
-    if key == "time" and _is_share(found):
-        spread = max(found) - min(found) or 1
+    found = [_camera.seconds_of(where, key, entry.get(key)) for where, entry in zip(wheres, whole, strict=True)]
+    spread, count = max(found) - min(found), len(found) - 1
+    # Shares of a whole go from 0 to 1, or to a step before 1.
+    ends_at_1 = any(abs(end - 1) < _SHARE_WITHIN for end in (max(found), max(found) + spread / max(1, count)))
+    if key == "time" and count and 0 <= min(found) < _SHARE_WITHIN and ends_at_1:
         at.clock(f"{RATE_HZ:g} frames per second; time is a share of the recording")
         step_ns = 1e9 / (at.options.frames_rate_hz or RATE_HZ)
-        return [round((value - min(found)) / spread * (len(found) - 1) * step_ns) for value in found]
+        return [round((value - min(found)) / (spread or 1) * count * step_ns) for value in found]
     steps = {b - a for a, b in zip(found, found[1:], strict=False)}
     if rated or steps == {0.0} or key == "time" and steps == {1.0}:
         at.clock()
@@ -470,16 +410,8 @@ def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> lis
     return [round(value * 1e9) for value in found]
 
 
-def _is_share(times: list[float]) -> bool:
-    """Return whether these are shares of a whole: from 0 to 1, or to a step before 1."""
-    if len(times) < 2 or min(times) < 0 or max(times) > 1 + _SHARE_WITHIN:
-        return False
-    ends = max(times), max(times) + (max(times) - min(times)) / (len(times) - 1)
-    return min(times) < _SHARE_WITHIN and any(abs(end - 1) < _SHARE_WITHIN for end in ends)
-
-
 def _frames_in(path: Path) -> list[Path]:
-    found = [picture for picture in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
+    found = [picture for picture in _base.pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
     return [path for path in found if path.suffix.lower() == NPZ] or found
 
 
@@ -515,7 +447,7 @@ def _time_ns(found: FrameFile) -> int:
     value: Any = found.facts[key]
     value = value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
     if key == "time_s":
-        return round(seconds_of(found.where, key, value) * 1e9)
+        return round(_camera.seconds_of(found.where, key, value) * 1e9)
     if not isinstance(value, int) or isinstance(value, bool) or abs(value) >= 2**63:
         raise InputError(f"{found.where}: {key} is {reprlib.repr(value)}; expected a whole number")
     return value
@@ -524,7 +456,7 @@ def _time_ns(found: FrameFile) -> int:
 def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
     scale, camera = at.options.depth_scale or found.depth_scale, at.options.camera
     if scale is not None:
-        scale_of(found.where, scale)
+        _camera.scale_of(found.where, scale)
     if found.encoding not in (None, "srgb", "linear"):
         raise InputError(f"{found.where}: encoding is {found.encoding!r}; expected srgb or linear")
 
@@ -535,12 +467,12 @@ def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
                 f"{found.path}: depth is {depth.dtype}, of unknown unit: give --depth-scale, the metres per unit, or "
                 f"depth_scale in {CAMERA}"
             )
-        is_light = colour.dtype == np.uint8 or colour.dtype.kind == "f"
+        is_light, wrong = colour.dtype == np.uint8 or colour.dtype.kind == "f", ""
         if not is_light or colour.ndim != 3 or colour.shape[2] not in (3, 4):
             wrong = f"colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats"
-            raise InputError(f"{found.path}: {wrong}")
-        if depth.shape != colour.shape[:2]:
+        elif depth.shape != colour.shape[:2]:
             wrong = f"depth_m has shape {depth.shape}; expected {colour.shape[:2]}, as colour has"
+        if wrong:
             raise InputError(f"{found.path}: {wrong}")
         if found.encoding == "srgb" and colour.dtype != np.uint8:
             colour = np.concatenate([linear_from_srgb(colour[..., :3]), colour[..., 3:]], axis=2)

@@ -23,22 +23,8 @@ from ..camera import Camera, camera_of, number_of, read_json, refuse_distortion,
 from ..options import RATE_HZ
 from ..picture_files import NPY, VideoPictures, read_colour, read_depth
 from ..recorded import AXES, CLOCK, POSE
-from ._base import (
-    CAMERA,
-    COLOURS,
-    DEPTHS,
-    MATRICES,
-    VGA,
-    Folder,
-    Pair,
-    Row,
-    layout,
-    matrix_in,
-    pictures_in,
-    pose_of_square,
-    rows_of,
-    shared_camera,
-)
+from . import _base
+from ._base import CAMERA, COLOURS, DEPTHS, MATRICES, VGA, Folder, Row, layout
 
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
@@ -53,12 +39,7 @@ _SECONDS = Assumption(CLOCK, "seconds in the lists of pictures", By.FILE)
     only_for=VGA, looks="x right, y down, z forward, in a world of z up", clock=_SECONDS,
 )  # fmt: skip
 def tum(at: Folder) -> None:
-    """TUM RGB-D sequences, and those of ETH3D SLAM, which state their camera.
-
-    Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (its page of
-    file formats: depth / 5000, cameras, associations within 20 ms); Schöps et al. 2019, BAD SLAM
-    (calibration.txt, depth / 5000).
-    """
+    """Source: Sturm et al. 2012, A benchmark for RGB-D SLAM; Schöps et al. 2019, BAD SLAM."""
     name, own = at.path.resolve().name, None
     if (file := at.path / "calibration.txt").exists():
         if len(rows := at.rows(file.name)) != 1:
@@ -84,7 +65,7 @@ def tum(at: Folder) -> None:
                 lost += 1
             else:
                 files = named_in(at.path, colour), named_in(at.path, depths[nearest][1])
-                at.pairs.append(Pair(*files, sample.time_ns, sample.pose))
+                at.pairs.append(_base.Pair(*files, sample.time_ns, sample.pose))
     # Axes are the layout's, and no option changes them.
     by_layout = (str(defect).replace(AXES_BY[By.USER], AXES_BY[By.FORMAT]) for defect in trace.defects)
     at.notes += [note.replace("--axes '", "axes '") for note in by_layout]
@@ -97,7 +78,6 @@ def tum(at: Folder) -> None:
 
 
 def _span(trace: LoadedTrace) -> tuple[int, int]:
-    """Return the first and the last instant of a trace on its own clock."""
     track = trace.track
     return track.epoch_ns + track.start_ns, track.epoch_ns + track.end_ns
 
@@ -114,13 +94,9 @@ def _listed(row: Row) -> tuple[int, str]:
     looks="x right, y up, z forward, in a left-handed world", clock=f"{RATE_HZ:g} frames per second",
 )  # fmt: skip
 def icl_nuim(at: Folder) -> None:
-    """ICL-NUIM sequences in their form for TUM's tools, by a renderer whose y points up.
-
-    Source: Handa et al. 2014, A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM
-    (its page: camera, depth / 5000, 30 Hz).
-    """
+    """Source: Handa et al. 2014, A benchmark for RGB-D visual odometry (its page)."""
     at.state()
-    colours, depths = ({one.stem: one for one in pictures_in(at.path / side)} for side in ("rgb", "depth"))
+    colours, depths = ({one.stem: one for one in _base.pictures_in(at.path / side)} for side in ("rgb", "depth"))
     file = min(at.path.glob("*.gt.freiburg"), default=at.path / "trajectory.gt.freiburg")
     for row in at.rows(file.name):
         number = int(row.floats(8)[0])
@@ -136,11 +112,7 @@ def icl_nuim(at: Folder) -> None:
     takes=("frames_camera",),
 )  # fmt: skip
 def redwood(at: Folder) -> None:
-    """Redwood and Open3D sequences, whose world is the first camera; Open3D's own camera and unit.
-
-    Source: Choi, Zhou and Koltun 2015, Robust reconstruction of indoor scenes (.log files); Open3D
-    documentation, camera.PinholeCameraIntrinsic and the reconstruction system.
-    """
+    """Source: Choi et al. 2015, Robust reconstruction of indoor scenes; Open3D documentation."""
     file = _log(at.path)
     if file is None:
         raise InputError(f"{at.path}: no trajectory.log; expected {at.layout.summary}")
@@ -174,7 +146,6 @@ def redwood(at: Folder) -> None:
 
 
 def _log(path: Path) -> Path | None:
-    """Return the trajectory of a folder, by its usual names, or the only .log file there is."""
     named = [path / name for name in ("trajectory.log", "scene/trajectory.log") if (path / name).exists()]
     others = list(path.glob("*.log"))
     return named[0] if named else others[0] if len(others) == 1 else None
@@ -184,7 +155,7 @@ def _fits_numbered(path: Path) -> int:
     file = next((path / name for name in ("pose.txt", "poses.txt") if (path / name).exists()), None)
     if file is None or not (path / "depth").is_dir():
         return 0
-    return 80 if all(len(row.words) == 7 for row in rows_of(file)[:1]) else 20
+    return 80 if all(len(row.words) == 7 for row in _base.rows_of(file)[:1]) else 20
 
 
 @layout(
@@ -193,10 +164,7 @@ def _fits_numbered(path: Path) -> int:
     pose=("world from camera, x y z qx qy qz qw", By.DEFAULT), takes=("frames_camera",),
 )  # fmt: skip
 def numbered(at: Folder) -> None:
-    """Pictures by number, with poses from camera to world, as small examples and robots write them.
-
-    Source: Gao and Zhang 2021, Introduction to visual SLAM (ch5/rgbd of its code).
-    """
+    """Pictures by number. Source: Gao and Zhang 2021, Introduction to visual SLAM (ch5/rgbd)."""
     at.state()
     file = at.first("pose.txt", "poses.txt") or at.path / "pose.txt"
     rows, files = at.rows(file.name), at.paired()
@@ -213,10 +181,7 @@ def numbered(at: Folder) -> None:
     unit=1 / 6553.5, pose=MATRICES,
 )  # fmt: skip
 def replica(at: Folder) -> None:
-    """Scenes of Replica in NICE-SLAM's form; matrices from camera to world, row by row.
-
-    Source: Zhu et al. 2022, NICE-SLAM (its data sets: cam_params.json, depth * 6553.5).
-    """
+    """Scenes of Replica. Source: Zhu et al. 2022, NICE-SLAM (cam_params.json, depth * 6553.5)."""
     camera, scale = None, None
     if file := at.first("cam_params.json", above=True):
         data: Any = read_json(file).get("camera")
@@ -237,7 +202,6 @@ def replica(at: Folder) -> None:
 
 
 def _with_a_line(colours: Any, depths: Any, rows: list[Row], where: str, name: Any = str) -> list[int]:
-    """Return the numbers of both. Errors: InputError where one has no line of its pose."""
     whole = sorted(colours.keys() & depths.keys())
     if whole and whole[-1] >= len(rows):
         raise InputError(f"{where}{len(rows)} poses, and a picture {name(whole[-1])}; expected a line for each")
@@ -250,7 +214,6 @@ _SIDES = {"left": (_FIRST, None), "right": (_FIRST, None), "lcam_front": (_SECON
 
 
 def _side(path: Path) -> str:
-    """Return the first camera that has pictures, depth and poses."""
     needed = ("pose_{}.txt", "image_{}", "depth_{}")
     return next((side for side in _SIDES if all((path / one.format(side)).exists() for one in needed)), "")
 
@@ -261,11 +224,7 @@ def _side(path: Path) -> str:
     axes="world=y,-z,x head=y,-z,x",  # x forward, y right, z down, of the world and of the camera
 )  # fmt: skip
 def tartanair(at: Folder) -> None:
-    """Trajectories of TartanAir and TartanAir V2, the left camera if it is there.
-
-    Source: Wang et al. 2020, TartanAir: a dataset to push the limits of visual SLAM (its tools'
-    data_type.md: camera, metres, NED); tartanair.org, modalities (V2: 10 Hz, depth as four bytes).
-    """
+    """Source: Wang et al. 2020, TartanAir (its data_type.md); tartanair.org, modalities (V2)."""
     side = _side(at.path)
     if not side:
         raise InputError(f"{at.path}: no camera with pictures, depth and poses; expected {at.layout.summary}")
@@ -276,7 +235,8 @@ def tartanair(at: Folder) -> None:
         at.rate_hz = rate_hz
         at.clock(by=By.FORMAT)
     rows, colours = at.rows(f"pose_{side}.txt"), at.numbered(f"image_{side}/*.png")
-    depths = {int(picture.name.split("_")[0]): picture for picture in pictures_in(at.path / f"depth_{side}", DEPTHS)}
+    found = _base.pictures_in(at.path / f"depth_{side}", DEPTHS)
+    depths = {int(picture.name.split("_")[0]): picture for picture in found}
     for number in _with_a_line(colours, depths, rows, f"{at.path}: "):
         at.add(colours[number], depths[number], number, rows[number].pose(at.axes))
 
@@ -301,20 +261,16 @@ _STRAY_HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
     axes="world=x,y,-z head=x,-y,z",  # the world is ARKit's, y up; the camera was turned to x right, y down, z forward
 )  # fmt: skip
 def stray_scanner(at: Folder) -> None:
-    """Read recordings of Stray Scanner, whose depth has fewer pixels and the same field of view.
-
-    Later ones have intrinsics in each row, which hold before those of the file.
-    Source: Stray Robots documentation, data specification; for the axes, the app's OdometryEncoder.
-    """
+    """Source: Stray Robots documentation, data specification; the app's OdometryEncoder."""
     head, *rows = at.rows("odometry.csv") or [Row(str(at.path / "odometry.csv"), ["nothing"])]
     if head.words[: len(_STRAY_HEADER)] != _STRAY_HEADER:
         raise head.wrong(f"the header {', '.join(_STRAY_HEADER)}")
-    matrix, video = matrix_in(at.path / "camera_matrix.csv", 3), VideoPictures(at.path / "rgb.mp4")
+    matrix, video = _base.matrix_in(at.path / "camera_matrix.csv", 3), VideoPictures(at.path / "rgb.mp4")
     cameras = [Camera.of(row.floats(4, 9, whole=False)) for row in rows if len(row.words) >= 13]
-    shared, at.notes = shared_camera(cameras, video.size)
+    shared, at.notes = _base.shared_camera(cameras, video.size)
     at.state(own=shared or Camera.of(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
     own = shared is None and len(cameras) == len(rows) and at.options.camera is None
-    depths = {int(one.stem): one for one in pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
+    depths = {int(one.stem): one for one in _base.pictures_in(at.path / "depth", (".png", NPY)) if are_digits(one.stem)}
     at.size = video.size
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
@@ -332,7 +288,6 @@ _NUMBER = re.compile(r"^(image_width|image_height):\s*([0-9]+)\s*$", re.MULTILIN
 
 
 def _rtabmap_poses(path: Path) -> Path | None:
-    """Return the poses of the camera, else those of the robot."""
     found = [*path.glob("*_camera_poses.txt"), *path.glob("*_poses.txt")] if path.is_dir() else []
     return next((file for file in found if not file.name.endswith("_scan_poses.txt")), None)
 
@@ -345,16 +300,12 @@ def _rtabmap_poses(path: Path) -> Path | None:
     axes="world=-y,z,x head=x,-y,z",  # the world is that of ROS, x forward and z up; the camera is optical
 )  # fmt: skip
 def rtabmap(at: Folder) -> None:
-    """Read exports of `rtabmap-export --images --poses_camera` (or --poses), which name a map NAME.
-
-    Source: RTAB-Map, tools/Export (folders, formats of poses; 11 is its default: stamp x y z qx qy
-    qz qw id) and CameraModel (calibration of ROS, with local_transform).
-    """
+    """Source: RTAB-Map, tools/Export (folders, format 11) and CameraModel (local_transform)."""
     file = _rtabmap_poses(at.path)
     if file is None:
         raise InputError(f"{at.path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {at.layout.summary}")
     rgb, depth, calib = (min(at.path.glob(f"*_{one}"), default=at.path / one) for one in ("rgb", "depth", "calib"))
-    colours, depths = ({picture.stem: picture for picture in pictures_in(side)} for side in (rgb, depth))
+    colours, depths = ({picture.stem: picture for picture in _base.pictures_in(side)} for side in (rgb, depth))
     found, cameras = [], []
     for number, row in enumerate(at.rows(file.name)):
         if len(row.words) != 9:
@@ -367,17 +318,16 @@ def rtabmap(at: Folder) -> None:
             cameras.append(camera)
     if not cameras:
         raise InputError(f"{at.path}: no row of {file.name} has a picture and depth; expected {at.layout.summary}")
-    shared, at.notes = shared_camera(cameras, cameras[0].size or (1, 1))
+    shared, at.notes = _base.shared_camera(cameras, cameras[0].size or (1, 1))
     at.state(own=shared or cameras[0])
     own = shared is None and at.options.camera is None
     for camera, (stem, number, row, matrix) in zip(cameras, found, strict=True):
-        pose = pose_of_square(at.axes, row.where, matrix)
+        pose = _base.pose_of_square(at.axes, row.where, matrix)
         at.add(colours[stem], depths[stem], number, pose, row.nanoseconds(), camera=camera if own else None)
     at.left_out(len(colours), "no depth or no pose")
 
 
 def _calibration(file: Path) -> tuple[Camera, NDArray[np.float64]]:
-    """Return camera, and (4, 4) the robot's frame from the optical one. Errors: InputError."""
     text = text_in(file, attrs.evolve(TABLE, what="the calibration of its image"))
     try:
         lists = {name: [float(word) for word in numbers.split(",")] for name, numbers in _LIST.findall(text)}
@@ -404,7 +354,6 @@ _COVERED = 0.05  # of the trace, at least
 
 
 def _traces(path: Path) -> list[Path]:
-    """Return the files that may be the trace, those of the usual names alone if there are any."""
     files = path.iterdir() if path.is_dir() else ()
     found = [file for file in files if file.suffix.lower() in _TRACES and file.name not in _LISTS]
     return sorted([file for file in found if file.stem.lower() in _NAMES] or found)
@@ -447,7 +396,6 @@ def traced(at: Folder) -> None:
 
 
 def _trace(file: Path, at: Folder) -> tuple[LoadedTrace, Assumption]:
-    """Return the trace in the axes that it or the user states, else in those of a camera."""
     reading, head = TraceOptions(axes=at.options.frames_axes), read_head(file)
     if find_format(head, reading).layout(head, reading).time is None:
         reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
@@ -490,7 +438,6 @@ def _number(picture: Path) -> Decimal | None:
 
 
 def _camera_beside(at: Folder) -> Camera | None:
-    """Return the camera of a file next to it, None where there is none. Errors: InputError."""
     if file := at.first(*_CAMERAS):
         return camera_of(file, read_json(file))
     if (file := at.first(*_MATRICES)) is None:

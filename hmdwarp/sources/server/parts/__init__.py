@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import attrs
 import moderngl
@@ -17,7 +17,7 @@ from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
 from ..passes import ScenePasses
-from ..targets import Framebuffers, LastUsed, Target
+from ..targets import Framebuffers, LastUsed, Renderer, Target
 from ..upload import SceneTextures
 
 parts: Registry[type[Part]] = Registry(
@@ -25,7 +25,7 @@ parts: Registry[type[Part]] = Registry(
     __name__,
     modules={
         **dict.fromkeys(("cube", "foveated", "views", "wide"), "views"),
-        **dict.fromkeys(("cutouts", "light", "overlay", "peeled", "transparency"), "blended"),
+        **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
         **dict.fromkeys(("difference", "scene_update"), "scene_update"),
     },
 )
@@ -46,23 +46,10 @@ class Drawing:
     client: Hashable = None  # for whom it is drawn, where that matters; None for the one that there is
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
-        """Return another picture at the same instant, lit in the same way, without layers.
-
-        What the client lays over the whole is in none of its pictures.
-        """
+        """Return another picture at this instant, lit alike, without layers or overlays."""
         kept = {name for name in self.needs if layers.get(name).lights or layers.get(name).laid_over}
         needs = Needs(**{name: amount for name, amount in self.needs.items() if name in kept})
         return Drawing(view, size, self.time_ns, needs)
-
-
-class Renderer(Protocol):
-    """Draws whole pictures of a scene."""
-
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw a view at an instant."""
-
-    def close(self) -> None:
-        """Free everything it holds."""
 
 
 @attrs.frozen(eq=False)
@@ -71,8 +58,7 @@ class DrawContext:
 
     gpu: Gpu
     scene: Scene
-    # The scene's textures on the GPU.
-    textures: SceneTextures
+    textures: SceneTextures  # the scene's, on the GPU
     framebuffers: Framebuffers
     colour: ScenePasses  # the passes of the plain surfaces
     # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
@@ -127,10 +113,7 @@ class Part(ABC):
         """Draw content that has a depth into the inverse depth of the plain surfaces."""
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        """Return the layers that all eyes share, by name; called once for each frame.
-
-        views: of the eyes, with guard band.
-        """
+        """Return the layers that all eyes share, once a frame. views: with guard band."""
         return {}
 
     def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not)

@@ -47,8 +47,6 @@ class Motion(Part):
 
 
 class _Numbers:
-    """Draws body numbers."""
-
     def __init__(self, context: DrawContext, bodies: tuple[MovingBody, ...]) -> None:
         self._context, self._bodies = context, bodies
         shaders, gl = context.gpu.shaders, context.gpu.gl
@@ -75,8 +73,6 @@ class _Numbers:
 
 
 class _Velocities:
-    """Draws the velocities of deforming meshes."""
-
     def __init__(self, context: DrawContext, deforming: tuple[DeformingMesh, ...]) -> None:
         self._context, self._deforming = context, deforming
         gl = context.gpu.gl
@@ -93,20 +89,17 @@ class _Velocities:
         gl = self._context.gpu.gl
         into = self._context.acquire(eye.size, COLOUR, depth=False).colour
         framebuffer = self._context.framebuffers.over(into)
-        self._write(eye.drawn_ns)
+        if eye.drawn_ns != self._written_ns:
+            for one, buffer in zip(self._deforming, self._velocities, strict=True):
+                one.set_time(eye.drawn_ns)
+                buffer.write(np.ascontiguousarray(one.velocities()).tobytes())
+            self._written_ns = eye.drawn_ns
         self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
         with drawing_into(framebuffer, moderngl.NOTHING):
             framebuffer.clear()
             for one, vertices in zip(self._deforming, self._vertices, strict=True):
                 _draw_where_shown(gl, self._draw, one, vertices, eye)
         return into
-
-    def _write(self, time_ns: int) -> None:
-        if time_ns != self._written_ns:
-            for one, buffer in zip(self._deforming, self._velocities, strict=True):
-                one.set_time(time_ns)
-                buffer.write(np.ascontiguousarray(one.velocities()).tobytes())
-            self._written_ns = time_ns
 
     def close(self) -> None:
         for vertices, buffer in zip(self._vertices, self._velocities, strict=True):
@@ -117,10 +110,7 @@ class _Velocities:
 def _draw_where_shown(
     gl: moderngl.Context, draw: Draw, one: Moving, vertices: moderngl.VertexArray, eye: EyeImage
 ) -> None:
-    """Draw into the bound framebuffer, at the pixels where the picture shows the surface.
-
-    The order does not matter: of two surfaces, only one has the picture's depth.
-    """
+    """Draw where the picture shows the surface; in any order, as one alone has its depth."""
     eye.inverse_depth.use(0)
     draw.uniforms.set(picture=0, same=SAME_SURFACE)
     draw_moving(gl, draw, one, vertices, eye.view, eye.drawn_ns, textured=False)

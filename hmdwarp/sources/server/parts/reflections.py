@@ -23,10 +23,7 @@ from . import DrawContext, Drawing, Part, parts
 
 @parts.register
 class Reflections(Part):
-    """Plane mirrors: the scene drawn again for each, mirrored.
-
-    Curved ones: lookups in a cube map with depth around their centre.
-    """
+    """Plane mirrors: the scene again, mirrored. Curved ones: a cube map around each."""
 
     name = "reflections"
     order = 10
@@ -80,7 +77,6 @@ class Reflections(Part):
     def _draw(
         self, eye: EyeImage, chosen: Sequence[MirrorSurface], seen: Target, surface: Target, marched: bool
     ) -> None:
-        """Draw the reflections of the chosen mirrors, and the mirrors' properties."""
         over = self.context.framebuffers.over
         over(seen.colour).clear()
         over(seen.inverse_depth).clear(red=-1.0)
@@ -160,10 +156,7 @@ def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) 
 
 
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the pixels in which a mirror, a plane one with its apron, may be visible.
-
-    None for none.
-    """
+    """Return the pixels in which a mirror (a plane one: with its apron) may be visible, or None."""
     if mirror.is_curved:  # the bounds of the cube around a ball; near the eye, those of the picture
         signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
         corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
@@ -180,7 +173,6 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
 
 
 def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the pixels around (n, 3) points in the axes of the eye, ahead of it."""
     pixels = corners[:, :2] / -corners[:, 2:] - np.array(view.fov.tangents[[0, 2]])
     pixels /= np.array(tangents_of_pixels(view, size)["tangent_step"])
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
@@ -201,10 +193,7 @@ def _before(polygon: Array, near_m: float) -> Array:
 
 
 class MirroredPasses(ScenePasses):
-    """Passes for the scene as it appears behind a plane mirror, in the eye's own pixels.
-
-    Mirrors in it show their own colour: one bounce.
-    """
+    """The scene behind a plane mirror, in the eye's own pixels; one bounce."""
 
     vertex = "server/mirrored.vert"
 
@@ -276,17 +265,12 @@ class MirrorSurface:
             self._drawn.render(moderngl.TRIANGLES)
 
     def close(self) -> None:
-        """Free its buffers."""
         self._drawn.release()
         self._vertices.release()
 
 
 class Ball(MirrorSurface):
-    """A curved mirror.
-
-    Its surroundings are drawn once around its centre, and again only for another instant of a
-    moving scene and where a scene that arrives has changed.
-    """
+    """A curved mirror; its surroundings are drawn again only where they have changed."""
 
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         super().__init__(context, mirror)
@@ -301,10 +285,7 @@ class Ball(MirrorSurface):
     def draw_image(
         self, eye: EyeImage, taken: int, mirrors: Uniforms, framebuffer: moderngl.Framebuffer, around: Target
     ) -> None:
-        """Draw colour and inverse depth of the reflection in mirror number `taken`.
-
-        mirrors: uniforms of all mirrors for this eye.
-        """
+        """Draw the reflection in mirror number `taken`. mirrors: uniforms of all of them."""
         view = eye.view
         from_scene = eye_from_scene(view, self._context.scene.origin_m)
         passes = self._context.colour
@@ -339,5 +320,4 @@ class Ball(MirrorSurface):
 
 
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
-    """Return the uniforms of shaders/lib/mirrors.glsl."""
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)

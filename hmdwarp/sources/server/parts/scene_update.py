@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -13,10 +14,10 @@ from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_parts import Delivery, Simplified
 from ....geometry import View
 from ....gpu.textures import COLOUR
-from ....scenes import COARSE, FULL, HALF, Mesh, Scene, partial_scene, pieces_of
+from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
 from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen
-from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, display_bytes
-from . import DrawContext, Drawing, Part, Renderer, parts
+from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
+from . import DrawContext, Drawing, Part, parts
 
 Array = NDArray[np.float64]
 
@@ -51,9 +52,12 @@ class _Sender(Sender):
         self._budget = delivery.budget
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
         self.book: Outbox = Outbox(self._pieces.things)
-        numbers = map(self._pieces.number_of_mesh, range(len(self._pieces.meshes)))
-        self._bytes = np.array([len(self._pieces.things[number]) for number in numbers], float)
-        self._centres, self._halves = _boxes(self._pieces.meshes)
+        pieces, meshes = self._pieces, self._pieces.meshes
+        sizes = [len(pieces.things[pieces.number_of_mesh(index)]) for index in range(len(meshes))]
+        self._bytes = np.array(sizes, float)
+        extremes = [(mesh.positions.min(axis=0), mesh.positions.max(axis=0)) for mesh in meshes]
+        low, high = np.array(extremes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
+        self._centres, self._halves = (low + high) / 2, (high - low) / 2
         # Textures that cross: of the pieces, and of mirrors alone.
         cross = {texture for texture, _ in self._pieces.levels}
         self._of_pieces = cross & {mesh.texture for mesh in self._pieces.meshes}
@@ -61,26 +65,20 @@ class _Sender(Sender):
         self._bodies = np.array([mesh.body for mesh in self._pieces.meshes], int)
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether anything waits to be sent."""
         self.book.settle(now_ns)
         return bool(self.book.waiting)
 
     def update(self, views: Sequence[View], head: Head, now_ns: int) -> Update:
-        """Return what a frame drawn now brings."""
         order = self._order(views, head, now_ns) if self.has_more(now_ns) else iter(())
         return self.book.update(order, self._budget, now_ns)
 
     def _order(self, views: Sequence[View], head: Head, now_ns: int) -> Iterator[int]:
-        """Yield what to send: first what makes a whole picture.
-
-        Then what is visible from any place that the head can reach until it arrives, what covers
-        most of the picture for its bytes first, with coarse textures and then sharper ones; then
-        the rest. Of what is visible the last texels come after all triangles.
-        """
+        """Yield what to send: first what makes a whole picture."""
+        # Then what is visible from wherever the head can be until it arrives, what covers most for
+        # its bytes first, coarse textures before sharper ones; then the rest.
         yield from self._pieces.first
-        scene = self._pieces.scene
+        scene, origin = self._pieces.scene, self._pieces.scene.origin_m
         centres, halves = boxes_at(scene, self._bodies, self._centres, self._halves, now_ns)
-        origin = scene.origin_m
         metres, radians = head.reach(self.book.round_trip_ns or FIRST_ROUND_TRIP_NS)
         seen = np.any([may_be_seen(centres, halves, view, origin, metres, radians) for view in views], axis=0)
         eye = np.mean([view.pose.position_m for view in views], axis=0) - origin
@@ -95,7 +93,6 @@ class _Sender(Sender):
                 yield from (self._pieces.number_of_level(texture, scale) for texture in self._of_mirrors)
 
     def _with_textures(self, indices: Sequence[int], scale: float) -> Iterator[int]:
-        """Yield the meshes, and the texture of each where it first occurs."""
         left = set(self._of_pieces)
         for index in indices:
             yield self._pieces.number_of_mesh(index)
@@ -103,15 +100,6 @@ class _Sender(Sender):
             if texture in left:
                 left.remove(texture)
                 yield self._pieces.number_of_level(texture, scale)
-
-
-def _boxes(meshes: Sequence[Mesh]) -> tuple[Array, Array]:
-    """Return centres and halves of the boxes around meshes at rest, (n, 3) each."""
-    low, high = (
-        np.array([extreme(mesh.positions, axis=0) for mesh in meshes], np.float64).reshape(-1, 3)
-        for extreme in (np.min, np.max)
-    )
-    return (low + high) / 2, (high - low) / 2
 
 
 @parts.register
@@ -134,7 +122,9 @@ class Difference(Part):
         made = {}
         for each in sorted(needed):
             target = self.kept("simplified", eye.size)
-            self._renderer(each).draw(eye.view, eye.size, target, drawing.time_ns)
+            self._renderers.made(each, functools.partial(self._renderer_of, each)).draw(
+                eye.view, eye.size, target, drawing.time_ns
+            )
             made[each] = self.context.acquire(eye.size, COLOUR, depth=False).colour
             self.context.gpu.barrier()
             for unit, texture in enumerate((eye.colour, target.colour)):
@@ -148,10 +138,8 @@ class Difference(Part):
             unused.close()
         return eye.having(difference=made)
 
-    def _renderer(self, each: Simplified) -> Renderer:
-        """Return what draws the simplified scene, as the client draws it."""
-        of = self.context.scene, each.share, each.texture
-        return self._renderers.made(each, lambda: self.context.renderer(partial_scene(*of, lit=each.lit)))
+    def _renderer_of(self, each: Simplified) -> Renderer:
+        return self.context.renderer(partial_scene(self.context.scene, each.share, each.texture, lit=each.lit))
 
     def close(self) -> None:
         for renderer in self._renderers.values():

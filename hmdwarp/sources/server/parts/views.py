@@ -39,11 +39,7 @@ _COARSE = 8  # the choice is made at this part of the resolution, on both axes
 
 @parts.register
 class Views(Part):
-    """Whole pictures, drawn without layers, from the places that chosen() takes.
-
-    They are chosen once for each frame, by the first eye's depth, and are as far from each eye. How
-    fast the head moves is taken from the frame before.
-    """
+    """Whole pictures from the places of chosen(), by the first eye's depth and the head's speed."""
 
     name = "views"
     order = 130
@@ -57,7 +53,6 @@ class Views(Part):
         self._ways: list[Array] = []
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        """Choose the places for the frame; there is no layer that the eyes share."""
         first, place = views[0], np.mean([view.pose.position_m for view in views], axis=0)
         before, self._before = self._before, (place, drawing.time_ns)
         passed_s = (drawing.time_ns - before[1]) * 1e-9 if before is not None else 0.0
@@ -97,10 +92,7 @@ class Motion:
 
     @classmethod
     def of(cls, view: View, velocity_m_s: Array, age_s: float) -> Motion:
-        """Return the motion of an eye at that velocity, at least LEAST_M.
-
-        across: level, where that is defined; of an eye at rest along is to its right.
-        """
+        """Return the motion of an eye, at least LEAST_M, across it level; at rest to the right."""
         way = np.asarray(velocity_m_s, np.float64) * age_s
         length = float(np.linalg.norm(way))
         right, _, back = view.pose.rotation_matrix.T
@@ -114,12 +106,10 @@ class Motion:
         return cls(reach * along, reach * across / np.linalg.norm(across))
 
     def candidates(self) -> list[Array]:
-        """Return the places of the candidates, relative to the eye."""
         ways = (self.along, -self.along, self.across, -self.across)
         return [ring * way for ring in RINGS for way in ways]
 
     def expected(self) -> list[Array]:
-        """Return the places where the eye may be, relative to where it was drawn."""
         return [along * self.along + across * self.across for along, across in EXPECTED]
 
 
@@ -174,10 +164,7 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
 
 @parts.register
 class Cube(Part):
-    """Colour of the six faces of geometry.cube, as sharp as the picture.
-
-    Errors: InputError beyond the GL limit.
-    """
+    """Colour of the six faces of geometry.cube, as sharp as the picture. Errors: InputError."""
 
     name = "cube"
     order = 110
@@ -198,10 +185,7 @@ class Cube(Part):
 
 @parts.register
 class Wide(Part):
-    """As wide as geometry.wide says, around the view without guard band.
-
-    Everything is drawn into it, without layers, except for head-locked content.
-    """
+    """As wide as geometry.wide says, around the view without guard band, overlay apart."""
 
     name = "wide"
     order = 120

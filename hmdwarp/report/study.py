@@ -5,30 +5,14 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..charts import INK, SERIES, Style, canvas, legend, mark, name_rows, svg_text
-from ..page import (
-    Chart,
-    Fold,
-    Group,
-    Heading,
-    Page,
-    Section,
-    Sentences,
-    Text,
-    Tile,
-    fact,
-    notes_section,
-    reading_section,
-    texts,
-)
-from ..run_texts import Heads, Table, counted, interval, p_text, pair_text, plain, signed
-
-if TYPE_CHECKING:
-    pass
+from . import page
+from .charts import INK, SERIES, Style, canvas, legend, mark, name_rows, svg_text
+from .page import texts
+from .run_texts import Heads, Table, counted, interval, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
@@ -274,48 +258,48 @@ def _spread(count: int, width: float = 0.15) -> np.ndarray:
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
 
 
-def study_page(data: Row, command: str) -> Page:
+def study_page(data: Row, command: str) -> page.Page:
     """Return report.html from the content of analysis.json.
 
     The same content gives the same page. Everything in it is escaped.
     """
     scales = data["scales"]
-    facts = [fact("ratings from", data["source"])]
+    facts = [page.fact("ratings from", data["source"])]
     for scale in scales:
         measure = scale["measure"]
         known = f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown"
-        facts.append(fact(measure["title"], f"{known}, {'low' if measure['low_is_good'] else 'high'} is good"))
+        facts.append(page.fact(measure["title"], f"{known}, {'low' if measure['low_is_good'] else 'high'} is good"))
     parts = data["preferences"]
     blocks: list[Any] = []
     for part in parts:
         rows, compared = part["conditions"], part["comparisons"]
-        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
+        blocks += [part["part"] and page.Heading(part["part"]), _said(part["sentences"])]
         if rows:
             scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
-            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
+            blocks.append(page.Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
             blocks.append(Table.of("Scores", *study_lines("scores", best_first(rows))))
         if compared:
             blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
         if part["threshold"]:
-            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
-    note = Text(texts("study")["notes"]["pairs"])
-    return Page(
+            blocks.append(page.Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
+    note = page.Text(texts("study")["notes"]["pairs"])
+    return page.Page(
         kind="study",
         title=f"hmdwarp study: {data['title']}",
         heading=(data["title"], _ORIGINS.get(data["origin"], data["origin"])),
         facts=facts,
         command=command,
         sections=(
-            Section("", _tiles(data), style="tiles", label="Main figures"),
-            notes_section(data["notes"]),
-            Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
+            page.Section("", _tiles(data), style="tiles", label="Main figures"),
+            page.notes_section(data["notes"]),
+            page.Section("What was preferred", [*blocks, note] if blocks else [], id="pairs"),
             _shown(data),
-            Section("Every rating", _every_rating(scales), id="conditions"),
-            Section("Did the order matter?", _order(scales), id="order"),
+            page.Section("Every rating", _every_rating(scales), id="conditions"),
+            page.Section("Did the order matter?", _order(scales), id="order"),
             _checked(scales),
             _correlations(scales),
             _people(data),
-            reading_section("study"),
+            page.reading_section("study"),
         ),
         made_with=[
             ("hmdwarp", data["hmdwarp"]),
@@ -329,38 +313,38 @@ def render_study_report(data: Row, command: str) -> str:
     return study_page(data, command).html()
 
 
-def _said(sentences: Sequence[str]) -> Sentences:
-    return Sentences(sentences, style="said")
+def _said(sentences: Sequence[str]) -> page.Sentences:
+    return page.Sentences(sentences, style="said")
 
 
-def _tiles(data: Row) -> list[Tile]:
+def _tiles(data: Row) -> list[page.Tile]:
     tables = [*data["scales"], *data["preferences"]]
     rows = [row for table in tables for row in table["comparisons"]]
     shown = sum(row["holm"] is not None and row["holm"] <= 0.05 for row in rows)
     parts = len(data["scales"][0]["parts"]) if data["scales"] else len(data["preferences"])
     people = f"in {counted(parts, 'part')}, counted in each" if parts > 1 else "who began"
     missing = f"{data['missing']} missing, listed below" if data["missing"] else "none missing"
-    answers = Tile("Ratings", "", str(data["ratings"]), missing)
+    answers = page.Tile("Ratings", "", str(data["ratings"]), missing)
     if data["preferences"]:
         lacking, ties, count = (
             sum(part[key] for part in data["preferences"]) for key in ("missing", "ties", "answers")
         )
         more = f"{ties} without a difference, {lacking or 'none'} missing"
-        answers = Tile("Pairs compared", "", str(count), more)
+        answers = page.Tile("Pairs compared", "", str(count), more)
     difference = "comparisons with p ≤ .05 after Holm in their family"
     return [
-        Tile("Participants", "", str(data["participants"]), people),
+        page.Tile("Participants", "", str(data["participants"]), people),
         answers,
-        Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
+        page.Tile("Differences shown", "", f"{shown} of {len(rows)}", difference),
     ]
 
 
-def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:
+def _titled(scales: Sequence[Row], scale: Row) -> page.Heading | None:
     """Return the title of a scale, where there are several."""
-    return Heading(scale["measure"]["title"]) if len(scales) > 1 else None
+    return page.Heading(scale["measure"]["title"]) if len(scales) > 1 else None
 
 
-def _shown(data: Row) -> Section:
+def _shown(data: Row) -> page.Section:
     blocks: list[Any] = []
     for scale in data["scales"]:
         rows = scale["comparisons"]
@@ -375,12 +359,12 @@ def _shown(data: Row) -> Section:
                 for row in rows
                 if row["n"]
             )
-            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
+            blocks.append(page.Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
             blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
     )
-    return Section("What the ratings show", [*blocks, Text(note)] if blocks else [], id="shown")
+    return page.Section("What the ratings show", [*blocks, page.Text(note)] if blocks else [], id="shown")
 
 
 def _every_rating(scales: Sequence[Row]) -> list[Any]:
@@ -393,10 +377,10 @@ def _every_rating(scales: Sequence[Row]) -> list[Any]:
             medians = ", ".join(f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"])
             caption = ", ".join(["Ratings of each condition", *filter(None, [part["part"]])])
             blocks += [
-                Heading(_part_name(part), f"{measure['title']}, {people}" if len(scales) > 1 else people),
-                Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
+                page.Heading(_part_name(part), f"{measure['title']}, {people}" if len(scales) > 1 else people),
+                page.Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
                 Table.of(caption, *study_lines("conditions", part["conditions"], mean=measure["mean_name"])),
-                Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
+                page.Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
                 _without(part.get("without", ())),
             ]
     return blocks
@@ -411,31 +395,34 @@ def _order(scales: Sequence[Row]) -> list[Any]:
     for scale in scales:
         for part in scale["parts"]:
             if len(scale["parts"]) > 1 or len(scales) > 1:
-                blocks.append(Heading(_part_name(part), scale["measure"]["title"] if len(scales) > 1 else ""))
+                blocks.append(page.Heading(_part_name(part), scale["measure"]["title"] if len(scales) > 1 else ""))
             blocks.append(_said(part["order_sentences"]))
             if part["places"]:
                 heading, words = "Ratings less the person's and the condition's mean", part["order_sentences"][0]
-                chart = Chart.of(heading, place_chart(part, scale["measure"]), words, "")
-                blocks.append(Group("charts", [chart]))
+                chart = page.Chart.of(heading, place_chart(part, scale["measure"]), words, "")
+                blocks.append(page.Group("charts", [chart]))
     return blocks
 
 
-def _checked(scales: Sequence[Row]) -> Section:
+def _checked(scales: Sequence[Row]) -> page.Section:
     """Return what was checked: rows that two parts share, and published figures."""
     blocks: list[Any] = []
     for scale in scales:
         copied, claims = scale["copied"], scale["claims"]
         if copied:
-            blocks += [Heading("Rows that two parts share"), _said([row["sentence"] for row in copied])]
+            blocks += [page.Heading("Rows that two parts share"), _said([row["sentence"] for row in copied])]
         if claims:
             marks = ["yes" if row["follows"] else "no" for row in claims]
             note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
-            blocks += [Heading("Published figures"), Sentences([row["sentence"] for row in claims], marks, "said")]
-            blocks.append(Text(note))
-    return Section("Checked against the data", blocks, id="held")
+            blocks += [
+                page.Heading("Published figures"),
+                page.Sentences([row["sentence"] for row in claims], marks, "said"),
+            ]
+            blocks.append(page.Text(note))
+    return page.Section("Checked against the data", blocks, id="held")
 
 
-def _correlations(scales: Sequence[Row]) -> Section:
+def _correlations(scales: Sequence[Row]) -> page.Section:
     blocks: list[Any] = []
     for scale in scales:
         if data := scale["prediction"]:
@@ -444,20 +431,20 @@ def _correlations(scales: Sequence[Row]) -> Section:
                 blocks.append(
                     Table.of("What was measured against the ratings", *study_lines("correlations", data["measures"]))
                 )
-    note = Text(texts("study")["notes"]["correlation"])
-    return Section("What goes with the ratings", [*blocks, note] if blocks else [], id="correlation")
+    note = page.Text(texts("study")["notes"]["correlation"])
+    return page.Section("What goes with the ratings", [*blocks, note] if blocks else [], id="correlation")
 
 
-def _people(data: Row) -> Section:
+def _people(data: Row) -> page.Section:
     """Return what is missing, and how the sessions ended and went."""
     sessions, notes = data["sittings"], texts("study")["notes"]
     ends = ", ".join(f"{number} {status}" for status, number in sessions["counts"].items())
-    blocks: list[Any] = [ends and Text(f"Sessions: {ends}.", "")]
+    blocks: list[Any] = [ends and page.Text(f"Sessions: {ends}.", "")]
     blocks.append(_said([_cut(cut) for cut in sessions["cut"]]) if sessions["cut"] else None)
     for scale in data["scales"]:
         title, count, lines = scale["measure"]["title"], len(scale["missing"]), _missing(scale["missing"])
-        fold = Fold(title, [_said(lines)], f"{count} missing", is_open=len(lines) < 16)
-        blocks.append(fold if count else Text(f"{title}: no rating is missing."))
+        fold = page.Fold(title, [_said(lines)], f"{count} missing", is_open=len(lines) < 16)
+        blocks.append(fold if count else page.Text(f"{title}: no rating is missing."))
     blocks += [
         Table.of(f"{one['title']}, {one['least']:g} to {one['most']:g}", *study_lines("sickness", one["trials"]))
         for one in data["sickness"]
@@ -466,11 +453,11 @@ def _people(data: Row) -> Section:
         blocks.append(
             Table.of("Questionnaires, before and after", *study_lines("questionnaires", data["questionnaires"]))
         )
-        blocks.append(Text(notes["questionnaires"]))
+        blocks.append(page.Text(notes["questionnaires"]))
     if data["asked_once"]:
         blocks.append(Table.of("Questionnaires, answered once", *study_lines("asked once", data["asked_once"])))
-        blocks.append(Text(notes["once"]))
-    return Section("Missing and unfinished", blocks, id="people")
+        blocks.append(page.Text(notes["once"]))
+    return page.Section("Missing and unfinished", blocks, id="people")
 
 
 def _cut(one: Row) -> str:
