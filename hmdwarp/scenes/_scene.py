@@ -171,15 +171,32 @@ def _size(value: Any) -> tuple[float, float]:
 
 @attrs.frozen(eq=False)
 class Panel:
-    """A picture in the world or fixed to the head, seen from +z of its pose. Errors: SceneError."""
+    """A picture in the world or fixed to the head, seen from +z of its pose.
 
-    # (h, w, 3 or 4) uint8 sRGB, the top row first; or several, which take turns.
+    Parameters
+    ----------
+    pictures : (h, w, 3 or 4) array_like of uint8, or several, which take turns
+        sRGB, the top row first.
+    pose : Pose
+        Of its middle: world_from_panel, or head_from_panel if it is `head_locked`.
+    size_m : (float, float)
+        Along the pose's x and y, above 0.
+    occluded : bool
+        What is nearer in the picture hides it.
+    seconds : float
+        How long each picture stays, above 0.
+
+    Raises
+    ------
+    SceneError
+    """
+
     pictures: tuple[Texture, ...] = attrs.field(converter=_pictures)
-    pose: Pose = attrs.field(validator=is_a(Pose))  # of its middle: world_from_panel, or head_from_panel
-    size_m: tuple[float, float] = attrs.field(converter=_size)  # along the pose's x and y
+    pose: Pose = attrs.field(validator=is_a(Pose))
+    size_m: tuple[float, float] = attrs.field(converter=_size)
     head_locked: bool = False
-    occluded: bool = False  # what is nearer in the picture hides it
-    seconds: float = attrs.field(default=1.0, converter=real)  # how long each picture stays
+    occluded: bool = False
+    seconds: float = attrs.field(default=1.0, converter=real)
 
     def __attrs_post_init__(self) -> None:
         if not self.pictures or not 0 < self.seconds < np.inf:
