@@ -25,7 +25,7 @@ from ..geometry import DepthLayer, Fov, Pose, View
 from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..report import labelled_strip, magma
 from ..sources.sequences import read_colour, read_depth
-from ..sources.sequences.camera import number_of, numbers_of, read_json
+from ..sources.sequences.frame_files import number_of, numbers_of, read_json
 from ..sources.sequences.picture_files import EXR, NPY, read_exr
 from .search import SURE
 

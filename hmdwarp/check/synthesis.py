@@ -14,7 +14,7 @@ from ..client.effects import effects
 from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
 from ..metrics import psnr
-from ..pipeline.feed_layers import velocity_of
+from ..pipeline.feed_coding import velocity_of
 from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth

@@ -16,9 +16,7 @@ from ..colour import linear_from_srgb
 from ..errors import InputError, in_brief
 from ..frames import Needs, Surface
 from ..frames.layers import layers
-from ..frames.layers.ids import BodyIds
-from ..frames.layers.pictures import Transparent
-from ..frames.layers.reflection import Reflection, Reflections
+from ..frames.layers.pictures import BodyIds, Reflection, Reflections, Transparent
 from ..geometry import DepthLayer, Mirror, RigidState
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu

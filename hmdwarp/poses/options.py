@@ -58,10 +58,7 @@ def parse_euler(text: str) -> Euler:
 
 @attrs.frozen
 class TraceOptions(Declared):
-    """Overrides for reading a trace; None leaves the fact to the file.
-
-    Errors: InputError for values that no file can have.
-    """
+    """Overrides for reading a trace; None leaves the fact to the file. Errors: InputError."""
 
     heading = "Reading the head trace"
     format: str | None = option(

@@ -78,6 +78,14 @@ def _tuple_of(kind: type, value: Iterable[Any], what: str) -> tuple[Any, ...]:
         raise TraceError(f"{what}, found {in_brief(value)}") from error
 
 
+def _texts(value: Iterable[str]) -> tuple[str, ...]:
+    return _tuple_of(str, value, "notes: expected texts")
+
+
+def _jumps(value: Iterable[int]) -> tuple[int, ...]:
+    return _tuple_of(int, value, "jumps: expected indices of samples")
+
+
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
     """Return an array of its own: the caller's stays writeable. Errors: TraceError."""
     try:
@@ -111,16 +119,12 @@ class PoseTrack:
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
     axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(
-        default=(), converter=lambda value: _tuple_of(str, value, "notes: expected texts")
-    )  # remarks for readers
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(
-        default=(), converter=lambda value: _tuple_of(int, value, "jumps: expected indices of samples")
-    )
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
     # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample

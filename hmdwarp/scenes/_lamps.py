@@ -26,13 +26,12 @@ CONVERGED = "converged"
 class IndirectLight:
     """A way to find the light between surfaces under lamps; --indirect names it.
 
-    The one called CONVERGED is that of the truth; it has `atlas` in place of a layer.
+    That called CONVERGED is that of the truth; it has `atlas` in place of a layer.
     """
 
     name: ClassVar[str]
     Settings: ClassVar[type] = NoSettings
-    # The frame layer whose amount its settings are.
-    layer: ClassVar[str] = ""
+    layer: ClassVar[str] = ""  # whose amount its settings are
 
     @classmethod
     def unsuited(cls, scene: Scene) -> str:
@@ -49,15 +48,10 @@ lights: Registry[type[IndirectLight]] = Registry("indirect light", "", "lights")
 
 
 def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
-    """Return the converged indirect light of an instant as the light atlas, bottom row first.
-
-    Errors: SceneError where nothing that is installed finds it.
-    """
+    """Return the converged light of an instant as the light atlas. Errors: SceneError."""
     if CONVERGED not in lights:
-        raise SceneError(
-            f"scene '{scene.name}' has lamps, and no indirect light '{CONVERGED}' is installed: install the whole of "
-            "hmdwarp, or use a scene with baked light"
-        )
+        what = f"scene '{scene.name}' has lamps, and no indirect light '{CONVERGED}' is installed"
+        raise SceneError(f"{what}: install the whole of hmdwarp, or use a scene with baked light")
     return lights.get(CONVERGED).atlas(scene, time_ns)
 
 
@@ -67,10 +61,7 @@ def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
 
 
 def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
-    """Return the lit meshes of bodies in the scene's axes, at an instant.
-
-    meshes: in place of the scene's.
-    """
+    """Return the lit meshes of bodies, or of those given, in the scene's axes at an instant."""
     moved = []
     for mesh in scene.meshes if meshes is None else meshes:
         lit_ns = scene.lit_ns(time_ns)
@@ -91,8 +82,7 @@ def lamps_at(scene: Scene, time_ns: int) -> list[Light]:
 
     Places are relative to the scene's origin.
     """
-    at = scene.lit_ns(time_ns)
-    origin = np.append(scene.origin_m, 0)
+    at, origin = scene.lit_ns(time_ns), np.append(scene.origin_m, 0)
     places = ((lamp, lamp.place(at)) for lamp in scene.lamps)
     return [(np.append(place - place[3] * origin, lamp.fading(at)), lamp.light(at)) for lamp, place in places]
 
@@ -119,8 +109,7 @@ def corners_of(meshes: Sequence[Mesh]) -> Array:
 def triangle_axes(corners: Array) -> Array:
     """Return (n, 3, 4) rows that take a point (x, y, z, 1) to each triangle's own axes.
 
-    (u, v) along two edges, w along the normal in metres. A point is inside where u, v and
-    1 - u - v are 0 or more, w = 0.
+    (u, v) along two edges, w along the normal in metres; inside u, v, 1 - u - v are 0 or more.
     """
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
@@ -130,10 +119,7 @@ def triangle_axes(corners: Array) -> Array:
 
 
 def blocking(scene: Scene, time_ns: int = 0, meshes: Sequence[Mesh] | None = None) -> Array:
-    """Return the triangle_axes of what stops light at an instant; what lacks area stops none.
-
-    meshes: in place of the scene's.
-    """
+    """Return the triangle_axes of what stops light at an instant, of the scene or these meshes."""
     if meshes is None:
         return _blocking_at(scene, LitInstant.of(scene, time_ns))
     corners = corners_of([*lit_meshes(meshes), *moved_meshes(scene, time_ns, meshes)])
@@ -157,17 +143,12 @@ SAME = 1e-3  # of two corners, as a share of the side between
 
 
 def lit_by(
-    lamps: Sequence[Lamp],
-    meshes: list[Mesh],
-    lit: Sequence[bool],
-    textures: Sequence[Texture],
-    origin: Array,
-    notes: Notes,
+    lamps: list[Lamp], meshes: list[Mesh], lit: list[bool], textures: Sequence[Texture], origin: Array, notes: Notes
 ) -> tuple[list[Mesh], list[Lamp]]:
     """Return the meshes with places in the light atlas, and the lamps as bright as is shown.
 
-    lit: of each mesh, whether lamps light it. Where they cannot, a note says why, and there are no
-    lamps. origin: of the scene, which meshes are relative to.
+    lit: of each mesh, whether lamps light it. Where they cannot, a note says why, and none is left.
+    origin: of the scene, which meshes are relative to.
     """
     triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
     placed: list[Mesh] | str
@@ -195,10 +176,8 @@ class _Chart:
     """A parallelogram of two triangles, or one triangle: what lies together in the atlas."""
 
     mesh: int
-    # (k, 3) vertices, in which triangles are the same corners as in the file.
-    triangles: NDArray[np.int64]
-    # Of its parallelogram: a corner and the two beside it, and the corner across or -1.
-    corners: tuple[int, ...]
+    triangles: NDArray[np.int64]  # (k, 3) vertices, the same corners as in the file
+    corners: tuple[int, ...]  # of its parallelogram: one, the two beside it, and that across or -1
     sides_m: tuple[float, float]
 
     def texels(self, texel_m: float) -> tuple[int, int]:
@@ -228,9 +207,9 @@ def _in_atlas(meshes: Sequence[Mesh], lit: Sequence[bool]) -> list[Mesh] | str:
         least = patches == len(charts)
         is_quick = patches <= MOST_PATCHES and patches * triangles <= MOST_MEETINGS
         if (is_quick or least) and (lows := _packed(texels)) is not None:
-            return [
-                _cut(mesh, charts, lows, texels, index) if lit[index] else mesh for index, mesh in enumerate(meshes)
-            ]
+            placed_all = list(zip(charts, lows, texels, strict=True))
+            own = [[each for each in placed_all if each[0].mesh == index] for index in range(len(meshes))]
+            return [_cut(mesh, own[index]) if lit[index] else mesh for index, mesh in enumerate(meshes)]
         if least:
             break
     return f"{len(charts):,} flat pieces, which do not fit the light atlas of {ATLAS[0]}x{ATLAS[1]} texels"
@@ -275,16 +254,10 @@ def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
         yield _Chart(index, faces[numbers], corners, (wide, high))
 
 
-def _cut(
-    mesh: Mesh, charts: Sequence[_Chart], lows: Sequence[Array], texels: Sequence[tuple[int, int]], index: int
-) -> Mesh:
+def _cut(mesh: Mesh, charts: Sequence[tuple[_Chart, Array, tuple[int, int]]]) -> Mesh:
     """Return a mesh whose vertices have places in the atlas: those of each chart by themselves."""
-    vertices: list[int] = []
-    places: list[Array] = []
-    faces: list[Array] = []
-    for chart, low, size in zip(charts, lows, texels, strict=True):
-        if chart.mesh != index:
-            continue
+    vertices, places, faces = list[int](), list[Array](), list[Array]()
+    for chart, low, size in charts:
         at = chart.places(low, size)
         new = {vertex: len(vertices) + k for k, vertex in enumerate(at)}
         vertices += at
@@ -318,6 +291,5 @@ def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tu
             light += max(lamp.colour) * fades * cosine / (far**2 if place[3] else 1)
         total, area = total + float(size @ light), area + float(size[light > 0].sum())
     factor = MEAN_LIGHT * area / total if total > 0 else 1.0
-    colours = [(factor * red, factor * green, factor * blue) for red, green, blue in (lamp.colour for lamp in lamps)]
-    scaled = [attrs.evolve(lamp, colour=colour) for lamp, colour in zip(lamps, colours, strict=True)]
-    return scaled, factor
+    shown = [(lamp, *lamp.colour) for lamp in lamps]
+    return [attrs.evolve(lamp, colour=(factor * r, factor * g, factor * b)) for lamp, r, g, b in shown], factor

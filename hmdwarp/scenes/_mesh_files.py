@@ -42,21 +42,15 @@ def mesh_parts(path: Path, notes: Notes) -> list[Any]:
         # trimesh passes on what a damaged file says, vertices of two numbers for instance.
         for name, array in (("vertices", part.vertices), ("faces", part.faces)):
             if np.ndim(array) != 2 or np.shape(array)[1] != 3:
-                raise SceneError(
-                    f"{path}: {name} of shape {np.shape(array)}; expected three numbers each; export the file again"
-                )
+                what = f"{path}: {name} of shape {np.shape(array)}"
+                raise SceneError(f"{what}; expected three numbers each; export the file again")
         bad, most = ~np.isfinite(part.vertices).all(axis=1), int(part.faces.max())
         if bad.any():
-            raise SceneError(
-                f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it"
-            )
+            at = int(np.argmax(bad))
+            raise SceneError(f"{path}: position {at} is not a finite number; export the file again without it")
         if most >= len(part.vertices) or int(part.faces.min()) < 0:
             raise SceneError(f"{path}: a triangle uses vertex {most} of {len(part.vertices)}; the file is damaged")
     return parts
-
-
-def _trimesh() -> Any:
-    return import_extra("trimesh", "trimesh", "scenes")
 
 
 @contextmanager
@@ -82,7 +76,7 @@ def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
 
 def _parts_of(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file (trimesh.Trimesh)."""
-    trimesh = _trimesh()
+    trimesh = import_extra("trimesh", "trimesh", "scenes")
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
     beside = _Beside(path.parent)
     try:
@@ -149,19 +143,26 @@ def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[st
             elif key in ("l", "p", "curv", "surf"):
                 notes.add("points, lines and curved surfaces are left out")
         except (ValueError, IndexError):
-            raise SceneError(
-                f"{path}, line {number}: '{line.strip()[:60]}'; expected numbers; export it again"
-            ) from None
+            what = f"{path}, line {number}: '{line.strip()[:60]}'"
+            raise SceneError(f"{what}; expected numbers; export it again") from None
     return rows, faces, materials
 
 
 def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]:
     """Return a part for each material. Errors: SceneError."""
-    from trimesh.visual import TextureVisuals
+    from trimesh import Trimesh
+    from trimesh.visual import ColorVisuals, TextureVisuals
     from trimesh.visual.material import SimpleMaterial
 
     rows, faces, materials = _read_obj(path, text, beside, notes)
-    known = [_numbers(path, key, rows[key]) for key in _ROWS]
+    known = []  # (n, 6) numbers of each, 0 where a row has fewer
+    for key, least in _ROWS.items():
+        counts = np.array([row.count(" ") + 1 for row in rows[key]], int)
+        found = np.fromstring(" ".join(rows[key]), sep=" ")
+        if len(found) != counts.sum() or (counts < least - (key == "vt")).any():
+            raise SceneError(f"{path}: a line of {key} is not {least} numbers; export the file again")
+        at = np.cumsum(counts)[:, None] - counts[:, None] + np.arange(6)
+        known.append(np.where(np.arange(6) < counts[:, None], np.append(found, np.zeros(6))[at], 0))
     coloured = all(row.count(" ") == 5 for row in rows["v"])
     parts = []
     for name, groups in faces.items():
@@ -177,25 +178,15 @@ def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]
         key = triangles[..., 0].ravel() * triangles.size + key.ravel()
         _, first, at = np.unique(key, return_index=True, return_inverse=True)
         used = triangles.reshape(-1, 3)[first]
-        part = _trimesh().Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
+        part = Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
         if material is not None or (used[:, 1] >= 0).any():
             uv = np.vstack([known[1], np.zeros(6)])[used[:, 1], :2] if (used[:, 1] >= 0).any() else None
             kind = SimpleMaterial(**material) if material else None  # type: ignore[no-untyped-call]
             part.visual = TextureVisuals(uv=uv, material=kind)  # type: ignore[no-untyped-call]
         if coloured and "image" not in (material or {}):
-            part.visual = _trimesh().visual.ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
+            part.visual = ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
         parts.append(part)
     return parts
-
-
-def _numbers(path: Path, key: str, rows: list[str]) -> Array:
-    """Return (n, 6) numbers, 0 where a row has fewer. Errors: SceneError."""
-    counts = np.array([row.count(" ") + 1 for row in rows], int)
-    found = np.fromstring(" ".join(rows), sep=" ")
-    if len(found) != counts.sum() or (counts < _ROWS[key] - (key == "vt")).any():
-        raise SceneError(f"{path}: a line of {key} is not {_ROWS[key]} numbers; export the file again")
-    at = np.cumsum(counts)[:, None] - counts[:, None] + np.arange(6)
-    return np.where(np.arange(6) < counts[:, None], np.append(found, np.zeros(6))[at], 0)
 
 
 def _corners(path: Path, count: int, form: int, lines: list[str], known: list[Array]) -> NDArray[np.int64]:
@@ -268,9 +259,7 @@ def _cut_polygons_of_ply(part: Any, notes: Notes) -> None:
     """Cut polygons that are not convex by their ears: trimesh has cut them as fans."""
     raw = getattr(part, "metadata", {}).get("_ply_raw", {})
     data: Any = raw.get("face", {}).get("data")
-    names: Any = (
-        getattr(data, "keys", list)() if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names
-    )
+    names: Any = data.keys() if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names
     name = next((one for one in names or () if one.startswith("vertex_ind")), None)
     if name is None or not len(part.faces):
         return
@@ -308,31 +297,27 @@ class _Beside:
 
         try:
             data = read_beside(self.folder, key)
-            try:
-                if not key.lower().endswith(".mtl"):
-                    Image.open(io.BytesIO(data)).close()
-            except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-                self.missing[key] = "cannot be read"
-            return data
         except InputError as error:
             self.refused.append(error)
             raise
         except OSError:
             self.missing[key] = "is missing"
             raise
+        try:
+            if not key.lower().endswith(".mtl"):
+                Image.open(io.BytesIO(data)).close()
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+            self.missing[key] = "cannot be read"
+        return data
 
 
-def _pictures_of_ply(path: Path) -> list[str]:
-    """Return the pictures named in a PLY's header, as MeshLab and others write them."""
-    names = []
+def _pictures_of_ply(path: Path) -> Iterator[str]:
+    """Yield the pictures named in a PLY's header, as MeshLab and others write them."""
     with opened(path, SCENE) as file:
-        while line := file.readline(_LONGEST_LINE):
+        while (line := file.readline(_LONGEST_LINE)) and line.split(maxsplit=1)[:1] != [b"end_header"]:
             words = line.decode("utf-8", "replace").split(maxsplit=2)
-            if words[:1] == ["end_header"]:
-                break
             if words[:2] == ["comment", "TextureFile"] and len(words) == 3:
-                names.append(words[2].strip())
-    return names
+                yield words[2].strip()
 
 
 def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: Notes) -> Draft:
@@ -443,9 +428,7 @@ def _parts(path: Path, shape: ElementTree.Element, notes: Notes) -> Iterator[Par
 
 
 def serialized(data: bytes, index: int) -> Part:
-    """Return a mesh of Mitsuba's own file of meshes.
-
-    Errors: ValueError, IndexError, struct.error or zlib.error for what is none.
+    """Return a mesh of Mitsuba's own file of meshes. Errors: those of its unpacking.
 
     Source: Mitsuba 0.6 documentation, 8.1.7 (shape `serialized`).
     """
@@ -488,9 +471,7 @@ class _Inflated:
 class _Looks:
     """What surfaces look like, each once."""
 
-    def __init__(
-        self, folder: Path, named: dict[str, ElementTree.Element], textures: list[Texture], notes: Notes
-    ) -> None:
+    def __init__(self, folder: Path, named: dict[str, Any], textures: list[Texture], notes: Notes) -> None:
         self._folder, self._named, self._textures, self._notes = folder, named, textures, notes
         self._pictures: dict[str, int] = {}
 

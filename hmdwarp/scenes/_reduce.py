@@ -41,13 +41,10 @@ def reduced(
 ) -> Scene:
     """Return the scene's surfaces with about `share` of their triangles, and baked light.
 
-    Bodies and deformations move as before.
-    matt: mirrors stay as plain surfaces; what is see-through or fixed to the head is left out. Else
-    all of these stay as they are, with all their triangles.
-    texture: scale of the textures' resolution on both axes, averaged in linear light; every texture
-    keeps a texel. They are made when they are first used, as the scene's own.
-    least: number of triangles that no scene is reduced below.
-    Errors: SceneError for a share or a scale that is not above 0 and at most 1; MachineError
+    Bodies and deformations move as before. matt: mirrors stay as plain surfaces; what is
+    see-through or fixed to the head is left out. Else all of these stay as they are. texture: scale
+    of the textures' resolution, averaged in linear light. least: triangles that no scene is reduced
+    below. Errors: SceneError for a share or a scale that is not above 0 and at most 1; MachineError
     without meshoptimizer.
     """
     if not 0 < texture <= 1:
@@ -91,8 +88,8 @@ def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
 def unlit(scene: Scene) -> Scene:
     """Return the scene under light of 1: every surface's texture times its material's colour.
 
-    Where a mesh lacks an albedo, its baked colour at a luminance of 0.5 replaces it: hue of
-    material and light together. Black is at least LEAST_ALBEDO.
+    Without an albedo its baked colour at a luminance of 0.5 is taken. Black is at least
+    LEAST_ALBEDO.
     """
     meshes = [attrs.evolve(mesh, light=_albedo(mesh)) for mesh in scene.meshes]
     return attrs.evolve(scene, meshes=meshes, lamps=())
@@ -101,9 +98,8 @@ def unlit(scene: Scene) -> Scene:
 def only_light(scene: Scene) -> Scene:
     """Return the scene as `unlit` leaves it out: white surfaces and sky under the light there is.
 
-    A vertex that glows by itself does so in the light; for textures see `only_emission`. Per
-    vertex, the light times the albedo of `unlit` is the baked colour: exact over a triangle with
-    one albedo or one light.
+    Per vertex, the light times the albedo of `unlit` is the baked colour: exact over a triangle
+    with one albedo or one light. For textures that glow see `only_emission`.
     """
     meshes = [
         attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE, albedo=np.ones_like(mesh.light))
@@ -130,12 +126,11 @@ def _albedo(mesh: Mesh) -> NDArray[Any]:
 def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
     """Return `share` of all triangles, for each mesh as indices into its own vertices.
 
-    Collapses go by errors of position, light, texture and normal; borders and seams stay closed.
-    Small things go as a whole where that changes less than the next collapse. Meshes that meet in a
-    vertex still meet there, unless they move apart. Two calls return the same.
-    Errors: MachineError without meshoptimizer.
-    Source: Garland and Heckbert 1997, Surface Simplification Using Quadric Error Metrics; Hoppe
-    1999, New Quadric Metric for Simplifying Meshes with Appearance Attributes.
+    Collapses go by errors of position, light, texture and normal; borders and seams stay closed;
+    meshes that meet in a vertex still meet there, unless they move apart. Two calls return the
+    same. Errors: MachineError without meshoptimizer. Source: Garland and Heckbert 1997, Surface
+    Simplification Using Quadric Error Metrics; Hoppe 1999, New Quadric Metric for Simplifying
+    Meshes with Appearance Attributes.
     """
     sizes, count = [len(mesh.positions) for mesh in meshes], sum(len(mesh.triangles) for mesh in meshes)
     if share == 1 or not count:
@@ -156,16 +151,9 @@ def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
     indices = which.reshape(-1)[corners].astype(np.uint32).ravel()
     kept, simplifier = np.empty_like(indices), _simplifier()
-    found = simplifier.simplify_with_attributes(
-        kept,
-        indices,
-        np.ascontiguousarray(table[first, :3]),
-        np.ascontiguousarray(table[first, 3:-1]),
-        np.ones(table.shape[1] - 4),
-        target_index_count=3 * round(share * count),
-        target_error=1e6,  # none
-        options=simplifier.SIMPLIFY_PRUNE,
-    )
+    places, looks_of = (np.ascontiguousarray(table[first, part]) for part in (slice(3), slice(3, -1)))
+    how = {"target_index_count": 3 * round(share * count), "target_error": 1e6, "options": simplifier.SIMPLIFY_PRUNE}
+    found = simplifier.simplify_with_attributes(kept, indices, places, looks_of, np.ones(looks_of.shape[1]), **how)
     corners = first[kept[:found].reshape(-1, 3)]
     return [(corners[owner[corners[:, 0]] == k] - starts[k]).astype(np.uint32) for k in range(len(meshes))]
 
@@ -209,18 +197,11 @@ class _Subset:
 def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:
     """Return the mesh with these triangles and their vertices only; matt: in plain material."""
     kept, which = np.unique(triangles, return_inverse=True)
-    return attrs.evolve(
-        mesh,
-        positions=mesh.positions[kept],
-        normals=mesh.normals[kept],
-        uv=mesh.uv[kept],
-        light=mesh.light[kept],
-        triangles=which.reshape(-1, 3),
-        albedo=None if mesh.albedo is None else mesh.albedo[kept],
-        light_uv=None if mesh.light_uv is None else mesh.light_uv[kept],
-        deformation=None if mesh.deformation is None else _Subset(mesh.deformation, kept),
-        material=Material() if matt else mesh.material,
-    )
+    arrays = {name: getattr(mesh, name) for name in ("positions", "normals", "uv", "light", "albedo", "light_uv")}
+    rows: dict[str, Any] = {name: None if array is None else array[kept] for name, array in arrays.items()}
+    soft = None if mesh.deformation is None else _Subset(mesh.deformation, kept)
+    material = Material() if matt else mesh.material
+    return attrs.evolve(mesh, triangles=which.reshape(-1, 3), deformation=soft, material=material, **rows)
 
 
 # A stand-in for the whole scene has as few triangles as this, or this share of them.
@@ -233,8 +214,8 @@ _COUNT = struct.Struct("<I")
 def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool) -> Scene:
     """Return what a client has of a scene: the scene itself where nothing is reduced.
 
-    Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still.
-    Parameters, errors: as of `reduced`; lit: with baked light, else as `unlit`.
+    Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still. lit: with
+    baked light, else as `unlit`. Else as of `reduced`.
     """
     scene = with_lamps_stopped(scene)
     if (share, texture) != (1, 1):
@@ -249,13 +230,11 @@ def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool) -> Piece
 
 
 class Pieces:
-    """A scene in pieces.
+    """A scene in pieces: plain surfaces and textures are sent.
 
-    Plain surfaces and textures are sent. Materials, motions, sky, lamps with the indirect light of
-    all surfaces, and how many vertices and triangles each piece has are known at the start; so are
-    mirrors and what is see-through or fixed to the head, which are few.
-
-    cut: (mesh, its pieces) in the order of the scene. `meshes` are the pieces of all of them.
+    All else is known at the start: materials, motions, sky, lamps with the light between surfaces,
+    the sizes of pieces, mirrors, and what is see-through or fixed to the head. cut: (mesh, its
+    pieces) in the order of the scene; `meshes` are the pieces of all of them.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -364,10 +343,9 @@ class Pieces:
         return _COUNT.pack(len(sizes)) + zlib.compress(planes)
 
     def blank(self) -> Scene:
-        """Return the scene as it is known at the start.
+        """Return the scene as it is known at the start: what is sent has its sizes, but no content.
 
-        What is sent has its sizes, but no content. In the order of the scene's meshes each is its
-        pieces, or itself; the stand-ins come last.
+        In the order of the scene's meshes each is its pieces, or itself; the stand-ins come last.
         """
         meshes = [part for mesh, parts in self.cut for part in (map(self._blank, parts) if parts else (mesh,))]
         meshes += [self._blank(mesh) for mesh in self.stand_ins if mesh is not None]
@@ -432,19 +410,13 @@ def _with_arrays(
 ) -> Mesh:
     """Return the mesh with nothing of its own but what was packed of it.
 
-    rows: (n, 8) positions, places on the texture and light; lit: (n, 8) normals, places in the
-    light atlas and albedo, of a mesh under lamps.
+    rows: (n, 8) positions, uv and light; lit: (n, 8) normals, light_uv and albedo, under lamps.
     """
-    return attrs.evolve(
-        mesh,
-        positions=rows[:, :3],
-        uv=rows[:, 3:5],
-        light=rows[:, 5:],
-        triangles=triangles,
-        normals=np.zeros((len(rows), 3), np.float32) if lit is None else lit[:, :3],
-        light_uv=None if lit is None else lit[:, 3:5],
-        albedo=None if lit is None else lit[:, 5:],
-    )
+    normals, light_uv, albedo = np.zeros((len(rows), 3), np.float32), None, None
+    if lit is not None:
+        normals, light_uv, albedo = lit[:, :3], lit[:, 3:5], lit[:, 5:]
+    own: dict[str, Any] = {"positions": rows[:, :3], "uv": rows[:, 3:5], "light": rows[:, 5:], "triangles": triangles}
+    return attrs.evolve(mesh, **own, normals=normals, light_uv=light_uv, albedo=albedo)
 
 
 def _grey(texture: Texture) -> Texture:

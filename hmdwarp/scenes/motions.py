@@ -26,9 +26,8 @@ Array = NDArray[np.float64]
 GRAVITY_M_S2 = (0.0, -9.81, 0.0)
 # Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
 # has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
-# SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
-# 800, and nothing from half a swing on, where the speed predicts nothing. Held at 0.25 s instead,
-# the result at 800 ms was worse.
+# SWING_S) lies below that curve, and is nothing from half a swing on, where the speed predicts
+# nothing. Held at 0.25 s instead, the result at 800 ms was worse.
 SWING_S = 2.0
 REACH_S = SWING_S / 8  # the longest extrapolation
 REACH_M = 0.3  # and the farthest
@@ -47,7 +46,7 @@ def swing_m(velocities_m_s: Array, age_ns: int) -> Array:
 
 
 def _vector(value: ArrayLike) -> Array:
-    array = np.array(value, np.float64)
+    array = _array(value)
     if array.shape != (3,) or not np.isfinite(array).all():
         raise SceneError(f"motion: expected three finite numbers, found {value!r}")
     return array
@@ -75,10 +74,7 @@ class Still:
 
 @attrs.frozen(eq=False)
 class Spinning:
-    """Endless rotation about an axis through the body's own origin.
-
-    Errors: SceneError for an axis of length 0 and for numbers that are not finite.
-    """
+    """Endless rotation about an axis through the body's own origin. Errors: SceneError."""
 
     at: Pose  # world_from_body at time 0
     axis: Array = attrs.field(converter=_vector)  # in world axes, of any length
@@ -86,10 +82,8 @@ class Spinning:
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite(self.rad_s) or not np.linalg.norm(self.axis) > 0:
-            raise SceneError(
-                f"spinning about axis {self.axis} at {self.rad_s:g} rad/s: "
-                "expected an axis longer than 0 and a finite speed"
-            )
+            found = f"spinning about axis {self.axis} at {self.rad_s:g} rad/s"
+            raise SceneError(f"{found}: expected an axis longer than 0 and a finite speed")
 
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
@@ -102,10 +96,7 @@ class Spinning:
 
 @attrs.frozen(eq=False)
 class Pendulum:
-    """Swing to and fro in a vertical plane, unturned: the angle is a sine of time.
-
-    Errors: SceneError for a period that is not above 0 and for numbers that are not finite.
-    """
+    """Swing to and fro in a vertical plane, unturned, by a sine of time. Errors: SceneError."""
 
     pivot_m: Array = attrs.field(converter=_vector)
     length_m: float
@@ -121,19 +112,14 @@ class Pendulum:
         side = np.array([np.cos(self.heading_rad), 0, -np.sin(self.heading_rad)])
         out = np.sin(angle) * side - (0, np.cos(angle), 0)
         along = np.cos(angle) * side + (0, np.sin(angle), 0)
-        return RigidState(
-            Pose(self.pivot_m + self.length_m * out),
-            self.length_m * speed * along,
-            acceleration_m_s2=self.length_m * (-(pace**2) * angle * along - speed**2 * out),
-        )
+        pull = self.length_m * (-(pace**2) * angle * along - speed**2 * out)
+        pose = Pose(self.pivot_m + self.length_m * out)
+        return RigidState(pose, self.length_m * speed * along, acceleration_m_s2=pull)
 
 
 @attrs.frozen(eq=False)
 class Thrown:
-    """Tumbling flight under gravity, repeated every `period_s`.
-
-    Errors: SceneError for a period that is not above 0 and for numbers that are not finite.
-    """
+    """Tumbling flight under gravity, repeated every `period_s`. Errors: SceneError."""
 
     start: Pose  # world_from_body at each throw, the first one at time 0
     velocity_m_s: Array = attrs.field(converter=_vector)
@@ -155,37 +141,25 @@ class Thrown:
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Track:
-    """Path through key poses at key times; orientations are interpolated evenly (SLERP).
-
-    Errors: SceneError for key times that do not increase, numbers that are not finite, counts that
-    differ, and a smooth loop that does not close.
-    """
+    """Path through key poses at key times, turned evenly (SLERP). Errors: SceneError."""
 
     times_s: Array = attrs.field(converter=_array)  # (k,) increasing, at least 2 keys
     positions_m: Array = attrs.field(converter=_array)  # (k, 3)
     turns: Rotation | None = None  # (k,) SciPy rotations; None keeps the body unturned
-    # Starts again after the last key, else stands still before the first and after the last. A
-    # smooth loop must end in the pose it starts from.
-    loops: bool = True
+    loops: bool = True  # starts again after the last key, where a smooth one begins; else stands still
     smooth: bool = True  # positions on a cubic spline, else straight from key to key
 
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m
         if times.ndim != 1 or len(times) < 2 or places.shape != (len(times), 3):
-            raise SceneError(
-                f"track: {times.shape} key times and {places.shape} positions: "
-                "expected (k,) and (k, 3), 2 keys at least"
-            )
-        bad = ~(np.isfinite(times) & np.isfinite(places).all(axis=1))
-        if bad.any():
+            found = f"track: {times.shape} key times and {places.shape} positions"
+            raise SceneError(f"{found}: expected (k,) and (k, 3), 2 keys at least")
+        if (bad := ~(np.isfinite(times) & np.isfinite(places).all(axis=1))).any():
             raise SceneError(f"track: key {int(np.argmax(bad))} is not made of finite numbers")
-        backwards = np.diff(times) <= 0
-        if backwards.any():
+        if (backwards := np.diff(times) <= 0).any():
             key = int(np.argmax(backwards)) + 1
-            raise SceneError(
-                f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s: "
-                "key times must increase"
-            )
+            found = f"track: key {key} is at {times[key]:g} s, the one before at {times[key - 1]:g} s"
+            raise SceneError(f"{found}: key times must increase")
         if self.turns is not None and len(self.turns) != len(times):
             raise SceneError(f"track: {len(times)} key times and {len(self.turns)} turns: expected as many")
         apart = np.abs(self.positions_m[-1] - self.positions_m[0]).max()
@@ -232,14 +206,14 @@ class Track:
 
 
 def _points(value: ArrayLike) -> Array:
-    array = np.array(value, np.float64)
+    array = _array(value)
     if array.ndim != 2 or array.shape[1] != 3 or not np.isfinite(array).all():
         raise SceneError(f"deformation: expected (n, 3) finite numbers, found shape {array.shape}, or not all finite")
     return array
 
 
 def _direction(value: ArrayLike) -> Array:
-    array = np.array(value, np.float64)
+    array = _array(value)
     if array.shape != (3,) or not np.isfinite(array).all() or not np.linalg.norm(array) > 0:
         raise SceneError(f"deformation: expected a direction of three finite numbers longer than 0, found {value!r}")
     return array / np.linalg.norm(array)
@@ -247,11 +221,7 @@ def _direction(value: ArrayLike) -> Array:
 
 @attrs.frozen(eq=False)
 class Waving:
-    """Cloth held along one edge; waves run out from it and grow with the distance.
-
-    Errors: SceneError for counts that differ, numbers that are not finite, and a wave length or
-    period of 0.
-    """
+    """Cloth held along one edge; waves run out and grow with the distance. Errors: SceneError."""
 
     rest: Array = attrs.field(converter=_points)  # (n, 3) vertices without wind, metres
     away: Array = attrs.field(converter=_array)  # (n,) metres of each vertex from the held edge
@@ -265,9 +235,8 @@ class Waving:
         if self.away.shape != (len(self.rest),) or not np.isfinite(self.away).all():
             found = f"{len(self.rest)} points and distances of shape {self.away.shape}"
             raise SceneError(f"waving: {found}: expected a finite one for each point")
-        if not (
-            self.length_m > 0 and self.period_s > 0 and np.isfinite([self.height_m, self.length_m, self.period_s]).all()
-        ):
+        sizes = [self.height_m, self.length_m, self.period_s]
+        if not (self.length_m > 0 and self.period_s > 0 and np.isfinite(sizes).all()):
             raise SceneError(f"waving: length {self.length_m:g} m, period {self.period_s:g} s: expected both above 0")
 
     def _swing(self, time_ns: int, quarter: int) -> Array:
@@ -472,7 +441,7 @@ class DoorState:
 
 
 class Hinged(Reacting[DoorState]):
-    """A door that a push throws open or shut, and that follows a hand; friction brings it to rest.
+    """A door that a push throws open or shut, and that follows a hand; friction stops it.
 
     Its own axes begin at the hinge, +x along the leaf; it opens from +x towards +z.
     """
@@ -524,7 +493,7 @@ class Hinged(Reacting[DoorState]):
 class Switched(Reacting[bool]):
     """The share of its light that a lamp sends: all or nothing, changed by its switch.
 
-    A push of the switch is the same, so that a client which only pushes need not know what is near.
+    A push is the same, so that a client which only pushes need not know what is near.
     """
 
     takes = (SWITCH, PUSH)

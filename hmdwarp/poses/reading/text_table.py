@@ -50,7 +50,8 @@ _MATRIX_OFF = 0.05
 _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
-_TOLD = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))
+_TOLD: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))
+CAVEATS: dict[str, dict[str, str]] = _TOLD.pop("caveats")
 _WORDS = {"nan", "inf", "infinity", "null", "none"}
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
