@@ -46,7 +46,7 @@ from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
 from .pool import MeasuringProcesses as MeasuringProcesses
 from .pool import QualityPool as QualityPool
-from .pool import WorstKeeper as WorstKeeper
+from .pool import keep_worst as keep_worst
 from .pool import worker_count as worker_count
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
 from .summary import LEVEL as LEVEL
