@@ -10,8 +10,7 @@ import typer
 from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, Option
-from ..pipeline.options import PipelineOptions
-from ..pipeline.proxy_options import PROXY
+from ..pipeline.options import PROXY, PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph

@@ -10,8 +10,7 @@ import typer
 
 from .. import geometry, report
 from ..options import Declared, force_field, names_in, option, out_field, same_as
-from ..pipeline.options import PipelineOptions
-from ..pipeline.proxy_options import SINGLE_FILL
+from ..pipeline.options import SINGLE_FILL, PipelineOptions
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import JSON, Said, as_json, takes
@@ -77,7 +76,7 @@ def warp(said: Said) -> None:
     from ..image.warper import warp_image
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view
-    from ..sources.sequences.camera import scale_of
+    from ..sources.sequences.frame_files import scale_of
     from ..sources.sequences.recorded import in_metres
 
     options = WarpOptions.of(said)

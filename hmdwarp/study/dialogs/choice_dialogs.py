@@ -1,23 +1,30 @@
-"""Dialogs with buttons: the menu, pages to read, the consent, a break, and answers in words."""
+"""Dialogs: the menu, pages to read, the consent, a break, and questions, by a value or in words."""
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
+from decimal import Decimal
 from typing import Any, ClassVar
 
 from ...display import Command
 from ..design import Ask
 from ..line_console import Question
+from ..scales import CHOICE, Scale, number_text, range_text
 from .dialog_panels import (
     KEYS,
     PAD,
+    SKIPPING,
     TEXT,
     WIDTH,
     Choices,
     InputHints,
     MessagePanel,
+    QuestionPanel,
+    ScaleForm,
     heading_of,
+    layout_of,
     message_panel,
     picking_hint,
     wrapped,
@@ -38,10 +45,7 @@ SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/present.py)
 ON, BACK, DONE, AGREE, REFUSE = "on", "back", "done", "agree", "refuse"
 DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
-FIRST: Choices = ((ON, "next page"),)
-BETWEEN: Choices = ((BACK, "page before"), (ON, "next page"))
-
-
+_ON, _BACK = (ON, "next page"), (BACK, "page before")
 CONTROLS_OF_BUTTONS = frozenset({"left", "right", "up", "down", "confirm", "point", "press"})
 
 
@@ -56,35 +60,26 @@ class ButtonPicker:
 
     def handle(self, command: Command) -> bool:
         """Carry out the command. Returns whether it was one for buttons."""
-        if self.picked and command.control in CONTROLS_OF_BUTTONS:
-            return True
+        if command.control not in CONTROLS_OF_BUTTONS:
+            return False
+        last = len(self.choices) - 1
         match command.control:
+            case _ if self.picked:
+                pass
+            # A held key stops at the end instead of starting over; with none marked yet, a step
+            # goes to the button on its own side.
             case "left" | "up":
-                self._step(-1)
+                self.marked = 0 if self.marked is None else max(self.marked - 1, 0)
             case "right" | "down":
-                self._step(1)
+                self.marked = last if self.marked is None else min(self.marked + 1, last)
             case "confirm":
                 self.picked = "" if self.marked is None else self.choices[self.marked][0]
             case "point":
-                if name := self._button_at(command.value):
+                if name := self._panel().button_at(*command.value):  # type: ignore[misc]
                     self.marked = [choice for choice, _ in self.choices].index(name)
             case "press":
-                self.picked = self._button_at(command.value)
-            case _:
-                return False
+                self.picked = self._panel().button_at(*command.value)  # type: ignore[misc]
         return True
-
-    def _button_at(self, place: Any) -> str:
-        return self._panel().button_at(*place)
-
-    def _step(self, steps: int) -> None:
-        """Mark another button; a held key stops at the end instead of starting over.
-
-        With none marked yet, a step goes to the button on its own side.
-        """
-        last = len(self.choices) - 1
-        first = last if steps > 0 else 0
-        self.marked = first if self.marked is None else min(max(self.marked + steps, 0), last)
 
 
 class MenuDialog:
@@ -108,7 +103,6 @@ class MenuDialog:
         self._picker = ButtonPicker(tuple((name, TEXTS[name]) for name in self._offered), 0, self.panel)
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the menu."""
         hint = picking_hint(self._hints)
         if self._stopping:
             lines = ("Your answers so far are kept.", "You need not say why.")
@@ -124,16 +118,13 @@ class MenuDialog:
                 self.chosen = command.control
             elif command.control == "menu":
                 self.chosen = CONTINUE
-            elif self._picker.handle(command) and self._picker.picked:
-                self._take(self._picker.picked)
-
-    def _take(self, name: str) -> None:
-        if name == STOP:
-            self._stopping, self._picker = True, ButtonPicker(SURE, 0, self.panel)
-        elif name == "no":
-            self._open()
-        else:
-            self.chosen = STOP if name == "yes" else name
+            elif self._picker.handle(command) and (name := self._picker.picked):
+                if name == STOP:
+                    self._stopping, self._picker = True, ButtonPicker(SURE, 0, self.panel)
+                elif name == "no":
+                    self._open()
+                else:
+                    self.chosen = STOP if name == "yes" else name
 
 
 class PageDialog:
@@ -141,6 +132,7 @@ class PageDialog:
 
     LAST: ClassVar[Choices] = ((DONE, "go on"),)
     HELD: ClassVar[frozenset[str]] = frozenset({"continue"})  # commands that end it at once
+    MARKED: ClassVar[bool] = True  # whether the last page's button is marked beforehand
 
     def __init__(self, title: str, text: str = "", hints: InputHints = KEYS, picture: str = "") -> None:
         rows = wrapped(text.strip(), TEXT, WIDTH - 2 * PAD)
@@ -150,19 +142,12 @@ class PageDialog:
         self._turn(0)
 
     def _turn(self, page: int) -> None:
-        self._page, several = page, len(self._pages) > 1
-        if page < len(self._pages) - 1:
-            choices: Choices = BETWEEN if page else FIRST
-        else:
-            choices = (BETWEEN[0], *self.LAST) if several else self.LAST
-        self._picker = ButtonPicker(choices, self._first(choices), self.panel)
-
-    def _first(self, choices: Choices) -> int | None:
-        """Return the number of the button that is marked beforehand."""
-        return len(choices) - 1
+        self._page = page
+        is_last = page == len(self._pages) - 1
+        choices: Choices = (*((_BACK,) if page else ()), *(self.LAST if is_last else (_ON,)))
+        self._picker = ButtonPicker(choices, None if is_last and not self.MARKED else len(choices) - 1, self.panel)
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the current page."""
         pages = len(self._pages)
         return MessagePanel(
             title=f"{self._title} ({self._page + 1} of {pages})" if pages > 1 else self._title,
@@ -185,14 +170,10 @@ class PageDialog:
             elif self._picker.handle(command):
                 nothing = command.control == "confirm" and not self._picker.picked
                 self._note = f"Choose one first: {self._hints.pick}" if nothing else ""
-                if self._picker.picked:
-                    self._take(self._picker.picked)
-
-    def _take(self, name: str) -> None:
-        if name in (ON, BACK):
-            self._turn(self._page + (1 if name == ON else -1))
-        else:
-            self._end(name)
+                if self._picker.picked in (ON, BACK):
+                    self._turn(self._page + (1 if self._picker.picked == ON else -1))
+                elif self._picker.picked:
+                    self._end(self._picker.picked)
 
     def _end(self, name: str) -> None:
         self.over = True
@@ -208,45 +189,31 @@ class ConsentDialog(PageDialog):
 
     LAST = ((REFUSE, "I do not agree"), (AGREE, "I agree"))
     HELD = frozenset({AGREE, DECLINE})
+    MARKED = False
 
     def __init__(self, text: str, hints: InputHints = KEYS, title: str = "Before we begin") -> None:
-        self.agreed = self.refused = False
+        self.agreed = self.refused = self._refusing = False
         super().__init__(title, text, hints)
 
-    def _turn(self, page: int) -> None:
-        self._refusing = False
-        super()._turn(page)
-
-    def _first(self, choices: Choices) -> int | None:
-        return None if AGREE in dict(choices) else super()._first(choices)
-
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the current page, or that has a refusal confirmed."""
-        if self._refusing:
-            lines = ("The session ends now.", "You need not say why.")
-            return MessagePanel(
-                "End without taking part?", lines, self._picker.choices, self._picker.marked, picking_hint(self._hints)
-            )
-        return super().panel()
+        if not self._refusing:
+            return super().panel()
+        lines = ("The session ends now.", "You need not say why.")
+        picker, hint = self._picker, picking_hint(self._hints)
+        return MessagePanel("End without taking part?", lines, picker.choices, picker.marked, hint)
 
-    def _take(self, name: str) -> None:
+    def _end(self, name: str) -> None:
         if name == REFUSE:
             self._refusing, self._picker = True, ButtonPicker(SURE_TO_REFUSE, 0, self.panel)
         elif name == "no":
+            self._refusing = False
             self._turn(self._page)
         else:
-            super()._take(name)
-
-    def _end(self, name: str) -> None:
-        super()._end(name)
-        self.agreed, self.refused = name == AGREE, name in ("yes", DECLINE)
+            self.over, self.agreed, self.refused = True, name == AGREE, name in ("yes", DECLINE)
 
 
 class BreakDialog:
-    """Break of at least `seconds`, then for as long as the participant likes.
-
-    The panel changes once a second, not at each refresh.
-    """
+    """Break of at least `seconds`, then for as long as the participant likes."""
 
     def __init__(
         self, seconds: float, now_s: Callable[[], float], hints: InputHints = KEYS, title: str = "A break"
@@ -260,20 +227,16 @@ class BreakDialog:
         return max(0.0, self._until_s - self._now_s())
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the time left."""
+        """Return the panel with the time left, which changes once a second, not at each refresh."""
         left = math.ceil(self.left_s)
-        text = (
-            f"Rest your eyes. It goes on in {left // 60}:{left % 60:02d} at the earliest."
-            if left
-            else f"Go on whenever you like: {self._hints.confirm}."
-        )
+        rest = f"Rest your eyes. It goes on in {left // 60}:{left % 60:02d} at the earliest."
+        text = rest if left else f"Go on whenever you like: {self._hints.confirm}."
         return message_panel(self._title, text, f"{self._hints.menu}: menu")
 
     def handle(self, commands: Sequence[Command]) -> None:
         """End the break by "confirm" or "continue", once its time is over."""
-        for command in commands:
-            if command.control in ("confirm", "continue") and self.left_s <= 0:
-                self.over = True
+        if self.left_s <= 0 and any(command.control in ("confirm", "continue") for command in commands):
+            self.over = True
 
 
 MOST_LETTERS = 400  # what a panel shows at once
@@ -294,7 +257,6 @@ class TextDialog:
         self._picker = ButtonPicker(CHOICES, 1, self.panel)
 
     def panel(self) -> MessagePanel:
-        """Return the panel that shows the question and the words so far."""
         typed = self._hints.mouse
         shown = f"{self.text}_" if typed else self.text or "Say it aloud; the experimenter types it."
         return MessagePanel(
@@ -310,9 +272,8 @@ class TextDialog:
 
     def question(self) -> Question:
         """Return the question for the console."""
-        return Question(
-            self.ask.item.text, 0, 0, 1, entered=self.text or None, scale=self.ask.scale.title, in_words=True
-        )
+        text, scale = self.ask.item.text, self.ask.scale.title
+        return Question(text, 0, 0, 1, entered=self.text or None, scale=scale, in_words=True)
 
     def handle(self, commands: Sequence[Command]) -> None:
         """Carry out the commands; "answer" has all the words, or None for no answer."""
@@ -328,7 +289,12 @@ class TextDialog:
                 self._set(str(command.value or ""))
                 self.over = True
             elif self._picker.handle(command) and self._picker.picked:
-                self._take(self._picker.picked)
+                text = "" if self._picker.picked == NONE else self.text.strip()
+                if text or self._picker.picked == NONE:
+                    self.text, self.over = text, True
+                else:
+                    self._note = 'Answer first, or choose "no answer"'
+                    self._picker = ButtonPicker(CHOICES, 1, self.panel)
 
     def _set(self, text: str) -> None:
         plain = "".join(letter for letter in text if letter.isprintable())
@@ -336,11 +302,175 @@ class TextDialog:
             self._note = f"{MOST_LETTERS} letters at most"
         self.text = plain[:MOST_LETTERS]
 
-    def _take(self, name: str) -> None:
-        if name == NONE:
-            self.text, self.over = "", True
-        elif self.text.strip():
-            self.text, self.over = self.text.strip(), True
+
+def _typed_on(scale: Scale, typed: str, character: str) -> str:
+    """Return the text after one more character: "0" to "9", "." or ",".
+
+    A digit that leads to no value starts a new number, as people expect who change their mind.
+    After the point, or where no value starts so, it changes nothing: 6.25 on a scale up to 6 must
+    not become 5.
+    """
+    character = "." if character == "," else character
+    starts = _starts(scale.least, scale.most, scale.step)
+    anew = () if "." in typed else (character,)
+    return next((text for text in (typed + character, *anew) if text in starts), typed)
+
+
+@functools.lru_cache(16)
+def _starts(least: float, most: float, step: float) -> frozenset[str]:
+    """Return all beginnings of all values: "3", "3.", "3.5", "3.50"."""
+    digits = max(0, *(-int(Decimal(number_text(number)).as_tuple().exponent) for number in (least, step)))
+    texts = (f"{least + k * step:.{digits}f}" for k in range(round((most - least) / step) + 1))
+    return frozenset(text[:n] for text in texts for n in range(1, len(text) + 1))
+
+
+ACTIONS = frozenset({"left", "right", "up", "down", "digit", "erase", "point", "press", "confirm", "skip", "answer"})
+NOTED_S = 5.0  # how long a note stays
+
+
+class QuestionDialog:
+    """Question with its answer so far.
+
+    Nothing is chosen beforehand: a default would draw answers to itself. A repeated question says
+    so, or the participant wonders what is different.
+    """
+
+    def __init__(self, ask: Ask, now_s: Callable[[], float], hints: InputHints = KEYS, again: bool = False) -> None:
+        self.ask = ask
+        self.value: float | None = None  # where the marker is, None for nowhere
+        self.text = ""  # as TextDialog has it
+        self.confirmed = False  # whether it is over
+        self.skipped = False  # whether it is over without an answer; `value` is None then
+        self._now_s, self._hints = now_s, hints
+        scale = self._scale = ask.scale.of(ask.item)
+        anchors = sorted((float(value), words) for value, words in scale.anchors.items())
+        self._form = ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)
+        self._heading = heading_of(ask, again)
+        self._skipping = False
+        self._typed = ""
+        self._note, self._note_until_s = "", 0.0
+
+    def panel(self) -> QuestionPanel:
+        value, text = None if self._skipping else self.value, self.ask.item.text
+        shown = (self._heading, text, self._form, value, self._typed, self._skipping, self.note, self._hints)
+        return QuestionPanel(*shown)
+
+    def question(self) -> Question:
+        """Return the question for the console."""
+        of, text = self._scale, self.ask.item.text
+        return Question(text, of.least, of.most, of.step, self._form.anchors, self.value, of.title)
+
+    @property
+    def over(self) -> bool:
+        """Whether it is confirmed."""
+        return self.confirmed
+
+    @property
+    def note(self) -> str:
+        """What was wrong with the last command, "" for nothing; it goes after some seconds."""
+        return self._note if self._now_s() < self._note_until_s else ""
+
+    def handle(self, commands: Sequence[Command]) -> None:
+        """Carry out the commands; unknown ones do nothing, nor does any after the confirmation."""
+        for command in commands:
+            if command.control in ACTIONS and not self.confirmed:
+                self._note = ""
+                self._carry_out(command.control, command.value)
+
+    def _carry_out(self, control: str, value: Any) -> None:
+        upwards = -1 if layout_of(self._form).downwards else 1
+        match control:
+            case "left" | "right":
+                self._step(1 if control == "right" else -1)
+            case "up" | "down":
+                self._step(upwards if control == "up" else -upwards)
+            case "digit":
+                self._skipping = False
+                self._type(_typed_on(self._scale, self._typed, str(value)))
+            case "erase":  # the last digit; a marker that was not typed goes as a whole
+                if not self._skipping:
+                    self._type(self._typed[:-1])
+                self._skipping = False
+            case "point" | "press":
+                self._point(value, pressed=control == "press")
+            case "confirm":
+                self._confirm()
+            case "skip":  # at the second command, or after a confirmation
+                if self._skipping:
+                    self._leave()
+                self._skipping = True
+            case "answer":
+                self._answer(value)
+
+    def _point(self, place: tuple[float, float], *, pressed: bool) -> None:
+        """Move the marker to the mouse; confirm the value under a click, or press its button."""
+        panel = self.panel()
+        button, value = panel.button_at(*place), panel.value_at(*place)
+        if not pressed:
+            if value is not None and not self._typed:  # a sleeve may push the mouse
+                self.value = value
+        elif button in SKIPPING:
+            self._skipping = SKIPPING[button]
+        elif button:
+            self._leave()
+        elif value is not None:
+            self._take(value)
+
+    def _confirm(self) -> None:
+        if self._skipping:
+            self._leave()
+        elif self.value is not None:
+            self._take(self.value)
+        elif self._typed:
+            self._refuse(self._typed)
         else:
-            self._note = 'Answer first, or choose "no answer"'
-            self._picker = ButtonPicker(CHOICES, 1, self.panel)
+            self._say(f"Choose an answer first: {self._hints.choose}")
+
+    def _answer(self, value: Any) -> None:
+        """Take a number of the scale at once; None is "cannot say"."""
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        number = self._scale.value_of(value) if is_number else None
+        if value is None:
+            self._leave()
+        elif number is not None:
+            self._take(number)
+        else:
+            self._refuse(number_text(value) if isinstance(value, float) else value)
+
+    def _step(self, steps: int) -> None:
+        """Move the marker; the first step puts it in the middle, or takes a skip back.
+
+        In a list of choices, which have no middle, it puts it at the end where it comes from.
+        """
+        scale = self._scale
+        if self._skipping:
+            self._skipping = False
+            return
+        self._typed = ""
+        if self.value is not None:
+            self.value = scale.at(round((self.value - scale.least) / scale.step) + steps)
+        elif self._form.listed:
+            self.value = scale.least if steps > 0 else scale.most
+        else:
+            self.value = scale.at((scale.last + (steps > 0)) // 2)
+
+    def _type(self, typed: str) -> None:
+        self._typed = typed
+        try:
+            self.value = self._scale.value_of(float(typed))
+        except ValueError:  # no number yet
+            self.value = None
+
+    def _take(self, value: float) -> None:
+        self._typed, self.value = "", value
+        self._skipping, self.confirmed = False, True
+
+    def _leave(self) -> None:
+        self._typed, self.value = "", None
+        self.skipped = self.confirmed = True
+
+    def _refuse(self, answer: object) -> None:
+        self._say(f"{answer} is no answer here: expected {range_text(self._scale)}")
+
+    def _say(self, note: str) -> None:
+        self._note, self._note_until_s = note, self._now_s() + NOTED_S

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...colour import linear_from_srgb
 from ...display import Control, control
 from ..design import Ask, open_picture
-from ..scales import number_text
+from ..scales import Stepped, number_text
 
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont, ImageFont
@@ -48,23 +48,18 @@ def wrapped(text: str, px: int, width: float) -> tuple[str, ...]:
     for line in text.splitlines():
         row = ""
         for word in line.split():
-            row = _with(rows, row, word, px, width)
+            longer = f"{row} {word}" if row else word
+            if width_of(longer, px) <= width:
+                row = longer
+                continue
+            rows += [row] if row else []
+            row = word
+            while width_of(row, px) > width and len(row) > 1:
+                fits = next(n for n in range(len(row) - 1, 0, -1) if n == 1 or width_of(row[:n], px) <= width)
+                rows.append(row[:fits])
+                row = row[fits:]
         rows.append(row)
     return tuple(rows)
-
-
-def _with(rows: list[str], row: str, word: str, px: int, width: float) -> str:
-    """Return the row with one more word; a full row goes to `rows`."""
-    longer = f"{row} {word}" if row else word
-    if width_of(longer, px) <= width:
-        return longer
-    if row:
-        rows.append(row)
-    while width_of(word, px) > width and len(word) > 1:
-        fits = next(n for n in range(len(word) - 1, 0, -1) if n == 1 or width_of(word[:n], px) <= width)
-        rows.append(word[:fits])
-        word = word[fits:]
-    return word
 
 
 def height_of(rows: int, px: int) -> int:
@@ -109,14 +104,10 @@ class Canvas:
         return y + height_of(len(rows), px)
 
     def box(self, left: float, top: float, right: float, bottom: float, *, marked: bool) -> None:
-        """Draw a box with round corners."""
-        at = (left, top, right, bottom)
-        self._draw.rounded_rectangle(
-            at, 8, fill=GROUND if marked else None, outline=FULL if marked else DIM, width=4 if marked else 2
-        )
+        fill, outline, width = (GROUND, FULL, 4) if marked else (None, DIM, 2)
+        self._draw.rounded_rectangle((left, top, right, bottom), 8, fill=fill, outline=outline, width=width)
 
     def line(self, x: float, y: float, to_x: float, to_y: float, ink: int = FULL, width: int = 2) -> None:
-        """Draw a straight line."""
         self._draw.line((x, y, to_x, to_y), ink, width)
 
     def pointer(self, x: float, y: float, size: float) -> None:
@@ -215,7 +206,7 @@ def hints_for(display: str, *, follows_trace: bool = False) -> InputHints:
 
 @attrs.frozen
 class Button:
-    """Button of a panel, in pixels, y down."""
+    """Button of a panel, in pixels, y down; all are equally high."""
 
     name: str  # what pressing it chooses
     text: str
@@ -225,22 +216,15 @@ class Button:
 
     @property
     def bottom(self) -> float:
-        """Lower edge; all buttons are equally high."""
+        """Lower edge."""
         return self.top + BUTTON_HIGH
-
-    def holds(self, x: float, y: float) -> bool:
-        """Return whether that place is on the button."""
-        return self.left <= x <= self.right and self.top <= y <= self.bottom
 
     def draw(self, canvas: Canvas, marked: bool, dim: bool = False) -> None:
         """Draw the button. marked: the current choice. dim: for the mouse alone."""
         canvas.box(self.left, self.top, self.right, self.bottom, marked=marked)
-        middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2)
-        canvas.text(*middle, self.text, _px(self.text, self.right - self.left), DIM if dim else FULL, "mm")
-
-
-def _px(text: str, width: float) -> int:
-    return next((px for px in (28, 24, 20) if width_of(text, px) <= width - 16), 18)
+        x, y, room = (self.left + self.right) / 2, (self.top + self.bottom) / 2, self.right - self.left - 16
+        px = next((px for px in (28, 24, 20) if width_of(self.text, px) <= room), 18)
+        canvas.text(x, y, self.text, px, DIM if dim else FULL, "mm")
 
 
 def row_of(choices: Choices, top: float) -> tuple[Button, ...]:
@@ -260,7 +244,7 @@ def column_of(choices: Choices, top: float) -> tuple[Button, ...]:
 
 def button_at(buttons: tuple[Button, ...], x: float, y: float) -> str:
     """Return the name of the button at that place, "" for none."""
-    return next((button.name for button in buttons if button.holds(x, y)), "")
+    return next((one.name for one in buttons if one.left <= x <= one.right and one.top <= y <= one.bottom), "")
 
 
 def draw_footer(canvas: Canvas, y: float, note: str, hint: str) -> None:
@@ -281,7 +265,7 @@ ROW = 40  # height of a list's row
 
 
 @attrs.frozen
-class ScaleForm:
+class ScaleForm(Stepped):
     """The part of a scale that is drawn."""
 
     least: float
@@ -289,28 +273,6 @@ class ScaleForm:
     step: float
     anchors: tuple[tuple[float, str], ...] = ()  # (value, words), by value
     listed: bool = False  # whether it is a list in any case
-
-    def values(self) -> list[float]:
-        """Return every value, from least to most."""
-        return [round(self.least + k * self.step, 9) for k in range(self.last + 1)]
-
-    @property
-    def last(self) -> int:
-        """Number of steps from least to most."""
-        return round((self.most - self.least) / self.step)
-
-
-class Layout(Protocol):
-    """Layout of a scale in pixels, y down from its top."""
-
-    height: int
-    downwards: bool  # whether larger values are further down
-
-    def value_at(self, x: float, y: float) -> float | None:
-        """Return the value at that place, None for none."""
-
-    def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
-        """Draw the scale. value: of the marker, None for none. typed: digits shown instead."""
 
 
 @functools.lru_cache(32)
@@ -383,11 +345,10 @@ class LineLayout:
         """Return the value over or under that place, a little beyond the ends too."""
         if not 0 <= y <= self.height or not PAD / 2 <= x <= WIDTH - PAD / 2:
             return None
-        steps = round((x - LEFT) / (RIGHT - LEFT) * self._form.last)
-        return round(self._form.least + min(max(steps, 0), self._form.last) * self._form.step, 9)
+        return self._form.at(round((x - LEFT) / (RIGHT - LEFT) * self._form.last))
 
     def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
-        """Draw the scale, as Layout.draw."""
+        """Draw the scale. value: of the marker, None for none. typed: digits shown instead."""
         y = top + self._line
         canvas.line(LEFT, y, RIGHT, y, width=3)
         for tick in self._ticks:
@@ -398,39 +359,31 @@ class LineLayout:
         for anchor in self._placed:
             ink = FULL if value is None or anchor.value == value else DIM
             canvas.rows(top + self._rows[anchor.row], anchor.lines, SMALL, ink, anchor.x, "ma")
-        self._marker(canvas, top, value, typed)
-
-    def _marker(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
-        if value is None:
-            if typed:
-                canvas.text(WIDTH / 2, top, f"{typed}_", HUGE, DIM, "ma")
-            return
-        x, text = x_of(self._form, value), typed or number_text(value)
-        half = width_of(text, HUGE) / 2
-        canvas.text(min(max(x, PAD + half), WIDTH - PAD - half), top, text, HUGE, FULL, "ma")
-        canvas.pointer(x, top + self._line - 4, 24)
+        if value is not None:
+            x, text = x_of(self._form, value), typed or number_text(value)
+            half = width_of(text, HUGE) / 2
+            canvas.text(min(max(x, PAD + half), WIDTH - PAD - half), top, text, HUGE, FULL, "ma")
+            canvas.pointer(x, y - 4, 24)
+        elif typed:
+            canvas.text(WIDTH / 2, top, f"{typed}_", HUGE, DIM, "ma")
 
 
 def _ticks(form: ScaleForm) -> tuple[list[float], frozenset[float]]:
     """Return the values with a tick, and those with a number: round ones, as many as fit."""
-    strides = [k for k in range(1, form.last + 1) if form.last % k == 0 and _is_round(k * form.step)] or [form.last]
+
+    def is_round(number: float) -> bool:  # 1, 2, 2.5 or 5 times a power of ten
+        return f"{number:.6e}".partition("e")[0].rstrip("0").rstrip(".") in ("1", "2", "5", "2.5")
+
+    strides = [k for k in range(1, form.last + 1) if form.last % k == 0 and is_round(k * form.step)] or [form.last]
     apart = (RIGHT - LEFT) / form.last
-    widest = (
-        max(width_of(number_text(value), SMALL) for value in (form.least, form.most, form.least + form.step))
-        + LABEL_APART
-    )
+    numbers = (form.least, form.most, form.least + form.step)
+    widest = max(width_of(number_text(value), SMALL) for value in numbers) + LABEL_APART
     stride = next((k for k in strides if k * apart >= widest), form.last)
     # 1, 2, 3 rather than 1, 1.5, 2
     whole = next((k for k in strides if k * form.step >= 1 - 1e-9 and k * apart >= widest), stride)
     fine = next((k for k in strides if k * apart >= TICK_APART), stride)
     values = form.values()
-    return values[::fine], frozenset(values[::whole])
-
-
-def _is_round(number: float) -> bool:
-    """Return whether a step is 1, 2, 2.5 or 5 times a power of ten."""
-    digits = f"{number:.6e}".partition("e")[0].rstrip("0").rstrip(".")
-    return digits in ("1", "2", "5", "2.5")
+    return list(values[::fine]), frozenset(values[::whole])
 
 
 class ListLayout:
@@ -448,22 +401,22 @@ class ListLayout:
         return self._form.values()[number] if 0 <= number <= self._form.last and 0 <= x <= WIDTH else None
 
     def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
-        """Draw the scale, as Layout.draw."""
+        """Draw the scale, as LineLayout.draw; words that do not fit are cut."""
         for number, own in enumerate(self._form.values()):
             y, marked = top + number * ROW, own == value
             if marked:
                 canvas.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, marked=True)
             ink = FULL if marked or value is None else DIM
             canvas.text(PAD + 44, y + ROW / 2, number_text(own), TEXT, ink, "rm")
-            canvas.text(PAD + 64, y + ROW / 2, self._fitting(own), TEXT, ink, "lm")
+            first, *more = wrapped(self._words.get(own, ""), TEXT, WIDTH - 2 * PAD - 64) or ("",)
+            canvas.text(PAD + 64, y + ROW / 2, f"{first} ..." if more else first, TEXT, ink, "lm")
 
-    def _fitting(self, value: float) -> str:
-        """Return its words on one line, cut where they do not fit."""
-        lines = wrapped(self._words.get(value, ""), TEXT, WIDTH - 2 * PAD - 64)
-        return "" if not lines else lines[0] if len(lines) == 1 else f"{lines[0]} ..."
+
+Layout = LineLayout | ListLayout  # of a scale in pixels, y down from its top
 
 
 SKIP, YES, BACK = "skip", "yes", "back"
+SKIPPING = {SKIP: True, BACK: False}  # buttons that begin and end it
 TAKE_BACK = ((BACK, "back to the scale"), (YES, "leave it unanswered"))
 
 
@@ -487,42 +440,40 @@ class MessagePanel:
         """Whether there is anything to point at."""
         return bool(self.choices)
 
-    def _text_top(self) -> int:
-        return PAD // 2 + (height_of(len(self._titles()), LARGE) + 8 if self.title else 0)
-
     def _titles(self) -> tuple[str, ...]:
         return wrapped(self.title, LARGE, WIDTH - 2 * PAD)
 
-    def _text_height(self) -> int:
+    def _text_top(self) -> int:
+        return PAD // 2 + (height_of(len(self._titles()), LARGE) + 8 if self.title else 0)
+
+    def _text_end(self) -> int:
         if self.picture:
-            return int(picture_light(self.picture).shape[0])
-        return height_of(max(len(self.lines), self.least_lines), TEXT)
+            return self._text_top() + int(picture_light(self.picture).shape[0])
+        return self._text_top() + height_of(max(len(self.lines), self.least_lines), TEXT)
 
     def _buttons(self) -> tuple[Button, ...]:
-        text = self._text_height()
-        return (column_of if self.column else row_of)(self.choices, self._text_top() + (text + GAP if text else 0))
+        top, end = self._text_top(), self._text_end()
+        return (column_of if self.column else row_of)(self.choices, end + (GAP if end > top else 0))
 
     def _foot(self) -> float:
         buttons = self._buttons()
-        return buttons[-1].bottom + GAP if buttons else self._text_top() + self._text_height()
+        return buttons[-1].bottom + GAP if buttons else self._text_end()
 
     def height(self) -> int:
-        """Return the height in pixels."""
         return round(self._foot() + (footer_height(self.hint) if self.hint or self.note else 0) + PAD // 2)
 
     def ink(self) -> NDArray[np.uint8]:
-        """Draw the panel, (h, w), top row first."""
-        canvas = Canvas(self.height())
+        """Draw the panel, (h, w), with a picture (h, w, 3); top row first."""
+        canvas, top = Canvas(self.height()), self._text_top()
         canvas.rows(PAD // 2, self._titles(), LARGE)
-        canvas.rows(self._text_top(), self.lines, TEXT)
+        canvas.rows(top, self.lines, TEXT)
         for number, button in enumerate(self._buttons()):
             button.draw(canvas, marked=number == self.marked)
         draw_footer(canvas, self._foot(), self.note, self.hint)
-        return self._with_picture(canvas.ink()) if self.picture else canvas.ink()
-
-    def _with_picture(self, ink: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        light, top = picture_light(self.picture), self._text_top()
-        (h, w), whole = light.shape[:2], np.repeat(ink[..., None], 3, axis=2)
+        if not self.picture:
+            return canvas.ink()
+        light, whole = picture_light(self.picture), np.repeat(canvas.ink()[..., None], 3, axis=2)
+        h, w = light.shape[:2]
         whole[top : top + h, (WIDTH - w) // 2 : (WIDTH - w) // 2 + w] = light
         return whole
 
@@ -542,8 +493,7 @@ def trial_panel(trial: int, trials: int, hint: str = "", turn: str = "") -> Mess
     trial: 0 for the practice. turn: which of its showings follows, "" for the only one.
     """
     number = f"Trial {trial} of {trials}{f': {turn}' if turn else ''}"
-    title = number if trial else "Practice: look around, it is not rated"
-    return message_panel(title, hint=hint)
+    return message_panel(number if trial else "Practice: look around, it is not rated", hint=hint)
 
 
 def heading_of(ask: Ask, again: bool) -> str:
@@ -570,11 +520,6 @@ class QuestionPanel:
     pointed: bool = True
     takes_text: bool = False
 
-    @property
-    def layout(self) -> Layout:
-        """Layout of the scale."""
-        return layout_of(self.form)
-
     def _lines(self) -> tuple[str, ...]:
         return wrapped(self.text, LARGE, WIDTH - 2 * PAD)
 
@@ -586,10 +531,9 @@ class QuestionPanel:
         return PAD // 2 + head + height_of(len(self._lines()), LARGE) + 6
 
     def _foot(self) -> int:
-        return self._scale_top() + self.layout.height + 10
+        return self._scale_top() + layout_of(self.form).height + 10
 
     def height(self) -> int:
-        """Return the height in pixels."""
         buttons = row_of(TAKE_BACK, 0)[0].bottom + GAP if self.hints.mouse or self.skipping else 0
         return round(self._foot() + buttons + footer_height(self._hint()) + PAD // 2)
 
@@ -613,7 +557,7 @@ class QuestionPanel:
         canvas = Canvas(self.height())
         y = canvas.rows(PAD // 2, self._headings(), SMALL, DIM)
         canvas.rows(y, self._lines(), LARGE)
-        self.layout.draw(canvas, self._scale_top(), self.value, self.typed)
+        layout_of(self.form).draw(canvas, self._scale_top(), self.value, self.typed)
         buttons = self._buttons()
         for button in buttons:
             button.draw(canvas, marked=button.name == YES, dim=button.name == SKIP)
@@ -623,7 +567,7 @@ class QuestionPanel:
     def value_at(self, u: float, v: float) -> float | None:
         """Return the value at (u, v), origin bottom left; None outside or without the scale."""
         x, y = u * WIDTH, (1 - v) * self.height() - self._scale_top()
-        return None if self.skipping else self.layout.value_at(x, y)
+        return None if self.skipping else layout_of(self.form).value_at(x, y)
 
     def button_at(self, u: float, v: float) -> str:
         """Return the name of the button at (u, v), "" for none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import attrs
 
@@ -57,8 +57,41 @@ class Score:
     title: str = read_by(Table.line, default="", required=True)
 
 
+class Stepped:
+    """Anything with a least and a most answer and a step between two."""
+
+    __slots__ = ()
+    least: float
+    most: float
+    step: float
+
+    @property
+    def last(self) -> int:
+        """Number of steps from least to most."""
+        return round((self.most - self.least) / self.step)
+
+    def at(self, number: int) -> float:
+        """Return the value after so many steps, within the ends."""
+        return round(self.least + min(max(number, 0), self.last) * self.step, 9)
+
+    def values(self) -> tuple[float, ...]:
+        """Return every possible answer, from least to most."""
+        return tuple(map(self.at, range(self.last + 1)))
+
+    def value_of(self, number: float) -> float | None:
+        """Return its own value for a number, which may be typed; None if it is none of them."""
+        steps = (number - self.least) / self.step
+        # The first test also refuses NaN.
+        if not -_CLOSE <= steps <= self.last + _CLOSE or abs(steps - round(steps)) > _CLOSE:
+            return None
+        return self.at(round(steps))
+
+
+_CLOSE = 1e-6  # of a step: typed numbers are decimal, values of a scale are multiples of its step
+
+
 @attrs.frozen
-class Scale:
+class Scale(Stepped):
     """Rating, sickness scale, questionnaire or preference; its fields are what its file says."""
 
     name: str  # the stem of its file
@@ -77,11 +110,6 @@ class Scale:
     prompt: str = read_by(Table.line, default="")  # about every item; "" where the items are questions themselves
     # Whether a rating is of the difference from the reference, which is shown right before.
     beside_reference: bool = read_by(Table.flag, default=False)
-
-    def values(self) -> tuple[float, ...]:
-        """Return every possible answer, from least to most."""
-        count = round((self.most - self.least) / self.step) + 1
-        return tuple(round(self.least + k * self.step, 9) for k in range(count))
 
     def badness(self, answer: float) -> float:
         """Return how bad an answer is, in units of the scale: 0 is the best answer, high is bad."""
@@ -118,25 +146,12 @@ class Scale:
         return text or None
 
 
-class AnswerRange(Protocol):
-    """Anything with a least and a most answer and a step between two."""
-
-    @property
-    def least(self) -> float: ...
-
-    @property
-    def most(self) -> float: ...
-
-    @property
-    def step(self) -> float: ...
-
-
 def number_text(number: float) -> str:
     """Return the number as people write it, without trailing zeros."""
     return f"{number:.9f}".rstrip("0").rstrip(".")
 
 
-def range_text(answers: AnswerRange) -> str:
+def range_text(answers: Stepped) -> str:
     """Return which answers there are: "1 to 6 in steps of 0.25"."""
     steps = f" in steps of {number_text(answers.step)}" if answers.step != 1 else ""
     return f"{number_text(answers.least)} to {number_text(answers.most)}{steps}"
@@ -155,9 +170,12 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
         if value is not None and not own.least <= value <= own.most:
             where = f"scale '{scale.name}', item '{key}'"
             raise InputError(f"{where}: {value:g}: expected an answer from {own.least:g} to {own.most:g}")
-    values = [_counted(scale, item, answers.get(key)) for key, item in known.items()]
-    sums: dict[str, float | None] = {}
-    scores: dict[str, float | None] = {}
+
+    def counts(item: Item) -> float | None:
+        answer = answers.get(item.key)
+        return scale.least + scale.most - answer if item.is_reversed and answer is not None else answer
+
+    values, sums, scores = [counts(item) for item in scale.items], dict[str, float | None](), dict[str, float | None]()
     for score in scale.scores:
         of = scores if score.of_what == SCORES else sums
         parts = [of[name] for name in score.of] if score.of else [values[n - 1] for n in score.items]
@@ -166,11 +184,6 @@ def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float
         sums[score.name] = total
         scores[score.name] = None if total is None else total * score.weight
     return scores
-
-
-def _counted(scale: Scale, item: Item, answer: float | None) -> float | None:
-    """Return what an answer counts in scores."""
-    return scale.least + scale.most - answer if item.is_reversed and answer is not None else answer
 
 
 def score_ranges(scale: Scale) -> tuple[dict[str, float | None], dict[str, float | None]]:
@@ -208,80 +221,69 @@ def load_scale(name: str, folder: Path | None = None) -> Scale:
 def _scale(data: Table, name: str) -> Scale:
     found = fields_in(data, Scale)
     items = _items(data, own=found["kind"] in (QUESTIONNAIRE, PREFERENCE))
-    if found["kind"] == PREFERENCE:
-        _check_preference(data, items)
-    no_answers = "answer" not in data and all(item.answer for item in items)
-    made = Scale(name=name, items=items, **found, **(_NO_ANSWERS if no_answers else _answers(data)))
-    return attrs.evolve(made, scores=_scores(data, made))
-
-
-def _check_preference(data: Table, items: tuple[Item, ...]) -> None:
-    """Check that there is one question, answered by the first, the second, and perhaps neither."""
-    if len(items) != 1 or items[0].answer != CHOICE or len(items[0].choices) not in (2, 3):
+    one = items[0].answer == CHOICE and len(items[0].choices) in (2, 3)
+    if found["kind"] == PREFERENCE and (len(items) != 1 or not one):
         raise data.fault(
             "item",
             f'is no preference: expected one [[item]] with answer = "{CHOICE}" and 2 choices, for the first and for '
             "the second of a pair, or 3, the last of them for neither",
         )
-
-
-def _answers(data: Table) -> dict[str, Any]:
-    answer = data.table("answer")
-    least, most = answer.number("least"), answer.number("most")
-    return {
-        "least": least,
-        "most": most,
-        "step": _step(answer, least, most),
-        "low_is_good": answer.flag("low_is_good"),
-        "anchors": _anchors(answer, least, most),
-    }
+    answers = _NO_ANSWERS
+    if "answer" in data or any(not item.answer for item in items):
+        answer = data.table("answer")
+        least, most = answer.number("least"), answer.number("most")
+        answers = {"least": least, "most": most, "step": _step(answer, least, most)}
+        answers |= {"low_is_good": answer.flag("low_is_good"), "anchors": _anchors(answer, least, most)}
+    scores = data.tables("score")
+    if scores and found["kind"] != QUESTIONNAIRE:
+        raise data.fault("score", f"is for questionnaires: a {found['kind']} is its own score")
+    made: list[Score] = []
+    for table in scores:
+        made.append(_score(table, len(items), [score.name for score in made]))
+    return Scale(name=name, items=items, **found, **answers, scores=tuple(made))
 
 
 def _items(data: Table, own: bool) -> tuple[Item, ...]:
     """Read the questions. own: whether they may have answers of their own."""
     tables = data.tables("item")
     if not 1 <= len(tables) <= _MOST_ITEMS:
-        raise data.fault(
-            "item", f"comes {len(tables)} times: expected 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
-        )
+        wanted = f"expected 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
+        raise data.fault("item", f"comes {len(tables)} times: {wanted}")
     items: list[Item] = []
     for table in tables:
         key = table.text("key")
         if not key.isidentifier():
-            raise table.fault(
-                "key", f"is {key!r}: expected a word of letters, digits and _, as a column of a table can be called"
-            )
+            wanted = "expected a word of letters, digits and _, as a column of a table can be called"
+            raise table.fault("key", f"is {key!r}: {wanted}")
         if key in [item.key for item in items]:
             raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
         if "answer" in table and not own:
-            raise table.fault(
-                "answer", f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
-            )
+            wanted = f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
+            raise table.fault("answer", wanted)
         items.append(Item(key, **fields_in(table, Item), **(_of_item(table, data) if own else {})))
     return tuple(items)
 
 
 def _of_item(table: Table, data: Table) -> dict[str, Any]:
     """Return what an item says of its answers."""
-    if "answer" in table:
-        kind = table.word("answer", OWN_ANSWERS)
-        if kind == CHOICE:
-            choices = table.texts("choices")
-            if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
-                raise table.fault(
-                    "choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts"
-                )
-            return {"answer": kind, "choices": tuple(choices)}
-        if kind == NUMBER:
-            least, most = table.number("least"), table.number("most")
-            step = _step(table, least, most) if "step" in table or not most > least else 1.0
-            return {"answer": kind, "least": least, "most": most, "step": step}
-        return {"answer": kind}
-    made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
-    if "anchors" in table:
-        answer = data.table("answer")
-        made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
-    return made
+    if "answer" not in table:
+        made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
+        if "anchors" in table:
+            answer = data.table("answer")
+            made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
+        return made
+    kind = table.word("answer", OWN_ANSWERS)
+    if kind == CHOICE:
+        choices = table.texts("choices")
+        if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
+            found = f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts"
+            raise table.fault("choices", found)
+        return {"answer": kind, "choices": tuple(choices)}
+    if kind == NUMBER:
+        least, most = table.number("least"), table.number("most")
+        step = _step(table, least, most) if "step" in table or not most > least else 1.0
+        return {"answer": kind, "least": least, "most": most, "step": step}
+    return {"answer": kind}
 
 
 def _step(answer: Table, least: float, most: float) -> float:
@@ -290,13 +292,11 @@ def _step(answer: Table, least: float, most: float) -> float:
     step = answer.number("step")
     if not step > 0:
         raise answer.fault("step", f"is {step:g}: expected a number above 0")
-    steps = (most - least) / step
+    steps, wanted = (most - least) / step, f"is {step:g}: expected one that"
     if not steps <= _MOST_VALUES:
-        raise answer.fault(
-            "step", f"is {step:g}: expected one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}"
-        )
+        raise answer.fault("step", f"{wanted} makes at most {_MOST_VALUES} steps from {least:g} to {most:g}")
     if round(steps) < 1 or not math.isclose(steps, round(steps), abs_tol=1e-6):
-        raise answer.fault("step", f"is {step:g}: expected one that divides {least:g} to {most:g} into equal steps")
+        raise answer.fault("step", f"{wanted} divides {least:g} to {most:g} into equal steps")
     return step
 
 
@@ -309,10 +309,8 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
         except ValueError:
             value = math.nan
         if not least <= value <= most:
-            raise table.fault(
-                key,
-                f"is no answer: expected a number from {least:g} to {most:g}, in quotes where it has a point or a sign",
-            )
+            wanted = f"expected a number from {least:g} to {most:g}, in quotes where it has a point or a sign"
+            raise table.fault(key, f"is no answer: {wanted}")
         if value in anchors:
             raise table.fault(key, "says a second time what this answer means")
         anchors[value] = table.line(key)
@@ -322,42 +320,24 @@ def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
     return dict(sorted(anchors.items()))
 
 
-def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
-    tables = data.tables("score")
-    if tables and scale.kind != QUESTIONNAIRE:
-        raise data.fault("score", f"is for questionnaires: a {scale.kind} is its own score")
-    made: list[Score] = []
-    for table in tables:
-        name = table.text("name")
-        if not name.isidentifier() or name in [score.name for score in made]:
-            raise table.fault("name", f"is {name!r}: expected a word of letters, digits and _ that no other score has")
-        made.append(_score(table, name, len(scale.items), [score.name for score in made]))
-    return tuple(made)
-
-
-def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
+def _score(table: Table, items: int, before: list[str]) -> Score:
+    """Read a score. items: how many questions there are. before: scores above it."""
+    name = table.text("name")
+    if not name.isidentifier() or name in before:
+        raise table.fault("name", f"is {name!r}: expected a word of letters, digits and _ that no other score has")
     if ("items" in table) == ("of" in table):
-        raise table.fault(
-            None, f"'{name}': expected either items, numbers of questions from 1 on, or of, names of scores above it"
-        )
+        wanted = "expected either items, numbers of questions from 1 on, or of, names of scores above it"
+        raise table.fault(None, f"'{name}': {wanted}")
     about = fields_in(table, Score)
     if "items" in table:
         numbers = table.numbers("items")
-        known = set(range(1, items + 1))
-        if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
-            raise table.fault(
-                "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
-            )
+        if not numbers or not set(numbers) <= {*range(1, items + 1)} or len(set(numbers)) < len(numbers):
+            found = [int(number) if number == int(number) else number for number in numbers]
+            raise table.fault("items", f"is {found}: expected numbers of questions, from 1 to {items}, each once")
         return Score(name, tuple(map(int, numbers)), **about)
     of = table.texts("of")
     for other in of:
         if other not in before:
-            raise table.fault(
-                "of",
-                f"names {other!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
-            )
+            above = ", ".join(before) or "there are none"
+            raise table.fault("of", f"names {other!r}: expected scores that stand above this one ({above})")
     return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), **about)
-
-
-def _tidy(value: float) -> float | int:
-    return int(value) if value == int(value) else value

@@ -21,7 +21,7 @@ from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
 from hmdwarp.study.analysis.long_table import Ratings, SourceOptions, from_contents, from_csv
 from hmdwarp.study.design import Comparison, Family, design_from_text, load_design
-from hmdwarp.study.export.export_rows import declined
+from hmdwarp.study.export.export_rows import without_consent
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
@@ -104,7 +104,7 @@ def test_a_declined_session_counts_nowhere(contents, design, tmp_path):
     """Nor in the export: tables, counts and missing ratings are those of the others."""
     (refused,) = [session for session in contents.sessions if not session.consented]
     others = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one is not refused))
-    assert (declined(contents), declined(others)) == (1, 0)
+    assert (without_consent(contents)[0], without_consent(others)[0]) == (1, 0)
     kept, data = export(others, design, tmp_path / "others").folder, analyse(from_contents(others, design))
     made, with_refusal = export(contents, design, tmp_path / "all").folder, analyse(from_contents(contents, design))
     note = "Declined to take part, and counted nowhere else: 1."

@@ -31,6 +31,7 @@ from hmdwarp.study.dialogs.choice_dialogs import (
     BreakDialog,
     ConsentDialog,
     MenuDialog,
+    QuestionDialog,
     TextDialog,
 )
 from hmdwarp.study.dialogs.dialog_panels import (
@@ -48,7 +49,6 @@ from hmdwarp.study.dialogs.dialog_panels import (
     width_of,
     wrapped,
 )
-from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale, number_text
 
 from .made_scales import SHIPPED, any_scale, asked_of, place_of, said

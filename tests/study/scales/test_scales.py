@@ -15,8 +15,8 @@ from together import together
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import Ask
+from hmdwarp.study.dialogs.choice_dialogs import QuestionDialog
 from hmdwarp.study.dialogs.dialog_panels import KEYS
-from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import (
     FOLDER,
     KINDS,

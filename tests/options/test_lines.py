@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.options.tables import LineFinder
+from hmdwarp.options.documents import line_of
 
 TEXT = """\
 # a comment with [brackets] and = signs
@@ -59,7 +59,7 @@ def test_every_key_is_found(path, line):
     value = tomllib.loads(TEXT)
     for key in path if not {"missing", "nowhere"} & {*path} else ():
         value = value[key]  # it is there
-    assert LineFinder(TEXT).line(path) == line
+    assert line_of(TEXT, path) == line
 
 
 KEYS = st.text("ab-", min_size=1, max_size=2)
@@ -93,12 +93,11 @@ def test_files_whose_lines_are_known(tables):
             lines += f"{key} = {value}".split("\n")
     text = "\n".join(lines)
     tomllib.loads(text)
-    finder = LineFinder(text)
-    assert {path: finder.line(path) for path in wanted} == wanted
+    assert {path: line_of(text, path) for path in wanted} == wanted
 
 
 @settings(max_examples=300)
 @given(st.text("[]{}=\"'#\n ,.ab\\", max_size=40))
 def test_texts_that_are_no_toml_are_survived(text):
-    assert LineFinder(text).line(("a", 0, "b")) >= 1
-    assert LineFinder("a = " + "[" * 10_000).line(("a",)) == 1
+    assert line_of(text, ("a", 0, "b")) >= 1
+    assert line_of("a = " + "[" * 10_000, ("a",)) == 1
