@@ -149,6 +149,7 @@ def every_scale(design: Design) -> tuple[Scale, ...]:
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
 _TEXT_OR_NUMBER = "a number or a text"
+_NUMBERS = (_NUMBER, _TEXT_OR_NUMBER)
 _KIND_OF = {float: _NUMBER, int: _WHOLE, bool: _FLAG}
 _OPTIONS = options_of(LiveOptions)
 _SETTINGS = [option for option in _OPTIONS if option.in_study]
@@ -208,14 +209,13 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
     """
     options = live_options(settings)
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
-        headset = load_headset(options.headset)
-        width, height = guarded_size(options.guard_band, headset, options.size or headset.eye_size_px)
+        headset, band = load_headset(options.headset), options.guard_band
+        width, height = guarded_size(band, headset, options.size or headset.eye_size_px)
         if max(width, height) > _MOST_PIXELS:
-            found = f"{options.guard_band} makes frames of {width}x{height} pixels"
+            found = f"{band} makes frames of {width}x{height} pixels"
             raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
-    eyes = window_view(options.view, source.headset, options.size).eyes
-    screen = EmulatedScreen(source.headset, eyes)
+    screen = EmulatedScreen(source.headset, window_view(options.view, source.headset, options.size).eyes)
     Run.of(on_screen(source.fitted(options), screen), source, screen)
     return options
 
@@ -225,23 +225,21 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
 
     folder: of the study file. others: keys of the same table that are no settings, for hints.
     """
-    return {name: _resolved(folder, key, name, value) for key, name, value in _named(settings, others)}
-
-
-def _resolved(folder: Path, key: str, name: str, value: object) -> object:
-    is_file = name in FILES or (isinstance(value, str) and value.lower().endswith(NAMED_FILES.get(name, ())))
-    if not is_file or not isinstance(value, str):
-        return value
-    path = folder.absolute() / value
-    try:
-        return str(keep_inside(path, folder, f"the file of {name}"))
-    except InputError as error:
-        raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
+    found: dict[str, object] = {}
+    for key, name, value in _named(settings, others):
+        found[name] = value
+        is_file = isinstance(value, str) and (name in FILES or value.lower().endswith(NAMED_FILES.get(name, ())))
+        if is_file:
+            try:
+                found[name] = str(keep_inside(folder.absolute() / str(value), folder, f"the file of {name}"))
+            except InputError as error:
+                raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
+    return found
 
 
 def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:
     """Return (key of the file, name with _, value) of each. Errors: SettingFault."""
-    out: list[tuple[str, str, object]] = []
+    out: dict[str, tuple[str, str, object]] = {}
     for key, value in settings.items():
         name = key.replace("-", "_")
         if name in _NOT_SETTINGS:
@@ -251,28 +249,22 @@ def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[t
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
             raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(known)}")
-        if name in [other for _, other, _ in out]:
+        if name in out:
             raise SettingFault(key, f"{key} comes twice, with - and with _: leave one of them out")
-        out.append((key, name, value))
-    return out
+        out[name] = (key, name, value)
+    return list(out.values())
 
 
 def _value(key: str, name: str, value: object) -> object:
     """Convert a value to what the command line passes. Errors: SettingFault."""
     kind = KINDS[name]
-    if isinstance(value, bool) or kind == _FLAG:
-        if isinstance(value, bool) and kind == _FLAG:
+    if isinstance(value, bool):
+        if kind == _FLAG:
             return value
-    elif isinstance(value, str):
-        if kind in (_TEXT, _TEXT_OR_NUMBER):
-            return Path(value) if name in FILES else value
+    elif isinstance(value, str) and kind in (_TEXT, _TEXT_OR_NUMBER):
+        return Path(value) if name in FILES else value
     elif isinstance(value, int) and kind == _WHOLE:
         return value
-    elif (
-        isinstance(value, int | float)
-        and kind in (_NUMBER, _TEXT_OR_NUMBER)
-        and abs(value) < 2**63
-        and math.isfinite(value)
-    ):
+    elif isinstance(value, int | float) and abs(value) < 2**63 and math.isfinite(value) and kind in _NUMBERS:
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
     raise SettingFault(key, f"{key} is {quoted(value)}: expected {kind}")

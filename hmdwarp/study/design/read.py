@@ -6,7 +6,6 @@ import itertools
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path, PurePath
 
 import attrs
@@ -50,13 +49,14 @@ _NO_SETTINGS = ("name", "reference")  # keys of a [[condition]]
 _MOST_CONDITIONS = 100
 _MOST_TRIALS = 1000  # of one session
 _COMPARE = 'compare = [{ better = "warped", baseline = "late" }]'
-_Named = tuple[str, str, Callable[[str], KeyFault]]  # baseline, better, and how to blame where they stand
+# Baseline, better, and how to blame where one of them, or "" for both, stands.
+_Named = tuple[str, str, Callable[[str, str], KeyFault]]
 
 
 class Checker:
     """Makes and tries the settings of one condition after the other."""
 
-    def __init__(self, folder: Path, common: Table | None, checked: bool) -> None:
+    def __init__(self, folder: Path, common: Table, checked: bool) -> None:
         """Begin without scenes. folder: of the study file; common: its [common]."""
         self._folder, self._common, self._checked = folder, common, checked
         self._sources: dict[SceneKey, Source] = {}
@@ -82,18 +82,15 @@ class Checker:
         no settings, for hints.
         Errors: KeyFault at the wrong key, as far as it is known.
         """
-        common = self._placed(self._common, _all_of(self._common), "common") if self._common is not None else {}
+        common = self._placed(self._common, _all_of(self._common), "common")
         mine = self._placed(table, own, who, others)
         # What of recorded frames is shown is the display's own field of view.
         for name in (*DISPLAY, *(("guard",) if "frames" in common else ())):
             if name in mine:
-                key = next(key for key in own if key.replace("-", "_") == name)
-                raise table.fault(
-                    key, "is the same for all conditions, as the display is opened once: put it in [common]"
-                )
-        settings = (
-            {name: value for name, value in common.items() if not only or name in only} | dict(beneath or {}) | mine
-        )
+                key, why = next(key for key in own if key.replace("-", "_") == name), "as the display is opened once"
+                raise table.fault(key, f"is the same for all conditions, {why}: put it in [common]")
+        shared = {name: value for name, value in common.items() if not only or name in only}
+        settings = shared | dict(beneath or {}) | mine
         try:
             check_settings(settings, self._sources) if self._checked else live_options(settings)
         except InputError as error:
@@ -111,20 +108,19 @@ class Checker:
     def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
         """Blame the key that the message names or whose value it quotes, else the condition."""
         keys = [(table, key, value) for key, value in own.items()]
-        if self._common is not None:
-            keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
+        keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
         words = [word.replace("-", "_") for word in ([named] if named else re.findall(r"[\w-]+", says))]
         blamed = [found for found in keys if found[1].replace("-", "_") in words]
         if blamed:
             inside, key, _ = min(blamed, key=lambda found: words.index(found[1].replace("-", "_")))
             return KeyFault(f"{who}: {says}", (*inside.path, key))
-        quoted = re.findall(r"'([^']+)'", says)
-        paths = ((*inside.path, key) for inside, key, value in keys if any(text in str(value) for text in quoted))
+        texts = re.findall(r"'([^']+)'", says)
+        paths = ((*inside.path, key) for inside, key, value in keys if any(text in str(value) for text in texts))
         return KeyFault(f"{who}: {says}", next(paths, table.path))
 
 
-def _all_of(table: Table | None) -> dict[str, object]:
-    return {} if table is None else {key: table.raw(key) for key in table.keys()}  # noqa: SIM118  (a Table is no dict)
+def _all_of(table: Table) -> dict[str, object]:
+    return {key: table.raw(key) for key in table.keys()}  # noqa: SIM118  (a Table is no dict)
 
 
 def name_of(table: Table, used: Sequence[str]) -> str:
@@ -148,8 +144,7 @@ def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
         raise data.fault("part", "is empty: expected one [[part]] at least")
     parts: list[Part] = []
     for table in tables:
-        name = name_of(table, [part.name for part in parts])
-        parts.append(Part(name, _conditions(table, data, checker)))
+        parts.append(Part(name_of(table, [part.name for part in parts]), _conditions(table, data, checker)))
     return tuple(parts)
 
 
@@ -159,9 +154,8 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
     if "condition" not in within:
         raise within.missing("condition")
     if not 1 <= len(tables) <= _MOST_CONDITIONS:
-        raise within.fault(
-            "condition", f"comes {len(tables)} times: expected 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
-        )
+        wanted = f"expected 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
+        raise within.fault("condition", f"comes {len(tables)} times: {wanted}")
     made: list[Condition] = []
     for table in tables:
         own = {key: value for key, value in _all_of(table).items() if key not in _NO_SETTINGS}
@@ -174,7 +168,12 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
             name = _combined_name(table, chosen, used) if factors else name_of(table, used)
             settings = checker.settings(table, own | chosen, f"condition '{name}'", others=_NO_SETTINGS)
             made.append(Condition(name, settings, reference))
-    trial = data.table("trial")
+    _check_trials(data.table("trial"), made, heading)
+    return tuple(made)
+
+
+def _check_trials(trial: Table, made: Sequence[Condition], heading: str) -> None:
+    """Check that a part's conditions fit trials and session. heading: of a condition."""
     order, shows = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE)
     pairs = shows == PAIR
     if shows == REFERENCE_FIRST and not any(condition.reference for condition in made):
@@ -182,18 +181,13 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
     if len(made) < 2 and pairs:
         raise trial.fault("shows", f"is {PAIR}, of one condition: expected two at least")
     if len(made) < 2 and order == WILLIAMS:
-        raise trial.fault(
-            "order",
-            f"is {WILLIAMS} (the default): one condition has no order; expected two, or order fixed",
-        )
+        wanted = "one condition has no order; expected two, or order fixed"
+        raise trial.fault("order", f"is {WILLIAMS} (the default): {wanted}")
     each = len(made) * (len(made) - 1) // 2 if pairs else len(made)
     repeats = trial.whole("repeats", 1, _MOST_TRIALS, 1)
     if each * repeats > _MOST_TRIALS:
-        raise trial.fault(
-            "repeats" if "repeats" in trial else None,
-            f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session",
-        )
-    return tuple(made)
+        found = f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session"
+        raise trial.fault("repeats" if "repeats" in trial else None, found)
 
 
 def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) -> Iterator[dict[str, object]]:
@@ -208,34 +202,32 @@ def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) 
             if not isinstance(value, str | int | float):
                 raise table.fault(key, f"has {quoted(value)}: expected texts, numbers, true or false", number)
     if (count := math.prod(map(len, factors.values()))) > most:
-        raise table.fault(
-            next(iter(factors), None),
-            f"makes {count} combinations: expected {_MOST_CONDITIONS} conditions at most in a part",
-        )
+        wanted = f"expected {_MOST_CONDITIONS} conditions at most in a part"
+        raise table.fault(next(iter(factors), None), f"makes {count} combinations: {wanted}")
     return (dict(zip(factors, values, strict=True)) for values in itertools.product(*factors.values()))
 
 
 def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[str]) -> str:
-    """Return the table's name, if it has one, with the values, such as late-latency200-forward."""
-    words = [_value_name(key, value) for key, value in chosen.items()]
-    name = "-".join([*([table.text("name")] if "name" in table else []), *words])
+    """Return the table's name, if it has one, with the values, such as late-latency200-forward.
+
+    A value is a word by itself, a number behind its setting.
+    """
+    words = [table.text("name")] if "name" in table else []
+    for key, value in chosen.items():
+        if isinstance(value, bool):
+            words.append(key if value else f"no-{key}")
+        elif isinstance(value, str):
+            is_file = value.lower().endswith((".toml", *NAMED_FILES.get(key, ())))
+            words.append(re.sub(r"[^\w.+]+", "-", PurePath(value).stem if is_file else value).strip("-"))
+        else:
+            words.append(f"{key}{value}")
+    name, first = "-".join(words), next(iter(chosen))
     if not NAME.fullmatch(name):
-        raise table.fault(next(iter(chosen)), f"makes a condition {quoted(name)}: {NAME_WANTED}")
+        raise table.fault(first, f"makes a condition {quoted(name)}: {NAME_WANTED}")
     if name.lower() in [other.lower() for other in used]:
-        raise table.fault(
-            next(iter(chosen)), f"makes a second condition {name!r}: expected values, or a name, that tell them apart"
-        )
+        wanted = "expected values, or a name, that tell them apart"
+        raise table.fault(first, f"makes a second condition {name!r}: {wanted}")
     return name
-
-
-def _value_name(key: str, value: object) -> str:
-    """Return a value as part of a name: a word by itself, a number behind its setting."""
-    if isinstance(value, bool):
-        return key if value else f"no-{key}"
-    if not isinstance(value, str):
-        return f"{key}{value}"
-    stem = PurePath(value).stem if value.lower().endswith((".toml", *NAMED_FILES.get(key, ()))) else value
-    return re.sub(r"[^\w.+]+", "-", stem).strip("-")
 
 
 def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
@@ -245,14 +237,10 @@ def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
         name = table.line("name")
         if name in [family.name for family in made]:
             raise table.fault("name", f"is {name!r} a second time: expected a name that no other family has")
-        made.append(Family(name, _comparisons(table, _part_of(table, parts))))
+        names = [part.name for part in parts]
+        of = names[0] if "part" not in table and len(parts) == 1 else table.word("part", names)
+        made.append(Family(name, _comparisons(table, parts[names.index(of)])))
     return tuple(made)
-
-
-def _part_of(table: Table, parts: tuple[Part, ...]) -> Part:
-    if "part" not in table and len(parts) == 1:
-        return parts[0]
-    return next(part for part in parts if part.name == table.word("part", [part.name for part in parts]))
 
 
 def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
@@ -261,52 +249,42 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
         raise table.fault(None, f"has no comparison: expected {_COMPARE}")
     known = [condition.name for condition in part.conditions]
     made: list[Comparison] = []
-    for baseline, better, fault in (*_compare(table, known, part), *_pairs(table, known, part)):
+    for baseline, better, fault in (*_compare(table), *_pairs(table)):
+        for key, name in (("baseline", baseline), ("better", better)):
+            if name not in known:
+                raise fault(key, f"an {unknown_name('condition', name, known)} in part '{part.name}'")
         if baseline == better or {baseline, better} in [{other.baseline, other.better} for other in made]:
             why = "a condition beside itself" if baseline == better else "the same pair a second time"
-            raise fault(f"has '{better}' over '{baseline}': {why}; expected each comparison once")
+            raise fault("", f"'{better}' over '{baseline}': {why}; expected each comparison once")
         made.append(Comparison(part.name, baseline, better))
     return tuple(made)
 
 
-def _compare(table: Table, known: list[str], part: Part) -> Iterator[_Named]:
-    """Yield baseline, better and how to blame the entry."""
-    if "compare" not in table:
-        return
+def _compare(table: Table) -> Iterator[_Named]:
     entries = table.tables("compare")
-    if not entries:
+    if "compare" in table and not entries:
         raise table.fault("compare", f"is empty: expected {_COMPARE}")
     for entry in entries:
-        names = {key: entry.text(key) for key in ("baseline", "better")}
-        for key, name in names.items():
-            if name not in known:
-                raise entry.fault(key, f"is an {unknown_name('condition', name, known)} in part '{part.name}'")
-        yield names["baseline"], names["better"], partial(entry.fault, "better")
+
+        def fault(key: str, says: str, entry: Table = entry) -> KeyFault:
+            return entry.fault(key or "better", f"{'is' if key else 'has'} {says}")
+
+        yield entry.text("baseline"), entry.text("better"), fault
 
 
-def _pairs(table: Table, known: list[str], part: Part) -> Iterator[_Named]:
-    """Yield as _compare does."""
-    if "pairs" not in table:
-        return
-    pairs = table.raw("pairs")
-    if not isinstance(pairs, list) or not pairs:
-        raise table.fault("pairs", 'is no list of pairs: expected names of conditions, like [["late", "warped"]]')
-    for number, pair in enumerate(pairs):
+def _pairs(table: Table) -> Iterator[_Named]:
+    example = 'like [["late", "warped"]]'
+    pairs = table.raw("pairs") if "pairs" in table else None
+    if "pairs" in table and (not isinstance(pairs, list) or not pairs):
+        raise table.fault("pairs", f"is no list of pairs: expected names of conditions, {example}")
+    for number, pair in enumerate(pairs or ()):
         if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
-            raise table.fault(
-                "pairs", f'has {quoted(pair)}: expected pairs of names, like [["late", "warped"]]', number
-            )
-        for name in pair:
-            if name not in known:
-                raise table.fault(
-                    "pairs", f"has an {unknown_name('condition', name, known)} in part '{part.name}'", number
-                )
-        baseline, better = pair
+            raise table.fault("pairs", f"has {quoted(pair)}: expected pairs of names, {example}", number)
 
-        def fault(says: str, number: int = number) -> KeyFault:
-            return table.fault("pairs", says, number)
+        def fault(_: str, says: str, number: int = number) -> KeyFault:
+            return table.fault("pairs", f"has {says}", number)
 
-        yield baseline, better, fault
+        yield pair[0], pair[1], fault
 
 
 PRACTICE = "practice"
@@ -329,21 +307,17 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
     questionnaires: whether they belong before or after the session; else they follow each trial,
     where a questionnaire is short.
     """
-    names = table.texts(key) if not questionnaires else table.texts(key, ())
+    names = table.texts(key, ()) if questionnaires else table.texts(key)
     made: list[Scale] = []
     for number, name in enumerate(names):
         scale = scale_at(table, key, name, folder, number)
         if not questionnaires and scale.kind == QUESTIONNAIRE and (scale.scores or len(scale.items) > _MOST_ASKED):
-            raise table.fault(
-                key,
-                f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}: "
-                f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores",
-                number,
-            )
+            found = f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}"
+            wanted = f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores"
+            raise table.fault(key, f"{found}: {wanted}", number)
         if questionnaires and scale.kind == PREFERENCE:
-            raise table.fault(
-                key, f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]", number
-            )
+            found = f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]"
+            raise table.fault(key, found, number)
         if scale.name in [scale.name for scale in made]:
             raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
         made.append(scale)
@@ -361,30 +335,20 @@ def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
     shows = trial.word("shows", SHOWS, ONE)
     if shows == PAIR:
         if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
-            raise trial.fault(
-                key,
-                f"is {names}, after a pair: expected one scale of kind {PREFERENCE}, such as preference, and perhaps "
-                "a short questionnaire",
-            )
+            wanted = f"expected one scale of kind {PREFERENCE}, such as preference, and perhaps a short questionnaire"
+            raise trial.fault(key, f"is {names}, after a pair: {wanted}")
         return
     if preferences:
         raise trial.fault(key, f"has '{preferences[0].name}', a {PREFERENCE}: it needs shows = \"{PAIR}\"")
-    if all(scale.kind != RATING for scale in made):
-        # Tables of ratings and the analysis hold only that kind.
-        raise trial.fault(
-            key,
-            f"has no rating ({names}): expected one scale of kind rating at least; the others belong in [sickness]",
-        )
+    if all(scale.kind != RATING for scale in made):  # tables of ratings and the analysis hold only that kind
+        wanted = "expected one scale of kind rating at least; the others belong in [sickness]"
+        raise trial.fault(key, f"has no rating ({names}): {wanted}")
     for scale in made:
         if scale.kind == RATING and scale.beside_reference != (shows == REFERENCE_FIRST):
-            raise trial.fault(
-                key,
-                f"has '{scale.name}', which asks for the difference from a reference shown right before: it needs "
-                f'shows = "{REFERENCE_FIRST}"'
-                if scale.beside_reference
-                else f"has '{scale.name}', which asks nothing about the reference: expected dcr, or a scale with "
-                f'beside_reference = true, with shows = "{REFERENCE_FIRST}"',
-            )
+            found, first = f"has '{scale.name}', which asks", f'shows = "{REFERENCE_FIRST}"'
+            beside = f"for the difference from a reference shown right before: it needs {first}"
+            other = "nothing about the reference: expected dcr, or a scale with beside_reference = true, with"
+            raise trial.fault(key, f"{found} {beside if scale.beside_reference else f'{other} {first}'}")
 
 
 def length_of(trial: Table) -> tuple[float, bool]:
@@ -406,10 +370,9 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     """
     if PRACTICE not in data:
         return None
-    table = data.table(PRACTICE)
-    others = ("seconds",)
-    own = {key: table.raw(key) for key in table.keys() if key not in others}  # noqa: SIM118  (a Table is no dict)
-    settings = checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
+    table, others = data.table(PRACTICE), ("seconds",)
+    own = {key: value for key, value in _all_of(table).items() if key not in others}
+    settings = checker.settings(table, own, PRACTICE, beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
     return Condition(PRACTICE, settings)
 
 
@@ -423,22 +386,15 @@ def sickness_of(data: Table, folder: Path) -> Sickness | None:
     table = data.table("sickness")
     scale = scale_at(table, "scale", table.text("scale"), folder)
     if scale.kind == QUESTIONNAIRE:
-        raise table.fault(
-            "scale",
-            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
-        )
+        found = f"has '{scale.name}', a questionnaire of {len(scale.items)} items"
+        raise table.fault("scale", f"{found}: expected a scale that takes a moment")
     if scale.kind in (RATING, PREFERENCE):
-        raise table.fault(
-            "scale",
-            f"has '{scale.name}', a {scale.kind}, and would stand among those of the trials: expected fms, misc or "
-            "the like",
-        )
+        found = f"has '{scale.name}', a {scale.kind}, and would stand among those of the trials"
+        raise table.fault("scale", f"{found}: expected fms, misc or the like")
     stop_at = table.within("stop_at", scale.least, scale.most, None)
     if stop_at is not None and scale.badness(stop_at) <= 0:
-        raise table.fault(
-            "stop_at",
-            f"is {stop_at:g}, the best answer of '{scale.name}': expected a worse one, or every session stops at once",
-        )
+        found = f"is {stop_at:g}, the best answer of '{scale.name}'"
+        raise table.fault("stop_at", f"{found}: expected a worse one, or every session stops at once")
     rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
     return Sickness(scale, **fields_in(table, Sickness), stop_at=stop_at, rise=rise)
 
@@ -521,7 +477,13 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
     second for a large scene.
     Errors: InputError that names file and line, what was found and what was expected.
     """
-    path = _path_of(name_or_path)
+    path = Path(name_or_path)
+    if not name_or_path.endswith(".toml"):
+        if name_or_path not in study_names():
+            if path.is_file():
+                raise InputError(f"study file {path}: expected one whose name ends in .toml")
+            raise unknown_name("study", name_or_path, [*study_names(), "FILE.toml"])
+        path = SHIPPED / f"{name_or_path}.toml"
     text = text_of(path, f"a .toml file, or one of {', '.join(study_names())}")
     try:
         return design_from_text(text, str(path), checked=checked)
@@ -531,68 +493,50 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
         raise InputError(f"{error}; sessions that hmdwarp 0.2 ran with this plan are exported by that one") from error
 
 
-def _path_of(name: str) -> Path:
-    if name.endswith(".toml"):
-        return Path(name)
-    if name in study_names():
-        return SHIPPED / f"{name}.toml"
-    if Path(name).is_file():
-        raise InputError(f"study file {name}: expected one whose name ends in .toml")
-    raise unknown_name("study", name, [*study_names(), "FILE.toml"])
-
-
 def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
     """Return the plan of a text.
 
     path: of its file, for messages and for files it names. checked: False does not try the
     settings, because the scenes of an old session may be gone. Errors: as load_design.
     """
-    return parsed(text, path, lambda data: _design(data, text, path, checked), _EXAMPLE)
+    folder = Path(path).parent
 
-
-def _design(data: Table, text: str, path: str, checked: bool) -> Design:
-    if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
-        raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
-    folder, trial = Path(path).parent, data.table("trial")
-    checker = Checker(folder, data.table("common") if "common" in data else None, checked)
-    scales = scales_of(trial, "scales", folder)
-    sickness = sickness_of(data, folder)
-    asked = data.table("questionnaires") if "questionnaires" in data else Table({})
-    before, after = (scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
-    if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
-        raise trial.fault(
-            "scales", f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
+    def made(data: Table) -> Design:
+        if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
+            raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
+        trial = data.table("trial")
+        checker = Checker(folder, data.table("common") if "common" in data else Table({}), checked)
+        scales, sickness = scales_of(trial, "scales", folder), sickness_of(data, folder)
+        asked = data.table("questionnaires") if "questionnaires" in data else Table({})
+        before, after = (scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
+        if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
+            found = f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
+            raise trial.fault("scales", found)
+        parts = parts_of(data, checker)
+        seconds, until_done = length_of(trial)
+        return Design(
+            name=name_of(data, ()),
+            **fields_in(data, Design),
+            parts=parts,
+            scales=scales,
+            families=families_of(data, parts),
+            seconds=seconds,
+            until_done=until_done,
+            practice=practice_of(data, checker),
+            breaks=Breaks(**fields_in(data.table("breaks"), Breaks)) if "breaks" in data else Breaks(),
+            sickness=sickness,
+            before=before,
+            after=after,
+            consent=consent_of(data, folder),
+            instructions=page_of(data, "instructions", "Instructions", folder, checked),
+            ready=page_of(data, "ready", "Ready?", folder, checked),
+            thanks=page_of(data, "thanks", "Thank you", folder, checked),
+            text=text,
+            path=path,
+            scene_notes=checker.scene_notes,
         )
-    parts = parts_of(data, checker)
-    seconds, until_done = length_of(trial)
-    return Design(
-        name=_name(data),
-        **fields_in(data, Design),
-        parts=parts,
-        scales=scales,
-        families=families_of(data, parts),
-        seconds=seconds,
-        until_done=until_done,
-        practice=practice_of(data, checker),
-        breaks=Breaks(**fields_in(data.table("breaks"), Breaks)) if "breaks" in data else Breaks(),
-        sickness=sickness,
-        before=before,
-        after=after,
-        consent=consent_of(data, folder),
-        instructions=page_of(data, "instructions", "Instructions", folder, checked),
-        ready=page_of(data, "ready", "Ready?", folder, checked),
-        thanks=page_of(data, "thanks", "Thank you", folder, checked),
-        text=text,
-        path=path,
-        scene_notes=checker.scene_notes,
-    )
 
-
-def _name(data: Table) -> str:
-    name = data.text("name")
-    if not NAME.fullmatch(name):
-        raise data.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
-    return name
+    return parsed(text, path, made, _EXAMPLE)
 
 
 TEMPLATE = Path(__file__).parent / "plan_template.toml"

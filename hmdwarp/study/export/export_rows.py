@@ -346,7 +346,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
 def answer_row(design: Design, data: SessionData, ask: Ask) -> Row:
     """Return the row of a planned question.
 
-    Figures of a showing are of that which the answer is about, without one of the last complete one.
+    A showing's figures are of that which the answer is about, without one of the last complete one.
     """
     session, answer, show = data.session, data.answers.get(ask.key), data.shows.get(ask.about)
     if answer is not None and answer.showing is not None:

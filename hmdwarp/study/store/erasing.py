@@ -41,9 +41,9 @@ class Holdings:
 
     def describe(self) -> str:
         """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
-        tables = ("sessions", "answers", "showings", "events")
-        names = {name: counted(getattr(self, name), name[:-1]) for name in tables}
-        names["answers"] += " (revisions included)" if self.answers else ""
+        tables = ("session", "answer", "showing", "event")
+        names = {name: counted(getattr(self, f"{name}s"), name) for name in tables}
+        names["answer"] += " (revisions included)" if self.answers else ""
         text = ", ".join([*names.values(), counted(self.traces, "head trace")])
         return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text
 

@@ -26,20 +26,10 @@ from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from ..design import Ask, Design, Show
-from . import admission, database, records
+from . import admission, database, folders, records
 from .database import transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
-from .folders import (
-    DATABASE,
-    TRACES,
-    Lock,
-    check_place,
-    count_of_traces,
-    make_folders,
-    sync_trace,
-    trace_name,
-    write_copy,
-)
+from .folders import DATABASE, TRACES, Lock
 from .records import (
     DECLINED,
     INTERRUPTED,
@@ -70,11 +60,9 @@ class MachineClock:
     """The machine's own clock."""
 
     def utc(self) -> datetime:
-        """Return the time of day, in UTC."""
         return datetime.now(UTC)
 
     def mono_ns(self) -> int:
-        """Return nanoseconds of the monotonic clock."""
         return time.monotonic_ns()
 
 
@@ -155,10 +143,12 @@ class Store:
         with self._write() as db:
             participant = admission.participant_for(db, code, part, origin, new_session)
             mended = admission.check_plan(db, design, part, origin)
-            now = self._now()
-            id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
+            id_ = admission.new_session(db, design, part, participant, origin, facts or {}, self._now())
             session = records.session(db, id_)
-            data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
+            data = {"part": part, "row": session.row, "plan_text_changed": mended}
+            if design.consent is not None:  # it may be in its own file, which the plan's text does not hold
+                digest = hashlib.sha256(design.consent.text.encode()).hexdigest()
+                data |= {"consent_version": design.consent.version, "consent_sha256": digest}
             self._event(session, "begin", data=data)
             session = records.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
@@ -175,7 +165,7 @@ class Store:
         part = admission.chosen_part(design, part)
         if not self.name:
             admission.check_first(code, new_session)
-            check_place(self.folder)
+            folders.check_place(self.folder)
             return
         self._take_lock(design.name)
         with suppress(_Undone), self._write() as db:
@@ -270,7 +260,7 @@ class Store:
 
         actual: as study/actual.py.
         """
-        trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
+        trace = showing.trace if showing.trace and folders.sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
@@ -299,12 +289,12 @@ class Store:
         with self._running(session) as db:
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
-            words = {"text": text} if text else {}
             id_ = admission.insert(
                 db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
                 at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
+            words = {"text": text} if text else {}
             self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             return records.answer(db, id_)
 
@@ -338,8 +328,9 @@ class Store:
             return records.contents(self._db, self.folder, pilot)
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
-        """Return the path of a head trace."""
-        return self.traces / trace_name(session.sub, session.number, step.trial, step.turn, presentation)
+        """Return the path of a head trace; of a trial 0, the practice, too."""
+        which = f"{step.trial}-{step.turn}" if step.turn else f"{step.trial}"
+        return self.traces / f"{session.sub}_ses-{session.number}_trial-{which}_{presentation}.csv"
 
     def measured(self, showing_id: int, data: Mapping[str, Any]) -> None:
         """Replace the figures measured of a showing's pictures.
@@ -349,10 +340,8 @@ class Store:
         locked = self._take_lock()
         try:
             with self._write() as db:
-                changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
-                ).rowcount
-                if changed != 1:
+                change = "UPDATE showing SET measured = ? WHERE id = ?"
+                if db.execute(change, (to_json(data), showing_id)).rowcount != 1:
                     raise KeyError(showing_id)
         finally:
             if locked:
@@ -377,7 +366,7 @@ class Store:
             }
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
         size = sum(path.stat().st_size for path in files)
-        return Holdings(code, sub, **counted, traces=count_of_traces(files), bytes=size)
+        return Holdings(code, sub, **counted, traces=folders.count_of_traces(files), bytes=size)
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""
@@ -436,7 +425,7 @@ class Store:
         if self._lock is not None:
             return False
         if self._create and study:
-            make_folders(self.folder)
+            folders.make_folders(self.folder)
         else:
             _ = self._db  # there must be one
         keep_private(self.folder, *self.folder.rglob("*"))
@@ -473,7 +462,7 @@ class Store:
         told: whether it says so.
         """
         try:
-            write_copy(self._db, self.folder)
+            folders.write_copy(self._db, self.folder)
         except (sqlite3.Error, OSError) as error:
             if told:
                 self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
@@ -534,13 +523,3 @@ class Store:
                 "not depend on it"
             )
         self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))
-
-
-def _consent(design: Design) -> dict[str, str]:
-    """Identify the consent text: it may be in its own file, which the plan's text does not hold."""
-    if design.consent is None:
-        return {}
-    return {
-        "consent_version": design.consent.version,
-        "consent_sha256": hashlib.sha256(design.consent.text.encode()).hexdigest(),
-    }
