@@ -62,10 +62,7 @@ def is_degenerate(differences: ArrayLike) -> bool:
 def bca_shares(below: ArrayLike, jackknifed: Array, level: float = 0.95) -> Array:
     """Return the shares (2, ...) of the bootstrap distribution at which the interval ends.
 
-    below: (...), share of the distribution below the estimate, in 0..1 exclusive; ties count half.
-    jackknifed: (n, ...), the estimate without each observation in turn.
-    SciPy's bootstrap uses the same formula, but only on resamples that it draws itself.
-
+    below: (...), share below the estimate, 0..1 exclusive; ties count half. jackknifed: (n, ...).
     Source: Efron 1987, Better bootstrap confidence intervals, eq. 6.8 (acceleration by jackknife).
     """
     from scipy.special import ndtr, ndtri
@@ -97,10 +94,9 @@ def _ends(values: Array, seed: int, resamples: int, level: float) -> tuple[float
 
 
 def _all_resamples(values: Array) -> tuple[Array, Array, float] | None:
-    """Return every mean of a resample, its chance, and the chance of less than the mean itself.
+    """Return all means of a resample, their chances, and the chance of less than the mean itself.
 
-    A resample of n is n throws of one die, so its sum has the n-fold convolution of the die. None
-    where the values lie on no common grid.
+    The sum of n has the n-fold convolution of one. None for values on no common grid.
     """
     n, largest = len(values), np.abs(values).max()
     parts = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
@@ -157,10 +153,7 @@ def wilcoxon_exact(differences: ArrayLike) -> Wilcoxon:
 
 
 def rank_biserial(differences: ArrayLike) -> float:
-    """Return the matched-pairs rank-biserial correlation (W+ - W-) / (W+ + W-), -1..1.
-
-    0 where nothing differs. Source: Kerby 2014.
-    """
+    """Return the matched-pairs rank-biserial correlation, -1..1, or 0 (Kerby 2014)."""
     w_plus, w_minus, _, n = wilcoxon_exact(differences)
     return (w_plus - w_minus) / (w_plus + w_minus) if n else 0.0
 
@@ -198,10 +191,7 @@ def hodges_lehmann(differences: ArrayLike, level: float = 0.95) -> Shift:
 
 
 def attained_level(n: int, level: float = 0.95) -> float:
-    """Return the level of the interval of n differences.
-
-    At least `level` from six differences on (for 95 %); less where n cannot give that much.
-    """
+    """Return the level of the interval of n differences: `level` at least from six on."""
     return _left_out(n, level)[1]
 
 
@@ -253,10 +243,8 @@ class Friedman(NamedTuple):
 def friedman(table: ArrayLike) -> Friedman | None:
     """Test whether all conditions are rated alike.
 
-    table: (participants, conditions), NaN for missing; participants with a missing rating are left
-    out. None for fewer than three conditions or two participants. Where every participant rates all
-    conditions the same, chi2 is 0 and p is 1.
-
+    table: (participants, conditions); who misses a rating is left out. None for fewer than three
+    conditions or two participants; p is 1 where everybody rates all alike.
     Source: Friedman 1937, with the correction for ties (Conover 1999, 5.8), by SciPy.
     """
     from scipy.stats import friedmanchisquare
@@ -278,11 +266,9 @@ def kendalls_w(found: Friedman) -> float:
 
 
 def holm(ps: Sequence[float]) -> list[float]:
-    """Return each test's p after Holm's step-down correction, in the order of `ps`.
+    """Return each test's p after Holm's step-down correction (1979), in the order of `ps`.
 
     statsmodels has the same, but collects garbage in each call, which takes 30 ms.
-
-    Source: Holm 1979.
     """
     order = np.argsort(ps, kind="stable")
     stepped = np.maximum.accumulate(np.array(ps)[order] * np.arange(len(ps), 0, -1))
@@ -476,10 +462,7 @@ def _between(d: Array, t: Array) -> Array:
 
 
 def resampled_scores(wins: Array, ties: Array | None, resamples: int, seed: int) -> Scores:
-    """Scale resamples of people, each with all answers of theirs.
-
-    wins, ties: (people, n, n). Returns scores (resamples, n).
-    """
+    """Scale resamples of people. wins, ties: (people, n, n). Returns (resamples, n)."""
     people = len(wins)
     rng = np.random.default_rng(seed)
     drawn = rng.multinomial(people, np.full(people, 1 / people), size=resamples).astype(np.float64)
@@ -492,13 +475,11 @@ def left_out_scores(wins: Array, ties: Array | None) -> Scores:
 
 
 def resampled_interval(found: float, resampled: Array, left_out: Array, level: float = 0.95) -> tuple[float, float]:
-    """Return the ends of the BCa interval of a number, widened for few people.
+    """Return the ends of the BCa interval of `found`, widened for few people.
 
-    found: the estimate. resampled: it in resamples of people. left_out: without each person.
-    The quantiles are those of Student's t and the variance of n - 1: resampling few people varies
-    too little, so that 95 % of a dozen people would be 92 %.
-    Source: Efron 1987; Hesterberg 2015, What teachers should know about the bootstrap, The American
-    Statistician 69 ("expanded percentile").
+    resampled: in resamples of people. left_out: without each person. With the quantiles of
+    Student's t and the variance of n - 1, as a dozen resampled people vary too little.
+    Source: Efron 1987; Hesterberg 2015, The American Statistician 69 ("expanded percentile").
     """
     from scipy.special import ndtr, stdtrit
 

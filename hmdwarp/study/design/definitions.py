@@ -225,8 +225,7 @@ def default_of(name: str) -> object:
 def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
-    sources: those opened so far; this one is added.
-    Errors: InputError and its kin, now and not in the middle of a session.
+    sources: those opened so far; this one is added. Errors: InputError and its kin.
     """
     options = live_options(settings)
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
@@ -242,9 +241,9 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
 
 
 def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:
-    """Return the settings with absolute paths, and names with _.
+    """Return the settings with names with _, and paths under the study file's folder.
 
-    folder: of the study file. others: keys of the same table that are no settings, for hints.
+    others: keys of the same table that are no settings, for hints.
     """
     found: dict[str, object] = {}
     for key, name, value in _named(settings, others):
@@ -441,10 +440,7 @@ def _check_trials(trial: Table, made: Sequence[Condition], heading: str) -> None
 
 
 def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) -> Iterator[dict[str, object]]:
-    """Return every combination of the settings that have several values; one without any such.
-
-    The last one changes fastest.
-    """
+    """Return every combination of settings that have several values; the last changes fastest."""
     for key, values in factors.items():
         if not values:
             raise table.fault(key, "is an empty list: expected values, which make a condition each")
@@ -458,10 +454,7 @@ def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) 
 
 
 def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[str]) -> str:
-    """Return the table's name, if it has one, with the values, such as late-latency200-forward.
-
-    A value is a word by itself, a number behind its setting.
-    """
+    """Return the table's name with the values, such as late-latency200-forward."""
     words = [table.text("name")] if "name" in table else []
     for key, value in chosen.items():
         if isinstance(value, bool):
@@ -614,10 +607,7 @@ def length_of(trial: Table) -> tuple[float, bool]:
 
 
 def practice_of(data: Table, checker: Checker) -> Condition | None:
-    """Return the practice condition, None without [practice].
-
-    No latency and no warp by default; its look is that of [common].
-    """
+    """Return the practice, None without its table; it looks like [common], without a warp."""
     if PRACTICE not in data:
         return None
     table, others = data.table(PRACTICE), ("seconds",)
@@ -627,10 +617,7 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
 
 
 def sickness_of(data: Table, folder: Path) -> Sickness | None:
-    """Return the sickness rule, None without [sickness].
-
-    stop_at must be worse than the best answer, or every session would end at once.
-    """
+    """Return the sickness rule, None without [sickness]."""
     if "sickness" not in data:
         return None
     table = data.table("sickness")
@@ -661,7 +648,7 @@ def consent_of(data: Table, folder: Path) -> Consent | None:
 
 
 def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
-    """Return a page to read, None without its table: its text, or a file with a text or picture.
+    """Return a page to read, a text or a picture, None without its table.
 
     checked: False leaves files alone, which may be gone when an old session is exported.
     """
@@ -795,8 +782,7 @@ TEMPLATE = Path(__file__).parent / "plan_template.toml"
 def write_new_plan(name: str, folder: Path, *, force: bool = False) -> Path:
     """Write NAME.toml, a commented plan that can be run as it is, and return its path.
 
-    Errors: InputError for a name that no study can have, a file that is there, unless forced,
-    and a folder that cannot be written.
+    Errors: InputError for a wrong name, an existing file, unless forced, and a folder not writable.
     """
     if not NAME.fullmatch(name) or name.endswith(".toml"):
         raise InputError(f"study name {quoted(name)}: {NAME_WANTED}, without .toml")

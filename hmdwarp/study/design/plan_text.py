@@ -78,10 +78,7 @@ Step = Read | PageStep | Show | Ask | Pause
 
 
 def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> tuple[Step, ...]:
-    """Return all steps of a session.
-
-    order: names of the part's conditions, one tuple per repeat.
-    """
+    """Return all steps of a session. order: names of the part's conditions, a tuple per repeat."""
     steps: list[Step] = [] if design.consent is None else [Read("consent", design.consent.text)]
     steps += [ask for scale in design.before for ask in _asks(scale, "before", "before")]
     if design.instructions is not None:
@@ -231,10 +228,7 @@ def reading_s(text: str) -> float:
 
 
 def balance(orders: Sequence[Order], names: Sequence[str]) -> Balance:
-    """Count how these orders of a part are balanced.
-
-    names: what they order, as orders.presented; of a pair it does not matter which one is first.
-    """
+    """Count how these orders of `names` are balanced; of a pair either may be first."""
     known = set(names)
     unturned = [[[name if name in known else turned(name) for name in row] for row in order] for order in orders]
     rows = [row for order in unturned for row in order]
@@ -256,10 +250,7 @@ def balance(orders: Sequence[Order], names: Sequence[str]) -> Balance:
 
 
 def least_participants(comparisons: int) -> int:
-    """Return the participants below which no comparison of such a family can be significant.
-
-    The smallest p of an exact Wilcoxon test, 2 / 2^n, times the comparisons must fall below ALPHA.
-    """
+    """Return how many people the exact Wilcoxon test of so many comparisons needs."""
     return math.ceil(math.log2(2 * comparisons / ALPHA))
 
 

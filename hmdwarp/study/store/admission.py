@@ -22,10 +22,9 @@ from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, S
 
 
 def plan_signature(design: Design, part: str) -> dict[str, Any]:
-    """Return the signature as JSON data.
+    """Return what may not change within a study, as JSON data.
 
-    Titles, comments, breaks, the consent's text, families and other parts are not in it: they may
-    change. So may the folder of the file, together with the files beside it.
+    Titles, comments, breaks, the consent, families, other parts and the file's folder may.
     """
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     practice, rule = design.practice, design.sickness
@@ -171,9 +170,8 @@ def _listed(sessions: Sequence[Session]) -> str:
 def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -> bool:
     """Return whether the plan's text differs from the last session's of this part.
 
-    Errors: InputError where sessions of this part ran with a plan of another signature: ratings
-    would not be comparable, nor orders balanced. A changed plan is a study of its own. Pilots may
-    change anything.
+    Errors: InputError where sessions of people ran with a plan of another signature, as ratings
+    would not be comparable, nor orders balanced.
     """
     if origin == PILOT:
         return False
@@ -197,10 +195,7 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
 
 
 def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None:
-    """Raise InputError where a session's plan, read again, has another signature.
-
-    The store keeps its text, but not custom scales that it names. Pilots may change anything.
-    """
+    """Raise InputError where a session's plan, read again with its own scales, differs."""
     if session.origin == PILOT:
         return
     query = "SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?"
@@ -248,10 +243,7 @@ def insert(db: sqlite3.Connection, table: str, **values: Any) -> int:
 
 
 def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
-    """Return the interrupted session.
-
-    Errors: InputError where there is none, or several parts have one.
-    """
+    """Return the interrupted session. Errors: InputError for none, or several."""
     check_code(code)
     if is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn: there is nothing to resume")
@@ -270,10 +262,7 @@ def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
 
 
 def chosen_part(design: Design, part: str | None) -> str:
-    """Return the part, by default the only one.
-
-    Errors: InputError for a part that the plan lacks, or where one of several must be named.
-    """
+    """Return the part, by default the only one. Errors: InputError."""
     names = [part.name for part in design.parts]
     if part is None and len(names) == 1:
         return names[0]

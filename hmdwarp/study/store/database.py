@@ -150,10 +150,7 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:
-    """Open the database for reading, even while it is written; None where there is none yet.
-
-    Errors: as open_to_write.
-    """
+    """Open the database for reading, even while it is written; None where there is none yet."""
     path = folder / DATABASE
     if not path.is_file():
         _refuse_lost(path)
@@ -197,10 +194,7 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 
 def _frozen(path: Path) -> str:
-    """Return how to read where nothing may be written: without the files that readers share.
-
-    Data that are still in the WAL would be missed.
-    """
+    """Return how to read, without files that readers share, where nothing is left in a log."""
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
     if any(path.is_file() and path.stat().st_size for path in beside):
         cut_off = "its last session was cut off, and the folder is not writable"

@@ -169,10 +169,7 @@ def make_folders(folder: Path) -> None:
 
 
 def check_place(folder: Path) -> None:
-    """Check that make_folders can succeed, without creating anything.
-
-    Errors: InputError, as there.
-    """
+    """Check that make_folders can succeed, without creating anything. Errors: InputError."""
     if folder.is_dir():
         _check_ours(folder)
     above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
@@ -195,10 +192,7 @@ def count_of_traces(files: Iterable[Path]) -> int:
 
 
 def sync_trace(path: Path) -> bool:
-    """Sync a trace, its inputs and their folder; False where there is no trace.
-
-    Errors: MachineError.
-    """
+    """Sync a trace, its inputs and their folder; False where there is no trace."""
     try:
         for each in (path, *filter(Path.is_file, [inputs_beside(path)])):
             keep_private(each)
