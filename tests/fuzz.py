@@ -561,7 +561,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 
 def _results() -> Iterator[tuple[str, Target]]:
-    from hmdwarp.link.delays.trace import read_delays
+    from hmdwarp.link.delays import read_delays
     from hmdwarp.pipeline.levels import read_rows
     from hmdwarp.study.analysis.long_table import from_csv
 
@@ -637,14 +637,13 @@ def _stores() -> Iterator[tuple[str, Target]]:
 
 def _secrets() -> Iterator[tuple[str, Target]]:
     def write(folder: Path) -> None:
-        from hmdwarp.sources.feed.key_pairs import key_pair
+        from hmdwarp.sources.feed.options import key_pair
 
         key_pair(folder / "feed")
         (folder / "token").write_text("thirty-two letters of any kind..")
 
     def read(folder: Path, rng: Rng) -> None:
-        from hmdwarp.sources.feed.key_pairs import public_key
-        from hmdwarp.sources.feed.options import secret_in
+        from hmdwarp.sources.feed.options import public_key, secret_in
 
         public_key(folder / "feed.key")
         secret_in(folder / "token")

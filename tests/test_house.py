@@ -64,9 +64,9 @@ APART = {
     "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
-    "client/drawn_scenes.py",
+    "client/client_scene.py",
     "gpu/timers.py",
-    "pipeline/frame_coder.py",
+    "pipeline/channel.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
     "cli/doctor.py",
@@ -247,7 +247,6 @@ ENTRIES = (
     "client/warps",
     "frames/layers",
     "link/codec/codecs",
-    "link/delays",
     "metrics/library",
     "poses/formats",
     "poses/predictors",

@@ -27,7 +27,7 @@ from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import MergeOptions, merge
 from hmdwarp.headsets import load_headset
-from hmdwarp.link.delays.trace import read_delays
+from hmdwarp.link.delays import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.pipeline.levels import read_rows
@@ -37,8 +37,7 @@ from hmdwarp.poses.reading import text_table
 from hmdwarp.resources import folder as shipped
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
-from hmdwarp.sources.feed.key_pairs import public_key
-from hmdwarp.sources.feed.options import secret_in
+from hmdwarp.sources.feed.options import public_key, secret_in
 from hmdwarp.sources.sequences import SequenceOptions, read_frame, read_view
 from hmdwarp.study.analysis.findings import load_claims
 from hmdwarp.study.analysis.long_table import from_csv

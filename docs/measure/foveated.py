@@ -20,7 +20,7 @@ from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.expand import ExpandPass
+from hmdwarp.client.effects._base import ExpandPass
 from hmdwarp.geometry import Fovea
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset

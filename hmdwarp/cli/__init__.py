@@ -14,23 +14,22 @@ from contextlib import suppress
 from typing import NoReturn
 
 from ._app import instead_of
-from ._signals import Ended, end_cleanly
+from ._signals import INTERRUPTED, Ended, end_cleanly
 
-INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
 # What the system says of names that users typed: too long, in a folder not to be read, in a circle.
 _NAMES = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP)
 NOTHING_LEFT = "nothing unfinished was left behind"
 
 
 def main() -> None:
-    """Run the command line and leave with its exit status.
-
-    Every error of ours is one line on stderr.
-    """
+    """Run the command line and leave with its exit status; an error of ours is a line on stderr."""
     from ..errors import HmdwarpError, RequirementError
 
     end_cleanly()
-    _print_what_the_terminal_can()
+    with suppress(AttributeError):  # closed (None), or a caller's own stream
+        # '?' for a dash that the locale lacks, or a file name that is no text: no reason to end a
+        # run that is done.
+        sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
     try:
         from ._app import app
 
@@ -62,15 +61,6 @@ def main() -> None:
         if status == INTERRUPTED:  # how newer typers hand on Ctrl-C
             _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
         sys.exit(status if isinstance(status, int) else 0)
-
-
-def _print_what_the_terminal_can() -> None:
-    """Print '?' for a dash that the locale lacks, or a file name that is no text.
-
-    Neither is a reason to end a run that is done.
-    """
-    with suppress(AttributeError):  # closed (None), or a caller's own stream
-        sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 
 def _nobody_reads() -> NoReturn:
@@ -125,11 +115,7 @@ def _with_value(message: str) -> str:
 
 
 def _leave(message: str, status: int) -> NoReturn:
-    _complain(message)
-    sys.exit(status)
-
-
-def _complain(message: str) -> None:
     if sys.stderr is not None:
         with suppress(OSError):
             print(f"hmdwarp: {' '.join(message.split())}", file=sys.stderr, flush=True)
+    sys.exit(status)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from importlib import import_module
 from pathlib import Path
@@ -31,10 +31,10 @@ COMMANDS = {
     "check": ("check", "check"),
     "synthesise": ("check", "synthesise"),
     "thesis": ("experiments", "thesis"),
-    "list": ("listing", "list_"),
+    "list": ("catalogue", "list_"),
     "plan": ("plan", "plan"),
     "choose": ("runs", "choose"),
-    "doctor": ("listing", "doctor"),
+    "doctor": ("catalogue", "doctor"),
     "study": ("study", "app"),
     "trace": ("trace", "app"),
     "headset": ("headset", "app"),
@@ -63,22 +63,18 @@ class Root(Group):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return a command or group, loaded at its first use; None for an unknown name."""
         if cmd_name in COMMANDS and cmd_name not in self.loaded:
-            self.loaded[cmd_name] = _command_of(cmd_name)
+            found = _load(cmd_name)
+            if isinstance(found, typer.Typer):
+                found.rich_markup_mode = None
+                for registered in found.registered_commands:
+                    registered.cls = Command
+                group = self.loaded[cmd_name] = typer.main.get_group(found)
+                group.name = cmd_name
+            else:
+                alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+                alone.command(cmd_name, cls=Command)(found)
+                self.loaded[cmd_name] = typer.main.get_command(alone)
         return self.loaded.get(cmd_name)
-
-
-def _command_of(name: str) -> Any:
-    loaded = _load(name)
-    if isinstance(loaded, typer.Typer):
-        loaded.rich_markup_mode = None
-        for registered in loaded.registered_commands:
-            registered.cls = Command
-        command = typer.main.get_group(loaded)
-        command.name = name
-        return command
-    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-    alone.command(name, cls=Command)(loaded)
-    return typer.main.get_command(alone)
 
 
 app = typer.Typer(
@@ -111,16 +107,13 @@ def options_of_commands() -> dict[str, list[Option]]:
     """Return the options of every command, by its whole name. Loads them all."""
     found: dict[str, list[Option]] = {}
     for name in COMMANDS:
-        loaded = _load(name)
-        found.update(
-            _options_of_group(loaded, f"{name} ") if isinstance(loaded, typer.Typer) else [(name, loaded.options)]
-        )
+        if not isinstance(loaded := _load(name), typer.Typer):
+            found[name] = loaded.options
+            continue
+        for command in loaded.registered_commands:
+            run: Any = command.callback
+            found[f"{name} {command.name or run.__name__}"] = run.options
     return found
-
-
-def _options_of_group(group: typer.Typer, prefix: str) -> Iterator[tuple[str, list[Option]]]:
-    for command in group.registered_commands:
-        yield f"{prefix}{command.name or command.callback.__name__}", command.callback.options  # type: ignore[union-attr]
 
 
 def entries() -> dict[str, str]:

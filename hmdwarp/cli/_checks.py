@@ -1,8 +1,13 @@
 """Checks of this machine: what the program needs, what is missing, and how to get it.
 
 Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop
-window for `live`, an encoder for `--video`. Drivers and runtimes are queried in processes of their
-own (see _probes), because they may crash or hang.
+window for `live`, an encoder for `--video`. Drivers and runtimes may crash or hang, so each is
+queried in a process of its own:
+
+    python -m hmdwarp.cli._checks gl|devices|openxr|window
+
+It prints one JSON object per line as knowledge grows; the last whole line counts, so a crash still
+leaves what came before it.
 """
 
 from __future__ import annotations
@@ -22,7 +27,8 @@ from typing import Any
 import attrs
 
 from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
-from ..gpu import egl
+from ..errors import HmdwarpError
+from ..gpu import WANTED, Gpu, egl
 from ..gpu.context import HOW_TO_GET_GL
 from ..resources import EXTRAS, __version__, install_line, pyav
 
@@ -67,10 +73,7 @@ class Check:
 
 
 def examine() -> list[Finding]:
-    """Check everything; takes a second, and up to half a minute if a driver hangs.
-
-    The processes that query drivers run at the same time.
-    """
+    """Check everything, drivers side by side; takes up to half a minute if one hangs."""
     found: dict[str, Finding] = {}
     with ThreadPoolExecutor() as pool:
         questions = ("gl", "devices", "openxr", *(["window"] if _has_display() else []))
@@ -86,18 +89,10 @@ def examine() -> list[Finding]:
     return [*found.values()]
 
 
-def replay_can_run(findings: list[Finding]) -> bool:
-    """Return whether nothing that replay needs is missing."""
-    return all(finding.state != MISSING for finding in findings)
-
-
 def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Facts:
-    """Return the last words of the probe `question` (gl, devices, openxr, window).
-
-    `error` is set where it crashed, hung or printed nothing.
-    """
+    """Return the last words of a probe, with `error` where it crashed or hung."""
     # -P: a numpy.py in the user's folder must not be taken for the real one.
-    command = [sys.executable, "-P", "-m", "hmdwarp.cli._probes", question]
+    command = [sys.executable, "-P", "-m", "hmdwarp.cli._checks", question]
     try:
         done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
         stdout, stderr = done.stdout, done.stderr
@@ -277,3 +272,118 @@ CHECKS = (
     Check("codecs", _codecs, _PYAV),
     *(Check(f"extra {name}", partial(_packages, name)) for name in EXTRAS),
 )
+
+
+GL_LIMITS = {
+    "max_texture_size": "GL_MAX_TEXTURE_SIZE",
+    "max_work_group_invocations": "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS",
+    "max_work_group_size": "GL_MAX_COMPUTE_WORK_GROUP_SIZE",
+    "max_work_groups": "GL_MAX_COMPUTE_WORK_GROUP_COUNT",
+    "max_storage_block_bytes": "GL_MAX_SHADER_STORAGE_BLOCK_SIZE",
+    "max_storage_blocks": "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS",
+}
+# Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.
+INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
+
+
+def _report(known: Mapping[str, object]) -> None:
+    print(json.dumps(known), flush=True)
+
+
+def _probe_gl() -> None:
+    """Report the OpenGL context that replay would use: renderer, limits, timers that measure."""
+    try:
+        with Gpu() as gpu:
+            about = {"renderer": gpu.renderer, "version": gpu.version, "software": gpu.is_software}
+            about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= INT64_EXTENSIONS}
+            _report({"stage": "done", **about, **{name: gpu.gl.info[key] for name, key in GL_LIMITS.items()}})
+    except HmdwarpError as error:
+        _report({"stage": "context", "error": str(error)})
+
+
+def _probe_devices() -> None:
+    """Report the devices that EGL knows, one after the other, with what draws on each."""
+    known: list[dict[str, object]] = []
+    try:
+        found = egl.devices()
+    except OSError as error:
+        _report({"stage": "list", "error": str(error)})
+        return
+    for device in found:
+        _report({"stage": f"device {device.index}", "devices": known})
+        known.append({"index": device.index, "file": device.file, "renderer": egl.renderer_of(device, WANTED)})
+    _report({"stage": "done", "devices": known})
+
+
+def _probe_openxr() -> None:
+    """Report each step on the way to a headset: binding, runtime, service, headset."""
+    known: dict[str, object] = {"stage": "binding"}
+    _report(known)
+    try:
+        # Without libGL this is an AttributeError, with a foreign loader an OSError.
+        import xr
+    except Exception as error:
+        _report({**known, "error": f"{type(error).__name__}: {error}"})
+        return
+    known |= {"binding": str(xr.PYOPENXR_VERSION), "loader": str(xr.version.XR_CURRENT_API_VERSION)}
+
+    def advance(stage: str) -> None:
+        known["stage"] = stage
+        _report(known)
+
+    try:
+        advance("runtime")
+        names = [_text(entry.extension_name) for entry in xr.enumerate_instance_extension_properties()]
+        known["extensions"] = sorted(names)
+        advance("instance")
+        application = xr.ApplicationInfo(application_name="hmdwarp doctor", api_version=xr.Version(1, 0, 0))
+        instance = xr.create_instance(xr.InstanceCreateInfo(application_info=application, enabled_extension_names=[]))
+        try:
+            properties = xr.get_instance_properties(instance)
+            known["runtime"] = _text(properties.runtime_name)
+            known["runtime_version"] = str(xr.Version(properties.runtime_version))
+            advance("headset")
+            system = xr.get_system(instance, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+            known["headset"] = _text(xr.get_system_properties(instance, system).system_name)
+            advance("done")
+        finally:
+            xr.destroy_instance(instance)
+    except Exception as error:
+        _report({**known, "error": type(error).__name__, "message": str(error)})
+
+
+def _probe_window() -> None:
+    """Report whether a desktop window with OpenGL 4.3 opens; it stays hidden."""
+    import warnings
+
+    from ..display.desktop import choose_library
+
+    choose_library()
+    import glfw
+
+    warnings.simplefilter("ignore", glfw.GLFWError)
+    if not glfw.init():
+        _report({"stage": "display", "error": _text(glfw.get_error()[1] or "no display")})
+        return
+    try:
+        glfw.window_hint(glfw.VISIBLE, glfw.FALSE)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+        glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+        if not glfw.create_window(64, 64, "hmdwarp doctor", None, None):
+            _report({"stage": "window", "error": _text(glfw.get_error()[1] or "no window")})
+            return
+        monitor = glfw.get_primary_monitor()
+        mode = glfw.get_video_mode(monitor) if monitor else None
+        size, refresh_hz = (list(mode.size), mode.refresh_rate) if mode else (None, None)
+        _report({"stage": "done", "size": size, "refresh_hz": refresh_hz})
+    finally:
+        glfw.terminate()
+
+
+def _text(value: bytes | str) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+
+if __name__ == "__main__":
+    globals()[f"_probe_{sys.argv[1]}"]()

@@ -8,7 +8,7 @@ import math
 import shlex
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,6 +23,7 @@ from ..options.named_files import OUTSIDE, allow_outside
 HELP_ALL = "--help-all"
 _MANY = 40  # options
 _LONG = 1000  # characters: longer than any first sentence
+_NOT_TYPED = ("DEFAULT", "DEFAULT_MAP")
 
 
 class Group(TyperGroup):
@@ -79,26 +80,38 @@ class Command(TyperCommand):
                         formatter.write(f"  {head:<{wide}}  {line}\n")
 
 
-Said = dict[str, Any]
+class Said(dict[str, Any]):
+    """Values by the names of their options: those that were typed, and by index the defaults too.
+
+    What was not typed is not "in" it, so that an option's own default can be told from it.
+    """
+
+    def __init__(self, typed: Mapping[str, Any], options: Iterable[Option]) -> None:
+        super().__init__(typed)
+        self._defaults = {option.name: option.default for option in options}
+
+    def __missing__(self, name: str) -> Any:
+        return self._defaults[name]
+
+
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
 JSON = Option("Print one JSON object instead of text.", bool, False, name="json")
 
 
 def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
-    """Return a decorator.
-
-    The function becomes a command with these options, and gets their values by name. The command's
-    attribute `options` has them.
-    """
+    """Make a function a command with these options, which its attribute `options` has."""
     options = [one for part in declared for one in ([part] if isinstance(part, Option) else options_of(part))]
     options += [OUTSIDE] if any(option.names_files for option in options) else []
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
-        def command(**said: Any) -> None:
-            allow_outside(said.get(OUTSIDE.name, False))
-            run({option.name: _read(option, said.get(option.name)) for option in options})
+        def command(ctx: Any, **given: Any) -> None:
+            typed = [one for one in options if ctx.get_parameter_source(one.name).name not in _NOT_TYPED]
+            said = Said({one.name: _read(one, given[one.name]) for one in typed}, options)
+            allow_outside(OUTSIDE.name in said and said[OUTSIDE.name])
+            run(said)
 
-        parameters = [_parameter(option) for option in options]
+        context = inspect.Parameter("ctx", inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+        parameters = [context, *map(_parameter, options)]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
         command.options = options  # type: ignore[attr-defined]
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
@@ -109,9 +122,7 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
 
 
 def _read(option: Option, value: Any) -> Any:
-    """Return what was typed, or the default. Errors: InputError for an empty text."""
-    if value is None:
-        return option.default
+    """Return what was typed. Errors: InputError for an empty text."""
     if option.kind is Path:
         return path_of(value, option.flag)
     for text in value if option.kind is list else [value]:

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 
+INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
 _AGAIN_S = 0.05  # after which a callback that swallowed the exception has returned
 _came: list[int] = []
 

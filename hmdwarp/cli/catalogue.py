@@ -1,6 +1,6 @@
-"""What there is to choose from, as rows of texts.
+"""hmdwarp list and doctor: what there is to choose from, and what this machine has.
 
-For `hmdwarp list`, tables of docs/ and other programs.
+The rows of texts are for tables of docs/ and other programs too.
 """
 
 from __future__ import annotations
@@ -12,9 +12,12 @@ from importlib import import_module
 from typing import Any
 
 import attrs
+import typer
 
-from ..options import Option
+from ..errors import InputError, unknown_name
+from ..options import Declared, Option, option
 from ..registry import Registry, Row, describe
+from ._options import JSON, Said, as_json, takes
 
 
 @attrs.frozen
@@ -36,11 +39,6 @@ class Kind:
         return describe(self.entries(), more=self.more)
 
 
-def entries(kind: str) -> list[Row]:
-    """Return the rows of one kind, a key of KINDS."""
-    return KINDS[kind].rows() + (_baselines() if kind == "warps" else [])
-
-
 def _of(module: str) -> Any:
     return import_module(f"hmdwarp.{module}")
 
@@ -50,12 +48,18 @@ def _each(module: str, names: str, load: str) -> Callable[[], Iterable[Any]]:
     return lambda: map(getattr(_of(module), load), getattr(_of(module), names)())
 
 
-def _baselines() -> list[Row]:
-    """Return the rows of warps that do as another system does, and of that library's own."""
+def entries(kind: str) -> list[Row]:
+    """Return the rows of one kind, a key of KINDS.
+
+    Of warps also those that do as another system does, and that library's own.
+    """
+    rows = KINDS[kind].rows()
+    if kind != "warps":
+        return rows
     from ..client.variants import every_baseline, parse_warp
     from ..run.combinations import OUTSIDE, missing
 
-    own, rows = {row["name"]: row for row in KINDS["warps"].rows()}, []
+    own = {row["name"]: row for row in rows}
     for text, system in every_baseline().items():
         choice = parse_warp(text)
         values = ", ".join(f"{name}={value}" for name, value in attrs.asdict(choice.settings).items())
@@ -66,18 +70,17 @@ def _baselines() -> list[Row]:
         summary = f"as {system}: its own warp by depth, on the CPU, for 'hmdwarp bench' only"
         told = {"name": name, "summary": summary, "does_as": system, "source": system}
         told |= {"reads": "rendered.colour, rendered.inverse_depth", "fused_with_the_lens": "no"}
-        rows += (
-            []
-            if missing(name)
-            else [dict.fromkeys(next(iter(own.values())), "none") | told | {"follows_scanout": "no"}]
-        )
+        if not missing(name):
+            rows.append(dict.fromkeys(rows[0], "none") | told | {"follows_scanout": "no"})
     return rows
 
 
 def _client(client: Any) -> Row:
-    limits = {"budget": (client.budget_ms, "ms an eye"), "decoder": (client.decoder_mpx_s, "Mpx/s")}
-    limits["download"] = (client.download_mbit_s, "Mbit/s")
-    limits |= {"memory": (client.memory_gb_s, "GB/s"), "arithmetic": (client.compute_tflops, "TFLOPS")}
+    limits = {
+        "budget": (client.budget_ms, "ms an eye"), "decoder": (client.decoder_mpx_s, "Mpx/s"),
+        "download": (client.download_mbit_s, "Mbit/s"), "memory": (client.memory_gb_s, "GB/s"),
+        "arithmetic": (client.compute_tflops, "TFLOPS"),
+    }  # fmt: skip
     return {
         "scene": client.scene,
         "compute_shaders": "yes" if client.compute_shaders else "no",
@@ -85,11 +88,6 @@ def _client(client: Any) -> Row:
         **{key: f"{most:g} {unit}" if math.isfinite(most) else "not stated" for key, (most, unit) in limits.items()},
         "source": client.source or "none",
     }
-
-
-def headset_row(name: str) -> Row:
-    """Return the row of one headset. name: as load_headset takes it. Errors: InputError."""
-    return describe([_of("headsets").load_headset(name)], more=_headset)[0]
 
 
 def _headset(headset: Any) -> Row:
@@ -128,13 +126,6 @@ def _both(values: Sequence[float], form: str) -> str:
     return ", ".join(dict.fromkeys(format(value, form) for value in values))
 
 
-def _layout(reader: Any) -> Row:
-    facts = _of("sources.sequences").FACTS
-    return dict.fromkeys((what.replace(" ", "_") for what in facts), "") | {
-        fact.what.replace(" ", "_"): stated for fact, stated in _stated(reader.assumes)
-    }
-
-
 def _stated(facts: Iterable[Any]) -> list[tuple[Any, str]]:
     """Return what a file format assumes, with who states it."""
     by = _of("poses.assumptions").By
@@ -147,17 +138,10 @@ def _stated(facts: Iterable[Any]) -> list[tuple[Any, str]]:
 
 
 def _recording(loaded: Any) -> Row:
-    # As 'hmdwarp trace synth' writes it into the file.
     track = loaded.track
-    made_by, _, what = track.origin.rpartition("; ")
-    seconds, rate_hz = f"{track.duration_ns * 1e-9:.1f}", f"{track.rate_hz:.0f}"
-    return {
-        "name": track.name,
-        "summary": what,
-        "seconds": seconds,
-        "rate_hz": rate_hz,
-        "origin": made_by or track.origin,
-    }
+    made_by, _, what = track.origin.rpartition("; ")  # as 'hmdwarp trace synth' writes it into the file
+    about = {"seconds": f"{track.duration_ns * 1e-9:.1f}", "rate_hz": f"{track.rate_hz:.0f}"}
+    return {"name": track.name, "summary": what, **about, "origin": made_by or track.origin}
 
 
 def _scale(scale: Any) -> Row:
@@ -173,11 +157,6 @@ def _scale(scale: Any) -> Row:
         "scores": ", ".join(score.name for score in scale.scores) or "the answer itself",
         "source": scale.source,
     }
-
-
-def _studies() -> Iterable[Any]:
-    design = _of("study.design")
-    return (design.load_design(name, checked=False) for name in design.study_names())
 
 
 def _study(study: Any) -> Row:
@@ -209,12 +188,12 @@ def _options() -> list[tuple[str, Option, list[str]]]:
 
     takers: dict[Option, list[str]] = {}
     for command, options in options_of_commands().items():
-        for option in options:
-            takers.setdefault(option, []).append(command)
-    first = {option.name: option for option in reversed(takers)}
+        for one in options:
+            takers.setdefault(one, []).append(command)
+    first = {one.name: one for one in reversed(takers)}
     return [
-        (option.name if first[option.name] is option else f"{commands[0]} {option.name}", option, commands)
-        for option, commands in takers.items()
+        (one.name if first[one.name] is one else f"{commands[0]} {one.name}", one, commands)
+        for one, commands in takers.items()
     ]
 
 
@@ -280,7 +259,13 @@ KINDS = {
         "Formats of head traces.", "poses.formats:formats",
         lambda entry: {fact.what: stated for fact, stated in _stated(entry.assumes())},
     ),
-    "layouts": Kind("Layouts of recorded frames.", "sources.sequences:readers", _layout),
+    "layouts": Kind(
+        "Layouts of recorded frames.", "sources.sequences:readers",
+        lambda reader: {
+            **{what.replace(" ", "_"): "" for what in _of("sources.sequences").FACTS},
+            **{fact.what.replace(" ", "_"): stated for fact, stated in _stated(reader.assumes)},
+        },
+    ),
     "layers": Kind("What a frame holds beside its picture.", "frames.layers:layers", _layer),
     "predictors": Kind(
         "Predict the head pose.", "poses.predictors:predictors",
@@ -298,8 +283,96 @@ KINDS = {
         lambda: map(_of("poses").load_trace, _of("resources").recording_names()), _recording,
     ),
     "scales": Kind("What a study asks.", _each("study.scales", "scale_names", "load_scale"), _scale),
-    "studies": Kind("Plans of studies that are part of the package.", _studies, _study),
+    "studies": Kind(
+        "Plans of studies that are part of the package.",
+        lambda: (_of("study.design").load_design(name, checked=False) for name in _of("study.design").study_names()),
+        _study,
+    ),
     "options": Kind(
         "Every option, with its limits, its default and the commands that take it.", _options, _option
     ),
 }  # fmt: skip
+
+
+# Of one entry, where that is not the list's name without its s.
+_ONE = {"lenses": "lens", "studies": "study", "axes": "axes preset"}
+
+
+@attrs.frozen
+class ListOptions(Declared):
+    """What to list, and how. Errors: InputError for two forms at once."""
+
+    kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
+    name: str | None = option(None, "Show everything about this one; a headset may be a file.", positional=True)
+    json: bool = option(False, "Everything, as a JSON array of objects.")
+    markdown: bool = option(False, "Everything, as a Markdown table.")
+
+    def __attrs_post_init__(self) -> None:
+        if self.json and self.markdown:
+            raise InputError("--json and --markdown: expected one of the two")
+
+
+@takes(ListOptions)
+def list_(said: Said) -> None:
+    """List what there is to choose from: warps, fills, scenes, recordings, studies and more."""
+    from ._show import in_columns, paragraph
+
+    options = ListOptions.of(said)
+    rows = _rows(options.kind, options.name)
+    columns = list(rows[0])  # the same in all
+    if options.json:
+        typer.echo(as_json(rows))
+    elif options.markdown:
+        lines = [columns, ["---"] * len(columns)]
+        lines += [[f"`{row['name']}`", *(row[key].replace("|", "\\|") for key in columns[1:])] for row in rows]
+        typer.echo("\n".join(f"| {' | '.join(line)} |" for line in lines))
+    elif options.name is not None:
+        typer.echo(rows[0]["name"])
+        in_columns(((key.replace("_", " "), text) for key, text in rows[0].items() if key != "name"), indent=2)
+    else:
+        in_columns((row["name"], row["summary"]) for row in rows)
+        if rest := ", ".join(key.replace("_", " ") for key in columns[2:]):
+            typer.echo()
+            paragraph(f"'hmdwarp list {options.kind} NAME' tells the rest of one: {rest}.")
+
+
+def _rows(kind: str | None, name: str | None) -> list[Row]:
+    """Return the rows of a list, or the one of a name; of what there are lists of for no kind."""
+    if kind is None:
+        return [{"name": each, "summary": of.summary} for each, of in KINDS.items()]
+    if kind not in KINDS:
+        raise unknown_name("list", kind, list(KINDS))
+    if kind == "headsets" and name is not None:
+        return describe([_of("headsets").load_headset(name)], more=_headset)  # files too
+    rows = entries(kind)
+    found = rows if name is None else [row for row in rows if row["name"] == name]
+    if name is not None and not found:
+        raise unknown_name(_ONE.get(kind, kind.removesuffix("s")), name, [row["name"] for row in rows])
+    return found
+
+
+COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": typer.colors.YELLOW}
+
+
+@takes(JSON)
+def doctor(said: Said) -> None:
+    """Check what this machine has, what is missing, and how to get it.
+
+    OpenGL and its timers, displays, codecs, and each extra.
+    """
+    from ._checks import MISSING, examine
+
+    findings = examine()
+    ready = all(finding.state != MISSING for finding in findings)
+    if said["json"]:
+        typer.echo(as_json({"replay": ready, "findings": list(map(attrs.asdict, findings))}))
+    else:
+        for finding in findings:
+            mark = typer.style(f"{finding.state:<9}", fg=COLOURS[finding.state])
+            typer.echo(f"{mark} {finding.name:<15} {finding.detail}")
+            if finding.remedy:
+                typer.echo(f"{'':<25} -> {finding.remedy}")
+        cannot = "cannot run here: see the lines marked missing."
+        typer.echo(f"'hmdwarp replay' {'can run here.' if ready else cannot}")
+    if not ready:
+        raise typer.Exit(3)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from .. import check as conventions
+from .. import report
 from ..check.options import CheckOptions, SynthesisOptions
 from ._options import JSON, Said, as_json, takes
 
@@ -17,17 +18,16 @@ def check(said: Said) -> None:
     of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
     that reads the frames right.
     """
-    from ..check import check, check_motion, motion_mismatch, read_motion, read_stated
-    from ..report import refuse_existing, write_png
     from ._show import paragraph
 
     options = CheckOptions.of(said)
-    if options.out is not None:
-        refuse_existing(options.out, force=options.force)
+    out = options.out
+    if out is not None:
+        report.refuse_existing(out, force=options.force)
     if options.motion:
-        verdict = check_motion(read_motion(options.frames[0]))
-        if options.out is not None:
-            write_png(options.out, motion_mismatch(verdict))
+        verdict = conventions.check_motion(conventions.read_motion(options.frames[0]))
+        if out is not None:
+            report.write_png(out, conventions.motion_mismatch(verdict))
         if said["json"]:
             typer.echo(as_json(verdict.as_json()))
             return
@@ -35,50 +35,38 @@ def check(said: Said) -> None:
         for line in verdict.lines():
             typer.echo(line)
         return
-    answer = check(read_stated(options.frames, options.reading))
-    if options.out is not None:
-        from ..check import mismatch
-
-        write_png(options.out, mismatch(answer))
+    answer = conventions.check(conventions.read_stated(options.frames, options.reading))
+    if out is not None:
+        report.write_png(out, conventions.mismatch(answer))
     if said["json"]:
         typer.echo(as_json(answer.as_json()))
         return
     _print(answer)
-    if options.out is not None:
-        typer.echo(f"picture: {options.out}")
+    if out is not None:
+        typer.echo(f"picture: {out}")
 
 
 def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline)
-    if answer.agree:
-        _print_findings(answer)
-    stated = answer.decision.search.stated
-    if stated.assumptions:
-        typer.echo("The folder was read with:")
-        for assumption in stated.assumptions:
-            typer.echo(f"  {assumption}")
-    for note in stated.notes:
-        paragraph(note)
-
-
-def _print_findings(answer: conventions.Answer) -> None:
-    from ._show import paragraph
-
-    width = max(len(finding.label) for finding in answer.findings)
-    for finding in (finding for finding in answer.findings if finding.told):
+    findings = answer.findings if answer.agree else ()
+    width = max((len(finding.label) for finding in findings), default=0)
+    for finding in (finding for finding in findings if finding.told):
         mark = "" if finding.as_stated else "  <- not as stated"
         sure = f"  ({finding.margin:.0f} standard errors ahead)" if finding.margin is not None else ""
         typer.echo(f"  {finding.label:<{width}}  {finding.value}{sure}{mark}")
-    for other in answer.as_good:
+    for other in answer.as_good if answer.agree else ():
         paragraph(f"It may be {other}")
-    for finding in (finding for finding in answer.findings if not finding.told):
+    for finding in (finding for finding in findings if not finding.told):
         paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
-    if answer.code:
-        typer.echo("Read them so:")
-        for line in answer.code:
-            typer.echo(f"    {line}")
+    if answer.agree and answer.code:
+        typer.echo("\n".join(["Read them so:", *(f"    {line}" for line in answer.code)]))
+    stated = answer.decision.search.stated
+    if stated.assumptions:
+        typer.echo("\n".join(["The folder was read with:", *(f"  {one}" for one in stated.assumptions)]))
+    for note in stated.notes:
+        paragraph(note)
 
 
 @takes(SynthesisOptions, JSON)
@@ -88,15 +76,11 @@ def synthesise(said: Said) -> None:
     FRAMES as an engine gives them to XR_EXT_frame_synthesis or XR_FB_space_warp. `hmdwarp check
     --motion` says whether they are in its convention.
     """
-    from ..check import read_motion
-    from ..check import synthesise as made
-    from ..report import OutputFolder
-
     options = SynthesisOptions.of(said)
-    frames = read_motion(options.frames)
+    frames = conventions.read_motion(options.frames)
     rows = []
-    with OutputFolder(options.out, owned=("[0-9]*.png",), last="synthesis.json", force=options.force) as out:
-        for one in made(frames, options.at):
+    with report.OutputFolder(options.out, owned=("[0-9]*.png",), last="synthesis.json", force=options.force) as out:
+        for one in conventions.synthesise(frames, options.at):
             out.write_png(f"{one.name}.png", one.colour)
             rows.append(one.row())
             error = "no true frame of that instant"

@@ -7,6 +7,7 @@ from typing import Any
 
 import typer
 
+from .. import report
 from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
 from ..experiments.bench.options import CompareOptions
@@ -41,14 +42,13 @@ def merge(said: Said) -> None:
 
 
 def _tell_bench(result: sweep.ExperimentResult) -> None:
-    from ..report import axes_of_traces
     from ..report.bench.rows import OF_BENCH, bench_table, choice_text, verdict_text
     from ._show import console, paragraph
 
     screen, rows = console(), result.data["rows"]
     _tell_cases(rows, "bench", OF_BENCH, lambda shown: bench_table(shown, width=screen.width))
     paragraph(f"Timed by {result.data['clocks']['note']}.")
-    for trace, axes in axes_of_traces(rows).items():
+    for trace, axes in report.axes_of_traces(rows).items():
         paragraph(f"Axes of {trace}: {axes}.")
     of_rows = (note for row in rows for note in row["notes"])
     for note in dict.fromkeys([*result.data["notes"], *of_rows]):
@@ -59,14 +59,13 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
 
 def _tell_cases(rows: Iterable[Any], name: str, conditions: Any, table: Callable[[list[Any]], Any]) -> None:
     """Print the table of the first cases, and where all of them are."""
-    from ..experiments.sweep import MOST_SHOWN
     from ..report.bench.rows import first_cases
     from ._show import console, paragraph
 
-    shown, count = first_cases(rows, MOST_SHOWN, conditions)
+    shown, count = first_cases(rows, sweep.MOST_SHOWN, conditions)
     console().print(table([*shown.values()]))
-    if count > MOST_SHOWN:
-        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; {name}.csv and {name}.json have all.")
+    if count > sweep.MOST_SHOWN:
+        paragraph(f"These are the first {sweep.MOST_SHOWN} of {count} cases; {name}.csv and {name}.json have all.")
 
 
 @takes(CompareOptions, Requirements, JSON, QUIET)

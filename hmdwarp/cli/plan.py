@@ -10,8 +10,7 @@ import typer
 from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, Option
-from ..pipeline.options import PipelineOptions
-from ..pipeline.proxy_options import PROXY
+from ..pipeline.options import PROXY, PipelineOptions
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
@@ -27,12 +26,17 @@ def plan(said: Said) -> None:
 
     With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
-    from ..pipeline.sizes import build_plan_for, proxy_plan_for
+    from ..display.openxr import RUNTIME_LABEL
+    from ..pipeline.sizes import build_plan_for, proxy_plan_for, rendered_text
     from ..pipeline.source import motion_notes
 
     source = said["source"]
     own = headsets.load_headset(said["headset"]).lens
-    kind, told = _driver(source)
+    if source not in (REPLAY, OPENXR, DESKTOP):
+        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
+    kind = PipelineOptions if source == REPLAY else LiveOptions
+    by_runtime = ("distorts", "takes_depth", "takes_panels") if source == OPENXR else ()
+    told: Any = dict.fromkeys(by_runtime, RUNTIME_LABEL)
     if said["lens"] is None:
         said["lens"] = "none" if told or said["frames"] or own is None else own.model
     options = kind.of(said)
@@ -63,7 +67,7 @@ def plan(said: Said) -> None:
     in_columns(((step.name, _told(step)) for step in built.steps), indent=2)
     typer.echo("Left out; nothing is compiled or allocated for them:")
     in_columns(built.left_out, indent=2)
-    in_columns(_weights(frame))
+    in_columns(_weights(frame, rendered_text(frame)))
     for note in notes:
         paragraph(f"note: {note}")
     typer.echo(f"Eyes of {frames.headset.name}:")
@@ -77,27 +81,12 @@ def plan(said: Said) -> None:
         paragraph(f"note: {note}")
 
 
-def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, Any]]:
-    """Return the driver's options, and what it tells the plan.
-
-    Errors: InputError for an unknown source.
-    """
-    from ..display.openxr import RUNTIME_LABEL
-
-    if source not in (REPLAY, OPENXR, DESKTOP):
-        raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
-    kind = PipelineOptions if source == REPLAY else LiveOptions
-    return kind, dict.fromkeys(("distorts", "takes_depth", "takes_panels"), RUNTIME_LABEL) if source == OPENXR else {}
-
-
-def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
+def _weights(frame: dict[str, Any], rendered: str) -> list[tuple[str, str]]:
     layers = ", ".join(f"{name} {_megabytes(count)}" for name, count in frame["layers"].items())
-    from ..pipeline.sizes import rendered_text
-
     at_once = f"at most {frame['at_once']} of them at {frame['latency_ms']:g} ms and {frame['rate_hz']:g} Hz"
     return [
         ("A frame", f"{counted(frame['eyes'], 'eye')}, {_megabytes(frame['bytes'])} uncompressed: {layers}"),
-        ("An eye", f"{rendered_text(frame)}"),
+        ("An eye", rendered),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
 

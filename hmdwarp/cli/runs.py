@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import attrs
 import typer
@@ -21,7 +22,6 @@ from ._show import sayer
 @takes(RunOptions, Gate, JSON, QUIET)
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
-    from ..report import axes_of_traces, summary_table, transit_lines
     from ._show import console, steps
 
     options, gate, quiet = RunOptions.of(said, command=command_line()), Gate.of(said), said["quiet"]
@@ -36,9 +36,9 @@ def replay(said: Said) -> None:
         result = run.replay(options, progress, sayer(True) if quiet else partial(screen.print, soft_wrap=True), judge)
 
     def as_text() -> None:
-        console().print(summary_table(result.summary, *result.against))
-        lines = [f"axes of {trace}: {axes}" for trace, axes in axes_of_traces([result.summary]).items()]
-        lines += [*transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
+        console().print(report.summary_table(result.summary, *result.against))
+        lines = [f"axes of {trace}: {axes}" for trace, axes in report.axes_of_traces([result.summary]).items()]
+        lines += [*report.transit_lines(result.summary), *(f"note: {note}" for note in result.summary["notes"])]
         typer.echo("\n".join(lines))
 
     print_results(said, result.summary, as_text, result.report)
@@ -62,21 +62,15 @@ def choose(said: Said) -> None:
         said["guard"] = AUTO
     options = RunOptions.of(said)
     choice = run.choose(options, sayer(said["quiet"] or said["json"]))
-    level, *_ = levels = [
+    levels = [
         {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
         for one in (choice.level, *choice.levels)
         if one is not None
     ]
-    data = {
-        "command": choice.command(sys.argv[2:]),
-        "budget_ms": options.budget_ms,
-        "guard": choice.options.guard,
-        **level,
-        "range_ms": choice.range_ms,
-        "levels": levels[1:],
-        "notes": choice.notes,
-    }
-    print_results(said, data, lambda: typer.echo("\n".join((choice.command(sys.argv[2:]), *choice.notes))))
+    line, guard = choice.command(sys.argv[2:]), choice.options.guard
+    data: Any = {"command": line, "budget_ms": options.budget_ms, "guard": guard, **levels[0]}
+    data |= {"range_ms": choice.range_ms, "levels": levels[1:], "notes": choice.notes}
+    print_results(said, data, lambda: typer.echo("\n".join((line, *choice.notes))))
 
 
 @takes(LiveOptions, JSON, QUIET)
@@ -85,14 +79,13 @@ def live(said: Said) -> None:
 
     In the headset, or in a window (h shows its keys).
     """
-    from ..run import live as go
     from ._show import steps
 
     options = LiveOptions.of(said, command=command_line())
     shown = options.source != OFFSCREEN  # then its loop does nothing more
     with steps("pictures", quiet=said["quiet"] or shown) as (progress, _):
         after = [] if shown else [lambda number: progress(number, options.pictures or 0)]
-        result = go(options, sayer(said["quiet"]), *after)
+        result = run.live(options, sayer(said["quiet"]), *after)
     print_results(said, result.summary, lambda: typer.echo("\n".join(result.describe())))
 
 
@@ -102,9 +95,7 @@ def record(said: Said) -> None:
 
     A window shows the scene.
     """
-    from ..run import record as go
-
-    go(RecordOptions.of(said), sayer(said["quiet"]))
+    run.record(RecordOptions.of(said), sayer(said["quiet"]))
 
 
 @takes(ServeOptions, QUIET)
@@ -114,9 +105,7 @@ def serve(said: Said) -> None:
     Clients are 'hmdwarp live --connect', 'hmdwarp replay --connect', 'hmdwarp proxy', programs that
     speak the protocol of docs/feed.md and, with --web, browsers.
     """
-    from ..run import serve as go
-
-    go(ServeOptions.of(said), sayer(said["quiet"]))
+    run.serve(ServeOptions.of(said), sayer(said["quiet"]))
 
 
 @takes(ProxyRunOptions, QUIET)
@@ -126,9 +115,7 @@ def proxy(said: Said) -> None:
     It stands between 'hmdwarp serve' and 'hmdwarp live --connect' or 'hmdwarp replay --connect'
     with --warp none or rotation.
     """
-    from ..run import proxy as go
-
-    go(ProxyRunOptions.of(said), sayer(said["quiet"]))
+    run.proxy(ProxyRunOptions.of(said), sayer(said["quiet"]))
 
 
 @attrs.frozen

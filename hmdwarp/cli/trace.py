@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import attrs
 import typer
 
-from .. import poses
-from ..errors import InputError
+from .. import poses, report
+from ..errors import InputError, counted, unknown_name
 from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.options import MOTIONS, TraceOptions
 from ._options import JSON, Group, Said, as_json, takes
@@ -20,17 +20,12 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
 
 _TRACE = Option(
     "A file, or the bare name of a shipped recording.",
-    required=True,
-    name="trace",
-    metavar="TRACE",
-    positional=True,
-    names_files=True,
-)
+    required=True, name="trace", metavar="TRACE", positional=True, names_files=True,
+)  # fmt: skip
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")
 _TO = Option("Format to write: native, tum, euroc or mcap.", default="native", name="to")
@@ -43,26 +38,20 @@ def info(said: Said) -> None:
     from rich.console import Console
 
     if said["plot"] is not None:
-        from ..report import refuse_existing
-
-        refuse_existing(said["plot"], force=said["force"])
+        report.refuse_existing(said["plot"], force=said["force"])
     loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
     figures = poses.analyse(loaded.track)
     if said["plot"] is not None:
-        from ..report import trace_plot_png, write_bytes
-
-        write_bytes(said["plot"], trace_plot_png(loaded.track, loaded.axes))
+        report.write_bytes(said["plot"], report.trace_plot_png(loaded.track, loaded.axes))
     if said["json"]:
         typer.echo(as_json(poses.trace_as_json(loaded, figures)))
         return
     console = Console()
     if not console.is_terminal:
         console = Console(width=120, soft_wrap=True)
-    console.print(_facts(loaded, figures))
     for table in _tables(loaded, figures):
-        console.print()
         console.print(table)
-    console.print()
+        console.print()
     _print_defects(console, loaded)
 
 
@@ -76,9 +65,7 @@ def convert(said: Said) -> None:
     """
     from rich.console import Console
 
-    from ..errors import unknown_name
     from ..poses.formats import formats
-    from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
     able = [format_.name for format_ in formats if format_.writes]
@@ -89,16 +76,21 @@ def convert(said: Said) -> None:
         raise InputError(f"--to {to}: this format is read, not written: expected one of {', '.join(able)}")
     loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
-        refuse_existing(out, force=said["force"])
-    write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary)
+        report.refuse_existing(out, force=said["force"])
+    report.write_stream(
+        out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary
+    )
     console = Console(stderr=True)
     _print_defects(console, loaded)
-    console.print(f"axes read: {loaded.axes}; written: {target.axes_written}", markup=False, highlight=False)
-    console.print(
-        f"{out}: {counted(len(loaded.track), 'sample')}, {loaded.track.duration_ns / 1e9:.3f} s, format {to}",
-        markup=False,
-        highlight=False,
-    )
+    for line in (
+        f"axes read: {loaded.axes}; written: {target.axes_written}",
+        f"{_written(out, loaded.track)}, format {to}",
+    ):
+        console.print(line, markup=False, highlight=False)
+
+
+def _written(out: Path, track: poses.PoseTrack) -> str:
+    return f"{out}: {counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
 
 
 @attrs.frozen
@@ -123,29 +115,24 @@ class SynthOptions(Declared):
 @takes(SynthOptions)
 def synth(said: Said) -> None:
     """Write synthetic head motion: of people, or there and back at one speed."""
-    from ..report import counted, refuse_existing, write_stream
-
     options = SynthOptions.of(said)
     if options.out.suffix.lower() not in ("", ".csv", ".txt"):
         raise InputError(
             f"--out {options.out}: found '{options.out.suffix}'; the trace is text: expected a name in .csv"
         )
-    refuse_existing(options.out, force=options.force)
+    report.refuse_existing(options.out, force=options.force)
     track = poses.synthesise(
         options.kind, options.seed, options.seconds, options.rate_hz, speed=options.speed, amplitude=options.amplitude
     )
-    write_stream(options.out, lambda stream: poses.write_synthetic(track, stream))
-    samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
-    typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)
+    report.write_stream(options.out, lambda stream: poses.write_synthetic(track, stream))
+    typer.echo(f"{_written(options.out, track)}, {track.origin}", err=True)
 
 
-def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
+def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
+    """Yield the tables of facts, of speeds, of what latency costs, and of what was assumed."""
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_column(style="bold", no_wrap=True)
-    table.add_column(overflow="fold")
     gaps = "none"
     if figures.gaps:
         longest = max(figures.gaps, key=lambda gap: gap["length_s"])
@@ -167,21 +154,18 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
         "jumps": str(figures.jumps or "none"),
         "gaze": str(figures.gaze or "none"),
     }
+    facts = Table(show_header=False, box=None, pad_edge=False)
+    facts.add_column(style="bold", no_wrap=True)
+    facts.add_column(overflow="fold")
     for name, value in rows.items():
-        table.add_row(name, Text(value))
-    return table
-
-
-def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
-    """Yield the tables of speeds, of what latency costs, and of what was read and assumed."""
-    from ..report import terminal_table
-
+        facts.add_row(name, Text(value))
+    yield facts
     heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
     short = "trace too short"
     turning = ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in figures.angular_speed_deg_s))
     moving = ("moving, m/s", *(f"{v:.3f}" if math.isfinite(v) else short for v in figures.linear_speed_m_s))
-    yield terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
-    costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
+    yield report.terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
+    costs = (
         ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
         ("Signed error along the motion: % of the time leading, p95 of the lead / of the lag, degrees", _lead),
     )
@@ -189,18 +173,18 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     for title, cell in costs:
         cells = ((cell(error) if row.count else short for error in row.errors.values()) for row in figures.errors)
         lines = [(f"{row.latency_ms} ms", *texts) for row, texts in zip(figures.errors, cells, strict=True)]
-        yield terminal_table(heads, lines, title=title)
+        yield report.terminal_table(heads, lines, title=title)
     if (count := len(loaded.segments)) > 1:
         lines = [
             (str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" * s.taken)
             for s in loaded.segments[:20]
         ]
         more = [("...", "", "", "", f"{count - 20} more")] if count > 20 else []
-        yield terminal_table(
-            ("segment", "lines", "rows", "seconds", ""), [*lines, *more], title="Recordings in the file"
-        )
+        heads = ("segment", "lines", "rows", "seconds", "")
+        yield report.terminal_table(heads, [*lines, *more], title="Recordings in the file")
     assumed = [(assumption.what, assumption.value, assumption.source) for assumption in loaded.assumptions]
-    yield terminal_table(("fact", "taken as", "who says so"), assumed, words=3, title="What was assumed of the file")
+    heads = ("fact", "taken as", "who says so")
+    yield report.terminal_table(heads, assumed, words=3, title="What was assumed of the file")
 
 
 def _angles(errors: poses.PredictionErrors) -> str:
@@ -217,8 +201,6 @@ def _angle(degrees: float) -> str:
 
 def _print_defects(console: Console, loaded: poses.LoadedTrace) -> None:
     from rich.text import Text
-
-    from ..report import counted
 
     found = counted(len(loaded.defects), "defect") if loaded.defects else "no defects"
     console.print(f"{found} found", style="bold")

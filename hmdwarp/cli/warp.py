@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Any
 
 import attrs
 import typer
 
-from .. import geometry
+from .. import geometry, report
 from ..options import Declared, force_field, names_in, option, out_field, same_as
-from ..pipeline.options import PipelineOptions
-from ..pipeline.proxy_options import SINGLE_FILL
+from ..pipeline.options import SINGLE_FILL, PipelineOptions
 from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import JSON, Said, as_json, takes
@@ -20,15 +18,7 @@ from ._options import JSON, Said, as_json, takes
 # What reads more than a picture with depth: left out of the help, which does not load the others,
 # with all that comes with a layer of its own.
 NEEDS_A_SERVER = (
-    "backward",
-    "composite",
-    "difference",
-    "environment",
-    "layered",
-    "model",
-    "multi",
-    "relight",
-    "wide",
+    *("backward", "composite", "difference", "environment", "layered", "model", "multi", "relight", "wide"),
 )
 _PIPELINE = attrs.fields(PipelineOptions)
 
@@ -77,42 +67,38 @@ class WarpOptions(Declared):
 @takes(WarpOptions, JSON)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
+    import numpy as np
+
     from ..frames.layers import PICTURE
     from ..image.image_files import has_depth, write_image
     from ..image.picture_arrays import about_holes
     from ..image.usable import plan_of
     from ..image.warper import warp_image
-    from ..report import refuse_existing, refuse_source
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view
+    from ..sources.sequences.frame_files import scale_of
+    from ..sources.sequences.recorded import in_metres
 
     options = WarpOptions.of(said)
     for source in filter(None, (options.frame, options.depth, options.camera, options.to)):
-        refuse_source(options.out, source)
-    refuse_existing(options.out, force=options.force)
+        report.refuse_source(options.out, source)
+    report.refuse_existing(options.out, force=options.force)
     depth = has_depth(options.out)
     plan_of(options.warp, options.fill, available=PICTURE, depth=depth)
     parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)
     shown = read_view(options.to, options.size or frame.size)
     scale = frame.depth_scale if options.depth_scale is None else options.depth_scale
-    depth_m, scale = _without_holes(frame, scale) if options.no_depth == FAR else (frame.depth_m, scale)
+    depth_m = frame.depth_m
+    if options.no_depth == FAR and (scale is not None or depth_m.dtype.kind == "f"):  # else its unit is not known
+        metres = in_metres(depth_m, 1.0 if scale is None else scale_of(frame.where, scale))
+        depth_m, scale = np.where(metres <= 0, np.float32(np.inf), metres), None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # notes say it
         result = warp_image(
-            frame.colour,
-            depth_m,
-            frame.view,
-            shown,
-            options.warp,
-            options.fill,
-            options.size,
-            repair=options.repair,
-            depth_scale=scale,
-            encoding=options.encoding or frame.encoding,
-            result="linear",
-            depth=depth,
-        )
+            frame.colour, depth_m, frame.view, shown, options.warp, options.fill, options.size, repair=options.repair,
+            depth_scale=scale, encoding=options.encoding or frame.encoding, result="linear", depth=depth,
+        )  # fmt: skip
     write_image(options.out, result, shown)
     notes = [*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)]
     if said["json"]:
@@ -123,23 +109,6 @@ def warp(said: Said) -> None:
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
     for note in notes:
         typer.echo(f"note: {note}")
-
-
-def _without_holes(frame: sequences.FrameFile, scale: float | None) -> tuple[Any, float | None]:
-    """Return the depth of a frame, infinite where it has none, and its scale.
-
-    Depth of an unknown unit stays as it is.
-    """
-    import numpy as np
-
-    from ..sources.sequences.camera import scale_of
-    from ..sources.sequences.recorded import in_metres
-
-    raw = frame.depth_m
-    if scale is None and raw.dtype.kind != "f":
-        return raw, None
-    metres = in_metres(raw, 1.0 if scale is None else scale_of(frame.where, scale))
-    return np.where(metres <= 0, np.float32(np.inf), metres), None
 
 
 def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOptions) -> list[str]:

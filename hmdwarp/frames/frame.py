@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -74,21 +73,13 @@ class EyeImage:
 
     def contents(self) -> list[tuple[type[Layer], Any]]:
         """Return every layer with its data, colour and inverse depth first."""
-        colour, depth = _of_pictures()
-        found = [(colour, self.colour), (depth, self.inverse_depth)]
-        for name, data in self.carried.items():
-            found.append((layers.get(name), data))
-        return found
+        everything = {"colour": self.colour, "inverse_depth": self.inverse_depth, **self.carried}
+        return [(layers.get(name), data) for name, data in everything.items()]
 
     def textures(self) -> Iterator[moderngl.Texture]:
         """Yield every texture of every layer."""
         for layer, data in self.contents():
             yield from layer.textures(data)
-
-
-@functools.cache  # each is looked up at every refresh
-def _of_pictures() -> tuple[type[Layer], type[Layer]]:
-    return layers.get("colour"), layers.get("inverse_depth")
 
 
 class Timed(Protocol):
@@ -130,19 +121,10 @@ class Frame:
 
     def pictures(self) -> list[tuple[int, EyeImage]]:
         """Return the number and the picture of each eye, a picture that both see once."""
-        found = []
+        found = [(0, self.eyes[0])]
         for number, eye in enumerate(self.eyes):
-            if number == 0 or eye.colour is not self.eyes[0].colour:
+            if eye.colour is not self.eyes[0].colour:
                 found.append((number, eye))
-        return found
-
-    def contents(self) -> list[tuple[type[Layer], Any]]:
-        """Return every layer of every eye with its data; what both eyes share comes once."""
-        found = []
-        for number, eye in self.pictures():
-            for layer, data in eye.contents():
-                if number == 0 or not layer.per_frame:
-                    found.append((layer, data))
         return found
 
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, in_brief, unknown_name
 from ..geometry import Eyes, Fov, Polygon, Pose
+from ..options import Table, parsed, text_of
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
-from ..options.tables import Table, parsed, text_of
 from ._lenses import COLOURS, MODELS, Array, Lens, ViveLens
 from ._model import IPD_RANGE_M, Headset, HeadsetEye
 

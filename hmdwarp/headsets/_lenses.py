@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import Fov
-from ..options.tables import Table
+from ..options import Table
 
 MAX_COEFFICIENTS = 9
 MOST_POINTS = 257  # on a side of a mesh

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import atexit
+import functools
+import inspect
 import threading
 import warnings
 import weakref
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from functools import cached_property
 from itertools import cycle
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NoReturn
+from typing import Any, Concatenate, NoReturn, ParamSpec, TypeVar
 
 import attrs
 import moderngl
@@ -33,12 +36,11 @@ from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, uploa
 from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
-from ..pipeline.proxy_options import DEFAULT_WARP, SINGLE_FILL
+from ..pipeline.options import DEFAULT_WARP, SINGLE_FILL
 from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .auto import AutoCompensator, plans_of_levels
 from .layer_arrays import CallerLayers, with_panel_effects, with_panels
 from .picture_arrays import (
     RawPicture,
@@ -52,16 +54,17 @@ from .picture_arrays import (
     without_hidden,
 )
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
-from .usable import plan_of
+from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
 _LARGEST, _UNIT, _CORNERS, _HOLES = "largest", "unit", "corners", "holes"  # what a Warper warns of once
 _CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
 Other = tuple[ArrayLike, ArrayLike, View]
+P = ParamSpec("P")
+T = TypeVar("T")
 _shared: Gpu | None = None
-# A thread that holds it may take it again.
-_turn = threading.RLock()
+_turn = threading.RLock()  # a thread that holds it may take it again
 
 
 @contextmanager
@@ -88,21 +91,16 @@ def _close_shared(shared: Gpu) -> None:
 class WarpedImage:
     """A warped picture; row 0 is at the top."""
 
-    # (h, w, 3), black in holes; see `encoding`.
-    colour: NDArray[Any]
-    # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
-    # there, so less than 1 where that was a guess. A fill sets 1.
+    colour: NDArray[Any]  # (h, w, 3), black in holes; see `encoding`
+    # (h, w), 0 in holes, else 1, which a fill sets too; with a repair less where the depth that
+    # brought the pixel there was a guess: its confidence.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
     # the call. Of a chain each fill has its own, such as "fill memory".
     time_ms: dict[str, float]
-    # Share of pixels without coverage after the warp and before the fill.
-    hole_share: float
-    # Of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32).
-    encoding: str = LINEAR
-    # (h, w) float32 metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
-    # requested.
-    depth_m: NDArray[Any] | None = None
+    hole_share: float  # share of pixels without coverage after the warp and before the fill
+    encoding: str = LINEAR  # of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32)
+    depth_m: NDArray[Any] | None = None  # (h, w) metres along -z in the shown view, NaN unknown; None if not requested
 
     def __repr__(self) -> str:
         high, wide = self.coverage.shape
@@ -120,58 +118,91 @@ class WarpedImage:
 
 
 @attrs.frozen(eq=False)
-class _Request:
-    """The arguments of a call, as warp takes them; views and the picture looked at."""
+class Call:
+    """What Warper.warp and submit take; see there."""
 
     colour: ArrayLike
     depth_m: ArrayLike
     rendered: View
     shown: View
-    others: Sequence[Other]
-    client_depth_m: ArrayLike | None
-    layers: Mapping[str, Any]
-    age_s: float
-    depth_scale: float | None
-    encoding: str | None
-    result: str | None
-    eye: int
-    out: Mapping[str, NDArray[Any]]
-    views: tuple[View, View] = attrs.field(init=False)
-    picture: RawPicture = attrs.field(init=False)
+    others: Sequence[Other] = ()
+    client_depth_m: ArrayLike | None = None
+    layers: Mapping[str, Any] = MappingProxyType({})
+    panels: Sequence[Panel] | None = None
+    age_s: float = 0.0
+    depth_scale: float | None = None
+    encoding: str | None = None
+    result: str | None = None
+    eye: int = 0
+    out: Mapping[str, NDArray[Any]] = MappingProxyType({})
 
-    @views.default
-    def _checked(self) -> tuple[View, View]:
-        _check_eye(self.eye)
-        return _checked_views(self.rendered, self.shown)
+    @cached_property
+    def views(self) -> tuple[View, View]:
+        """Both views. Errors: InputError."""
+        return _checked_views(self.rendered, self.shown, self.eye)
 
-    @picture.default
-    def _raw(self) -> RawPicture:
-        seen = without_hidden(self.colour, self.views[0])
-        return raw_picture(seen, self.depth_m, self.depth_scale, self.encoding)
+    @cached_property
+    def picture(self) -> RawPicture:
+        """Colour and depth. Errors: InputError."""
+        return raw_picture(without_hidden(self.colour, self.views[0]), self.depth_m, self.depth_scale, self.encoding)
 
-    def __attrs_post_init__(self) -> None:
+    @cached_property
+    def further(self) -> list[tuple[RawPicture, View]]:
+        """The other pictures. Errors: InputError."""
+        found = []
+        for number, other in enumerate(self.others):
+            try:
+                colour, depth_m, view = other
+            except (TypeError, ValueError) as error:
+                raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
+            picture = raw_picture(colour, depth_m, self.depth_scale, self.encoding)
+            found.append((picture, checked_view(f"others[{number}]", view)))
+        return found
+
+    def check(self) -> None:
+        """Check the rest of what needs no Warper. Errors: InputError."""
         for name, kind, expected in (
             ("others", Sequence, "a list of (colour, depth_m, view), or () for none"),
             ("out", Mapping, 'a dict of arrays by the name of a result, such as {"colour": array}'),
         ):
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"{name} is of type {type(getattr(self, name)).__name__}: expected {expected}")
+        known = SRGB8, SRGB, LINEAR
+        if not is_one_of(self.result, known):
+            expected = f"{', '.join(known)}, or None for that of the picture"
+            raise InputError(f"result is {in_brief(self.result)}: expected {expected}")
+        age_s = self.age_s
+        if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
+            raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
+
+
+def _taking(kind: Callable[P, Call]) -> Callable[[Callable[[Any, Call], T]], Callable[Concatenate[Any, P], T]]:
+    """Return a decorator for methods of a call: they take its parts."""
+
+    def decorated(method: Callable[[Any, Call], T]) -> Callable[Concatenate[Any, P], T]:
+        def of_parts(warper: Any, /, *parts: P.args, **named: P.kwargs) -> T:
+            return method(warper, kind(*parts, **named))
+
+        functools.update_wrapper(of_parts, method)
+        (warper, _), given = inspect.signature(method).parameters.values(), inspect.signature(kind)
+        signature = given.replace(parameters=[warper, *given.parameters.values()])
+        of_parts.__signature__ = signature  # type: ignore[attr-defined]
+        return of_parts
+
+    return decorated
 
 
 @attrs.define(eq=False)
 class _Flight:
     """A call that the GPU has, or has not yet, done."""
 
+    call: Call
     pictures: list[RawPicture]
-    views: tuple[View, View]
-    # The encoding of the result.
-    result: str
-    out: Mapping[str, NDArray[Any]]
-    eye: int
+    result: str  # the encoding of the result
     buffers: PixelBuffers
-    # What has run, and what of the buffers has the result, by name.
-    plan: Plan
-    made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)
+    plan: Plan  # what has run
+    made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)  # what of the buffers has the result, by name
+    late: bool = False  # whether the caller's arrays may hold other pictures by now
 
 
 class Pending:
@@ -187,15 +218,14 @@ class Pending:
         """Return what warp() returns, waiting for the GPU; the same again each time.
 
         Its `time_ms` has what submit() and this took: `upload`, `download`, `wait` (for the GPU)
-        and `host` (all else). Passes run beside that: only a GPU with a clock of its own has them.
-        Errors: as warp; InputError where the Warper was closed first.
+        and `host` (all else), and passes where the GPU has a clock of its own. Errors: as warp;
+        InputError where the Warper was closed first.
         """
         if self._answer is None:
             with self._warper._gpu() as gpu:
                 self._warper._fetch(gpu, self)
-        if isinstance(self._answer, HmdwarpError):
-            raise self._answer
-        assert self._answer is not None, "it was fetched"
+        if not isinstance(self._answer, WarpedImage):
+            raise self._answer or AssertionError("it was fetched")
         return self._answer
 
 
@@ -206,12 +236,9 @@ class WarpedTextures:
     The textures belong to the Warper, which overwrites them at the next picture of the same eye.
     """
 
-    # rgba16f: linear light, coverage in alpha, 0 in holes.
-    colour: moderngl.Texture
-    # r32f in 1/m in the shown view, -1 where it is unknown; None unless asked for.
-    inverse_depth: moderngl.Texture | None
-    # Keeps the textures.
-    _warper: Warper = attrs.field(repr=False)
+    colour: moderngl.Texture  # rgba16f: linear light, coverage in alpha, 0 in holes
+    inverse_depth: moderngl.Texture | None  # r32f in 1/m in the shown view, -1 unknown; None unless asked for
+    _warper: Warper = attrs.field(repr=False)  # keeps the textures
 
 
 class Warper:
@@ -219,17 +246,31 @@ class Warper:
 
     Compiles and allocates at the start. Use as a context manager, or call close(): then any call is
     an InputError. What one holds that is dropped without it is freed by the next call of another
-    Warper of its context.
+    Warper of its context. OpenGL does not survive a fork: see warp_image.
 
-    size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
-    effects, repair: as warp_image. Fill "memory+pyramid", that of runs, learns from each picture.
-    warp "auto" keeps warp and fill within budget_ms a picture: `plan` is that of the last one.
-    depth: whether results have the depth of what is shown. gpu: a context made in the calling
-    thread, which then makes all calls; by default one is shared with all threads, one at a time.
-    Take `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then
-    your textures can be read without a copy, and you bind your own state again after each call.
-    OpenGL does not survive a fork: see warp_image.
-    Errors: as warp_image.
+    Parameters
+    ----------
+    size : (w, h)
+        Of the results, in pixels.
+    rendered_size : (w, h), optional
+        Of the pictures; by default the same.
+    warp, fill, effects, repair : str
+        As warp_image. Fill "memory+pyramid", that of runs, learns from each picture.
+    depth : bool
+        Whether results have the depth of what is shown.
+    gpu : Gpu, optional
+        A context made in the calling thread, which then makes all calls; by default one is shared
+        with all threads, one at a time. Take `Gpu(moderngl.create_context(require=430))` for the
+        OpenGL context that is current: then your textures can be read without a copy, and you bind
+        your own state again after each call.
+    budget_ms, bench : float, path
+        As warp_image, for warp "auto", which keeps warp and fill within budget_ms a picture: `plan`
+        is that of the last one.
+
+    Raises
+    ------
+    InputError, PlanError, UnknownNameError, MachineError
+        As warp_image.
     """
 
     def __init__(
@@ -294,63 +335,46 @@ class Warper:
         self._dropped = weakref.finalize(self, current.free_later, self._cleanup.close)
         self._dropped.atexit = False
 
-    def warp(
-        self,
-        colour: ArrayLike,
-        depth_m: ArrayLike,
-        rendered: View,
-        shown: View,
-        *,
-        others: Sequence[Other] = (),
-        client_depth_m: ArrayLike | None = None,
-        layers: Mapping[str, Any] = MappingProxyType({}),
-        panels: Sequence[Panel] | None = None,
-        age_s: float = 0.0,
-        depth_scale: float | None = None,
-        encoding: str | None = None,
-        result: str | None = None,
-        eye: int = 0,
-        out: Mapping[str, NDArray[Any]] = MappingProxyType({}),
-    ) -> WarpedImage:
+    @_taking(Call)
+    def warp(self, call: Call) -> WarpedImage:
         """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
-        Arguments and errors: as warp_image; panels are for a Warper with effects="panels" (or, to
-        be hidden by what is nearer, "panels,occluded_panels"). eye: 0 or 1; a fill that remembers
-        keeps the two apart. out: arrays of yours for the result by name (colour, coverage,
-        depth_m), of any strides: uint8, or floats of any width; what it lacks is allocated.
+        Parameters
+        ----------
+        colour, depth_m, rendered, shown, others, client_depth_m, layers, panels, age_s, depth_scale
+        encoding, result
+            As warp_image; panels are for a Warper with effects="panels" (or, to be hidden by what
+            is nearer, "panels,occluded_panels").
+        eye : int
+            0 or 1; a fill that remembers keeps the two apart.
+        out : mapping
+            Arrays of yours for the result by name (colour, coverage, depth_m), of any strides:
+            uint8, or floats of any width; what it lacks is allocated.
+
+        Returns
+        -------
+        WarpedImage
+
+        Raises
+        ------
+        InputError
+            As warp_image, and for a closed Warper.
         """
         with self._gpu() as gpu:
             gpu.timer.collect()
-            laid = with_panels(layers, panels)
-            asked = _Request(
-                colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding, result,
-                eye, out,
-            )  # fmt: skip
-            return self._ended(gpu, self._begun(gpu, asked))
+            return self._ended(gpu, self._begun(gpu, call), 4)
 
-    def submit(
-        self,
-        colour: ArrayLike,
-        depth_m: ArrayLike,
-        rendered: View,
-        shown: View,
-        *,
-        others: Sequence[Other] = (),
-        client_depth_m: ArrayLike | None = None,
-        layers: Mapping[str, Any] = MappingProxyType({}),
-        panels: Sequence[Panel] | None = None,
-        age_s: float = 0.0,
-        depth_scale: float | None = None,
-        encoding: str | None = None,
-        result: str | None = None,
-        eye: int = 0,
-        out: Mapping[str, NDArray[Any]] = MappingProxyType({}),
-    ) -> Pending:
+    @_taking(Call)
+    def submit(self, call: Call) -> Pending:
         """Begin what warp() does with the same arguments, and return before the GPU has done it.
 
         The arrays are read before this returns; those of `out` are written by result(). Pixels of
         three calls are on their way at most: a fourth first fetches the result of the oldest.
-        Errors: InputError for a closed Warper; result() raises all others.
+
+        Raises
+        ------
+        InputError
+            For a closed Warper; result() raises all others.
         """
         with self._gpu() as gpu:
             if len(self._in_flight) == IN_FLIGHT:
@@ -360,12 +384,7 @@ class Warper:
                 # Passes that the wall clock times for "auto" are waited for.
                 is_timed = isinstance(self._compensator, AutoCompensator) and gpu.timer.clock == "wall"
                 with nullcontext() if is_timed else gpu.timer.without_waiting():
-                    laid = with_panels(layers, panels)
-                    asked = _Request(
-                        colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding,
-                        result, eye, out,
-                    )  # fmt: skip
-                    flight = self._begun(gpu, asked)
+                    flight = self._begun(gpu, call)
             except HmdwarpError as error:
                 return Pending(self, error)
             pending, spent_ms = Pending(self), gpu.timer.lap_ms
@@ -376,7 +395,10 @@ class Warper:
     def warp_each(self, frames: Iterable[Mapping[str, Any]]) -> Iterator[WarpedImage]:
         """Yield what warp() makes of each frame, in order, while the next two are on their way.
 
-        frames: arguments of warp by name. Errors: as warp, in the place of the frame.
+        Parameters
+        ----------
+        frames : iterable of mappings
+            Arguments of warp by name; an error comes in the place of the frame.
         """
         pending: deque[Pending] = deque()
         for frame in frames:
@@ -386,49 +408,47 @@ class Warper:
         while pending:
             yield pending.popleft().result()
 
-    def _begun(self, gpu: Gpu, asked: _Request) -> _Flight:
+    def _begun(self, gpu: Gpu, call: Call) -> _Flight:
         """Send the pictures, and let the GPU make the result. Errors: as warp."""
-        picture, views, known, age_s = asked.picture, asked.views, (SRGB8, SRGB, LINEAR), asked.age_s
-        if not is_one_of(asked.result, known):
-            expected = f"{', '.join(known)}, or None for that of the picture"
-            raise InputError(f"result is {in_brief(asked.result)}: expected {expected}")
-        result = picture.encoding if asked.result is None else asked.result
-        self._check_size("", picture)
-        further = [self._other(number, one, asked) for number, one in enumerate(asked.others)]
-        self._check_needs(len(further), asked.client_depth_m is not None)
-        self._layers.check(asked.layers, self._named)
-        self._check_out(asked.out, result)
-        if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
-            raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
+        picture, views, layers = call.picture, call.views, with_panels(call.layers, call.panels)
+        call.check()
+        result = picture.encoding if call.result is None else call.result
+        pictures = [picture, *(one for one, _ in call.further)]
+        for number, one in enumerate(pictures):
+            if one.size != self.rendered_size:
+                (found_wide, found_high), (wide, high) = one.size, self.rendered_size
+                name = f"others[{number - 1}]: " if number else ""
+                raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
+        self._check_needs(len(call.further), call.client_depth_m is not None)
+        self._layers.check(layers, self._named)
+        self._check_out(call.out, result)
         client = None
-        if asked.client_depth_m is not None:
-            if (found := np.shape(asked.client_depth_m)) != self.size[::-1]:
-                raise InputError(f"client_depth_m has shape {found}: expected {self.size[::-1]}, as the result")
-            client = checked_picture(np.zeros((*found, 3), np.uint8), asked.client_depth_m, asked.depth_scale).arrays()[
-                1
-            ]
-        drawn_ns = self._next()
-        pictures = [picture, *(one for one, _ in further)]
+        if call.client_depth_m is not None:
+            if (shape := np.shape(call.client_depth_m)) != self.size[::-1]:
+                raise InputError(f"client_depth_m has shape {shape}: expected {self.size[::-1]}, as the result")
+            grey = np.zeros((*shape, 3), np.uint8)
+            client = checked_picture(grey, call.client_depth_m, call.depth_scale).arrays()[1]
+        self._count += 1
         if self.repair.steps:
             pictures = [one.as_checked().raw() for one in pictures]
         images = [
-            EyeImage(view, *textures.pair, drawn_ns=drawn_ns)
-            for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
+            EyeImage(view, *textures.pair, drawn_ns=self._count)
+            for textures, view in zip(self._pictures, (views[0], *(view for _, view in call.further)), strict=False)
         ]
         if not self._free_buffers:
             self._free_buffers.append(PixelBuffers(gpu, len(self._pictures)))
             self._cleanup.callback(self._free_buffers[-1].close)
-        flight = _Flight(pictures, views, result, asked.out, asked.eye, self._free_buffers.pop(), self.plan)
+        flight = _Flight(call, pictures, result, self._free_buffers.pop(), self.plan)
         try:
             self._upload(flight, gpu)
             if self._learns:
                 flight.buffers.found.read()
                 self._check_numbers(flight)
             with gpu.timer.cpu_stage("upload"):
-                images[0] = images[0].having(**self._layers.hold(asked.layers))
+                images[0] = images[0].having(**self._layers.hold(layers))
                 if client is not None and self._client_depth is not None:
                     upload(self._client_depth, client)
-            inputs = self._inputs(images, views[1], asked.eye, round(float(age_s) * 1e9))
+            inputs = self._inputs(images, views[1], call.eye, round(float(call.age_s) * 1e9))
             made = self._compensator.run(inputs)
             flight.plan = self.plan
             if self._confidence is not None:
@@ -445,28 +465,29 @@ class Warper:
             raise
         return flight
 
-    def _ended(self, gpu: Gpu, flight: _Flight, *, late: bool = False) -> WarpedImage:
+    def _ended(self, gpu: Gpu, flight: _Flight, frames: int = 3) -> WarpedImage:
         """Return the result, and free the buffers of the call. Errors: as warp.
 
-        late: the caller's arrays may hold other pictures by now.
+        frames: from where a warning is given to the caller.
         """
         try:
-            with gpu.timer.cpu_stage("wait") if late else nullcontext():
+            with gpu.timer.cpu_stage("wait") if flight.late else nullcontext():
                 flight.buffers.found.read()
             gpu.check_not_lost()
-            self._check_numbers(flight, late=late)
-            self._warn_about(flight, late=late)
+            self._check_numbers(flight)
+            share = flight.buffers.found.holes / (self.size[0] * self.size[1])
+            for note in self._notes(flight, share):
+                warnings.warn(note, stacklevel=frames)
             with gpu.timer.cpu_stage("download"):
-                arrays = self._give_out.arrays(flight.made, flight.out)
+                arrays = self._give_out.arrays(flight.made, flight.call.out)
         finally:
             self._free_buffers.append(flight.buffers)
-        holes = self._hole_share(flight)
         times: dict[str, float] = {}
-        if not late:
+        if not flight.late:
             whole_ms = gpu.timer.lap_ms
             times = self._recorded(flight, gpu.timer.collect())
             times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
-        return WarpedImage(arrays["colour"], arrays["coverage"], times, holes, flight.result, arrays.get("depth_m"))
+        return WarpedImage(arrays["colour"], arrays["coverage"], times, share, flight.result, arrays.get("depth_m"))
 
     def _fetch(self, gpu: Gpu, pending: Pending) -> None:
         """Make the answer of a call, unless another thread has just done so."""
@@ -474,10 +495,11 @@ class Warper:
             return
         (flight, spent_ms, lap), pending._on_its_way = pending._on_its_way, None
         self._in_flight.remove(pending)
+        flight.late = True
         gpu.timer.lap()
         try:
             with gpu.timer.without_waiting():
-                image = self._ended(gpu, flight, late=True)
+                image = self._ended(gpu, flight, 4)
         except HmdwarpError as error:
             pending._answer = error
             return
@@ -499,18 +521,18 @@ class Warper:
                 sent = self._take_in.send(mended, flight.buffers, number)
                 self._take_in.run(mended, sent, textures.pair, flight.buffers.found, number)
 
-    def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
+    def _picture(self, flight: _Flight, number: int) -> RawPicture:
         """Return a picture with the numbers that the GPU was sent."""
         picture = flight.pictures[number]
-        if not late or picture.checked is not None:
+        if not flight.late or picture.checked is not None:
             return picture
         return picture.as_sent(*self._take_in.sent(picture, flight.buffers, number))
 
-    def _check_numbers(self, flight: _Flight, *, late: bool = False) -> None:
+    def _check_numbers(self, flight: _Flight) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
         for number in range(len(flight.pictures)):
             if flight.buffers.found.is_doubtful(number, self.rendered_size):
-                self._picture(flight, number, late=late).as_checked()
+                self._picture(flight, number).as_checked()
 
     def _check_out(self, out: Mapping[str, NDArray[Any]], result: str) -> None:
         """Check the arrays that a result is written into. Errors: InputError."""
@@ -544,17 +566,31 @@ class Warper:
     ) -> WarpedTextures:
         """Return the view `shown` as textures, from textures of the same context.
 
-        colour, depth: of rendered_size, rows bottom to top; `gpu.gl.external_texture` makes one of
-        an OpenGL id. Alpha is coverage: 0 is a hole. depth_as: "inverse" (1/m; below 0 is none),
-        "metres" (0 is none), or the DepthLayer of a depth buffer. encoding: "linear", also for a
-        texture that OpenGL decodes itself, or "srgb". rgba16f colour in linear light beside r32f
-        inverse depth are read where they are; all else is taken over by one pass. Warns once of
-        depth that is hardly in metres, as warp_image does: it is read back for the first picture.
-        Errors: InputError for arguments that do not fit, for a warp that reads more than a picture
-        with depth, and for a Warper with a repair, which runs on arrays.
+        Warns once of depth that is hardly in metres, as warp_image does: it is read back for the
+        first picture whose eye moves.
+
+        Parameters
+        ----------
+        colour, depth : moderngl.Texture
+            Of rendered_size, rows bottom to top; `gpu.gl.external_texture` makes one of an OpenGL
+            id. Alpha is coverage: 0 is a hole. rgba16f colour in linear light beside r32f inverse
+            depth are read where they are; all else is taken over by one pass.
+        rendered, shown : View
+            As warp_image.
+        depth_as : str or DepthLayer
+            "inverse" (1/m; below 0 is none), "metres" (0 is none), or the DepthLayer of a buffer.
+        encoding : str
+            "linear", also for a texture that OpenGL decodes itself, or "srgb".
+        panels, eye
+            As warp.
+
+        Raises
+        ------
+        InputError
+            For arguments that do not fit, for a warp that reads more than a picture with depth, and
+            for a Warper with a repair, which runs on arrays.
         """
-        _check_eye(eye)
-        views = _checked_views(rendered, shown)
+        views = _checked_views(rendered, shown, eye)
         self._check_needs(0, client_depth=False)
         laid = with_panels({}, panels)
         self._layers.check(laid, f"{self._named} runs on arrays where it")
@@ -573,7 +609,8 @@ class Warper:
 
             for note in self._unit_notes(metres, views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
-            image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._next())
+            self._count += 1
+            image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._count)
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
@@ -598,7 +635,7 @@ class Warper:
     def _recorded(self, flight: _Flight, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
         times = self._summed(stages, flight.plan)
         if isinstance(self._compensator, AutoCompensator):
-            self._compensator.record(flight.eye, times)
+            self._compensator.record(flight.call.eye, times)
         return times
 
     @staticmethod
@@ -615,10 +652,7 @@ class Warper:
         return total
 
     def close(self) -> None:
-        """Free all textures and buffers.
-
-        Does nothing after the first time, after its context was closed, and in a forked process.
-        """
+        """Free all textures and buffers; nothing after the first time, and in a forked process."""
         gpu = _shared if self._own_gpu is None else self._own_gpu
         if self._dropped.alive and gpu is not None and not gpu.closed:
             with self._context():
@@ -651,57 +685,32 @@ class Warper:
             raise InputError("this Warper was made in another thread, with a context of that thread: call it there")
         return self._own_gpu.current()
 
-    def _next(self) -> int:
-        self._count += 1
-        return self._count
-
-    def _warn_about(self, flight: _Flight, *, late: bool) -> None:
-        """Warn of depth that is none, no measurement, or hardly in metres; of each once."""
-        largest: Sequence[str] = ()
+    def _notes(self, flight: _Flight, hole_share: float) -> Iterator[str]:
+        """Yield what to warn of: depth that is none, or hardly in metres, no picture; each once."""
         if _LARGEST not in self._warned:
-            checked = flight.pictures[0].checked
+            checked, largest = flight.pictures[0].checked, list[str]()
             if checked is not None:
-                largest = checked.notes
+                largest += checked.notes
             elif flight.buffers.found.has_largest(0):
-                largest = about_largest([self._picture(flight, 0, late=late).depth])
+                largest += about_largest([self._picture(flight, 0).depth])
             self._warned.update([_LARGEST] if largest else [])
-        unit = self._unit_notes(lambda: self._picture(flight, 0, late=late).metres(), flight.views, "depth_scale={:g}")
-        corners = about_corners(self._picture(flight, 0, late=late)) if _CORNERS not in self._warned else []
-        self._warned.add(_CORNERS)  # of the first picture
-        # Where nothing fills holes, coverage tells of them.
-        is_made_up = flight.plan.fills and _HOLES not in self._warned
-        empty = about_holes(self._hole_share(flight), *flight.views) if is_made_up else []
-        self._warned.update([_HOLES] if empty else [])
-        for note in (*largest, *unit, *corners, *empty):
-            warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called
-
-    def _hole_share(self, flight: _Flight) -> float:
-        return flight.buffers.found.holes / (self.size[0] * self.size[1])
+            yield from largest
+        yield from self._unit_notes(lambda: self._picture(flight, 0).metres(), flight.call.views, "depth_scale={:g}")
+        if _CORNERS not in self._warned:  # of the first picture
+            self._warned.add(_CORNERS)
+            yield from about_corners(self._picture(flight, 0))
+        if flight.plan.fills and _HOLES not in self._warned:  # where nothing fills holes, coverage tells of them
+            empty = about_holes(hole_share, *flight.call.views)
+            self._warned.update([_HOLES] if empty else [])
+            yield from empty
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
-        """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
-
-        depth: called for that one alone: metres. option: see about_unit.
-        """
+        """Return a note on depth (metres, called for once) at the first picture whose eye moves."""
         moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
         if _UNIT in self._warned or not moved_m:
             return []
         self._warned.add(_UNIT)
         return about_unit([depth()], moved_m, option)
-
-    def _check_size(self, name: str, picture: RawPicture) -> None:
-        if picture.size != self.rendered_size:
-            (found_wide, found_high), (wide, high) = picture.size, self.rendered_size
-            raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
-
-    def _other(self, number: int, other: Other, asked: _Request) -> tuple[RawPicture, View]:
-        try:
-            colour, depth_m, view = other
-        except (TypeError, ValueError) as error:
-            raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
-        picture = raw_picture(colour, depth_m, asked.depth_scale, asked.encoding)
-        self._check_size(f"others[{number}]: ", picture)
-        return picture, checked_view(f"others[{number}]", view)
 
     @property
     def _named(self) -> str:
@@ -727,12 +736,9 @@ class Warper:
         return PassInputs(images[0], shown, eye, others, recent, client_inverse_depth=depth, shown_ns=shown_ns)
 
 
-def _check_eye(eye: int) -> None:
+def _checked_views(rendered: object, shown: object, eye: int) -> tuple[View, View]:
     if not isinstance(eye, Integral) or eye not in (0, 1):
         raise InputError(f"eye is {in_brief(eye)}: expected 0 (left) or 1 (right)")
-
-
-def _checked_views(rendered: object, shown: object) -> tuple[View, View]:
     return checked_view("rendered", rendered), checked_view("shown", shown)
 
 
@@ -762,43 +768,88 @@ def warp_image(
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
-    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top; see `encoding`. A fourth
-    channel is coverage: 0 is a hole, all else is seen. depth_m: (h, w) metres along -z; inf is
-    infinitely far; 0, negative or NaN marks a hole, which is counted and never spread. A pixel that
-    a numpy.ma mask hides, in colour or depth, is a hole too, and one that rendered.hidden has; what
-    shown.hidden has is black. size: (w, h) of the result, by default the size of `colour`. gpu: a
-    context made in the calling thread; by default one is made at the first call and shared by all
-    threads, one at a time.
-    effects: names of effects that pictures are enough for, such as "reflections_from_pictures".
-    repair: what mends the depth first, such as "edges+complete"; then a pixel shown by guessed
-    depth has the confidence of the guess as its coverage.
-    others: further pictures of the scene as (colour, depth_m, view), for warps and effects that
-    read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
-    metres in the shown view, for warps that read it. layers: further layers by name, for effects
-    and warps that read them: velocity, ids, overlay, peeled, transparent; docs/rgbd.md says what
-    each holds. panels: text and menus, laid over the result at its own pose; the first picture of
-    each is shown, and is uploaded once for all panels that attrs.evolve makes of one. age_s:
-    seconds from drawing the picture to showing it, for what moves.
-    depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres; the
-    largest of their type, such as 65535, is a hole. Warns of those, and of depth that is hardly in
-    metres: over 40 m everywhere, while the eye moves by less than a tenth of that, or within 1 and
-    crowded there, as a depth buffer's; and of a result that is empty before the fill.
-    encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
-    look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
-    by default as `colour` is. depth: whether the result has the depth of what is shown.
-    warp "auto" takes the most accurate warp and fill that warp and fill this picture in budget_ms,
-    of bench, the bench.json that `hmdwarp bench` wrote, or of a few that are known.
-    For many pictures of one size take a Warper, which compiles and allocates once.
-    A process forked after the first call cannot use OpenGL: take multiprocessing's "spawn" or
-    "forkserver", or fork before.
-    Errors: InputError for arguments that do not fit, and in such a process; PlanError for a warp
-    that needs more than such pictures; UnknownNameError; MachineError without OpenGL 4.3.
+    For many pictures of one size take a Warper, which compiles and allocates once. A process forked
+    after the first call cannot use OpenGL: take multiprocessing's "spawn" or "forkserver", or fork
+    before. Warns of the largest integer in depth, of depth that is hardly in metres (over 40 m
+    everywhere, while the eye moves by less than a tenth of that, or within 1 and crowded there, as
+    a depth buffer's), and of a result that is empty before the fill.
+
+    Parameters
+    ----------
+    colour : (h, w, 3) or (h, w, 4) array_like
+        uint8 sRGB or float linear light, row 0 at the top; see `encoding`. A fourth channel is
+        coverage: 0 is a hole, all else is seen.
+    depth_m : (h, w) array_like
+        Metres along -z; inf is infinitely far; 0, negative or NaN marks a hole, which is counted
+        and never spread. A pixel that a numpy.ma mask hides, in colour or depth, is a hole too.
+    rendered, shown : View
+        The view that the picture was drawn for, and that of the result. What rendered.hidden has is
+        a hole; what shown.hidden has is black.
+    warp : str
+        Name of a warp that one picture is enough for. "auto" takes the most accurate warp and fill
+        that warp and fill this picture in budget_ms.
+    fill : str
+        Name of a fill, or several with +; by default "pyramid". The "memory+pyramid" of runs would
+        show one frame in the holes of another, for frames of a caller need not follow each other.
+    size : (w, h), optional
+        Of the result; by default that of `colour`.
+    gpu : Gpu, optional
+        A context made in the calling thread; by default one is made at the first call and shared by
+        all threads, one at a time.
+    effects : str
+        Names of effects that pictures are enough for, such as "reflections_from_pictures".
+    repair : str
+        What mends the depth first, such as "edges+complete"; then a pixel shown by guessed depth
+        has the confidence of the guess as its coverage.
+    others : sequence of (colour, depth_m, view)
+        Further pictures of the scene, for warps and effects that read them: the other eye's, then
+        older ones, newest first.
+    client_depth_m : (h, w) array_like, optional
+        Metres in the shown view, for warps that read it.
+    layers : mapping
+        Further layers by name, for effects and warps that read them: velocity, ids, overlay,
+        peeled, transparent; docs/rgbd.md says what each holds.
+    panels : sequence of Panel, optional
+        Text and menus, laid over the result at its own pose; the first picture of each is shown,
+        and is uploaded once for all panels that attrs.evolve makes of one.
+    age_s : float
+        Seconds from drawing the picture to showing it, for what moves.
+    depth_scale : float, optional
+        Metres per unit of depth, at most 1, which integers must have: 0.001 for millimetres. The
+        largest of their type, such as 65535, is a hole.
+    encoding : str, optional
+        "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that look
+        like 8 bits as floats are refused.
+    result : str, optional
+        "srgb8" (uint8), "srgb" or "linear" (float32); by default as `colour` is.
+    depth : bool
+        Whether the result has the depth of what is shown.
+    budget_ms : float, optional
+        For warp "auto".
+    bench : path, optional
+        The bench.json of `hmdwarp bench` that warp "auto" chooses from; by default a few are known.
+
+    Returns
+    -------
+    WarpedImage
+
+    Raises
+    ------
+    InputError
+        For arguments that do not fit, and in a process forked after the first call.
+    PlanError
+        For a warp that needs more than such pictures.
+    UnknownNameError
+        For a name that no registry holds.
+    MachineError
+        Without OpenGL 4.3.
     """
-    effects, laid = with_panel_effects(effects, panels), with_panels(layers, panels)
-    asked = _Request(
-        colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding, result, 0, {}
+    effects = with_panel_effects(effects, panels)
+    asked = Call(
+        colour, depth_m, rendered, shown, others, client_depth_m, layers, panels, age_s, depth_scale, encoding, result
     )
     own_size = asked.picture.size
+    asked.check()
     shown_size = own_size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
     options |= {"budget_ms": budget_ms, "bench": bench}

@@ -4,47 +4,173 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Generic, TypeVar
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import attrs
 
 from ..errors import InputError
-from .response import Tally, TransitStats
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import ArrayLike  # help does not wait for it
 
 Payload = TypeVar("Payload")
+
+
+@attrs.frozen
+class TransitStats:
+    """How one frame passed through the link."""
+
+    # 0 for the first frame sent.
+    number: int
+    sent_ns: int
+    # As the sender declared it.
+    size_bytes: int = 0
+    # Before it was sent; 0 where the latency includes them, like decode_ns.
+    render_ns: int = 0
+    encode_ns: int = 0
+    # Before the encoder, and before its first bit left.
+    queue_ns: int = 0
+    # From the first bit to the last: its size over the rate.
+    transfer_ns: int = 0
+    # On the network.
+    delay_ns: int = 0
+    # Until the frames before it arrived and were decoded, where a decoder needs them.
+    hold_ns: int = 0
+    decode_ns: int = 0
+
+    def parts_ns(self) -> dict[str, int]:
+        """Return what it spent its time on, in order."""
+        names = {"network": "delay"}
+        parts = ("render", "encode", "queue", "transfer", "network", "hold", "decode")
+        return {name: getattr(self, f"{names.get(name, name)}_ns") for name in parts}
+
+    @property
+    def ready_ns(self) -> int:
+        """The instant from which it can be shown."""
+        at_server = self.render_ns + self.encode_ns + self.queue_ns
+        return self.sent_ns + at_server + self.transfer_ns + self.delay_ns + self.hold_ns + self.decode_ns
+
+
+@attrs.frozen
+class Tally:
+    """Counts of frames; every frame drawn is in exactly one field.
+
+    drawn = dropped + sent, sent = lost + undecodable + late + superseded + shown + under_way.
+    """
+
+    # The queue at the bottleneck was full.
+    dropped: int = 0
+    # On the network.
+    lost: int = 0
+    # Arrived, but a frame that it refers to did not.
+    undecodable: int = 0
+    # Arrived after a newer one was on the screen.
+    late: int = 0
+    # By the first refresh that could have shown it, a newer one had arrived too.
+    superseded: int = 0
+    # Each once, however many refreshes it stayed.
+    shown: int = 0
+    # Still in transit at the last refresh.
+    under_way: int = 0
+
+    def as_dict(self) -> dict[str, int]:
+        """Return the counts for summary.json.
+
+        drawn: frames passed to the link. sent: those that entered the network. never_shown: drawn
+        in vain, without those that may still arrive. Then the fields.
+        """
+        fields = attrs.asdict(self)
+        drawn = sum(fields.values())
+        sums = {"drawn": drawn, "sent": drawn - self.dropped, "never_shown": drawn - self.shown - self.under_way}
+        return {**sums, **fields}
+
+
+@attrs.frozen
+class ResponseTime:
+    """The time that a shown frame took, in ms; the response time is the sum of the parts.
+
+    The display's share (waiting for its refresh) is not included.
+    """
+
+    # Measured work for both eyes, like encode, decode and warp.
+    render_ms: float = 0.0
+    encode_ms: float = 0.0
+    # Waiting for earlier frames, at the bottleneck or for the decoder.
+    queue_ms: float = 0.0
+    # Size over bandwidth.
+    transfer_ms: float = 0.0
+    # The network's delay from the request for a frame to its arrival, without what its size adds.
+    round_trip_ms: float = 0.0
+    decode_ms: float = 0.0
+    warp_ms: float = 0.0
+
+    @classmethod
+    def of(cls, transit: TransitStats, **work_ms: float) -> Self:
+        """Return the parts from the frame's transit and the times measured at both ends."""
+        queue_ms = (transit.queue_ns + transit.hold_ns) / 1e6
+        ways = {"transfer_ms": transit.transfer_ns / 1e6, "round_trip_ms": transit.delay_ns / 1e6}
+        return cls(queue_ms=queue_ms, **ways, **work_ms)
+
+    @property
+    def total_ms(self) -> float:
+        """The response time."""
+        return sum(self.parts().values())
+
+    def parts(self) -> dict[str, float]:
+        """Return each part by its name, in the order in which they happen."""
+        return attrs.asdict(self)
+
+
+def response_figures(times: Sequence[ResponseTime]) -> dict[str, float] | None:
+    """Return the figures of frames' response times; None where no frame was shown.
+
+    The mean of each part and total_ms, the mean of the sums: the parts add up to it. Beside them
+    median_ms and p95_ms of the sums, which those of the parts would not add up to.
+    """
+    return figures_of_parts([list(time.parts().values()) for time in times])
+
+
+def figures_of_parts(rows: ArrayLike) -> dict[str, float] | None:
+    """Return response_figures of rows with the parts in their order."""
+    import numpy as np
+
+    table = np.asarray(rows, dtype=np.float64)
+    if not len(table):
+        return None
+    means, totals = table.mean(axis=0), table.sum(axis=1)
+    return {
+        **dict(zip(ResponseTime().parts(), map(float, means), strict=True)),
+        "total_ms": float(means.sum()),
+        "median_ms": float(np.median(totals)),
+        "p95_ms": float(np.percentile(totals, 95)),
+    }
 
 
 class Link(Generic[Payload]):
     """Delay and drop frames; return the newest that has arrived, in order of sending.
 
-    A frame is never early, and a newer one that is due is never passed over. The link holds only
-    the frames in transit and the shown one. Frames may overtake each other on the network but not
-    on the screen. When nothing arrives, the last one stays.
+    A frame is never early, and a newer one that is due is never passed over. Frames may overtake
+    each other on the network but not on the screen. When nothing arrives, the last one stays.
 
     delays: of each frame in ns, 0 or more. losses: whether each is lost; None for none. Both
     advance once a frame, whatever its fate, so that the same seed makes the same network for frames
-    of any size. bandwidth: None for no limit.
+    of any size.
 
     receive: the decoder, called with each frame that arrives, in order of sending, because a
-    decoder needs the earlier ones. A frame then waits for them, and a lost one counts as missing
-    from the instant it would have arrived. False means undecodable. in_order: False where it needs
-    no other frames.
-
-    decoding: how long, in ns, the decoder takes for a frame that it received; it decodes one after
-    the other, in order of arrival.
+    decoder needs the earlier ones; False means undecodable. A frame then waits for them, and a lost
+    one counts as missing from the instant it would have arrived. in_order: False where it needs no
+    other frames. decoding: how long, in ns, the decoder takes for a frame, one after the other.
 
     discard: called with each frame that the client received and that can no longer be shown.
     wasted: called with those it never received: dropped and lost ones at once, undecodable ones,
     those in transit at the end; None for `discard`. Each frame goes to one of them, once.
 
     settled: called once with each frame whose fate is known: the frame, whether the client received
-    it, and the instant when the sender hears of that. The news of it takes as long to return as the
-    frame has travelled on the network, and never gets lost. A lost frame is settled when it is
-    sent, before `wasted`; one in transit at the end never is.
+    it, and the instant when the sender hears of that: the news takes as long as the frame, and
+    never gets lost. A lost frame is settled when it is sent, before `wasted`; one in transit at the
+    end never is.
 
     Errors: ValueError for times that run backwards and for a negative delay or size, which are
     mistakes of the caller.
@@ -56,29 +182,29 @@ class Link(Generic[Payload]):
         losses: Iterator[bool] | None = None,
         bandwidth: Bandwidth | None = None,
         *,
-        discard: Callable[[Payload], None] = lambda frame: None,
-        wasted: Callable[[Payload], None] | None = None,
+        discard: Callable[[Payload], object] = lambda frame: None,
+        wasted: Callable[[Payload], object] | None = None,
         receive: Callable[[Payload], bool] | None = None,
         decoding: Callable[[Payload], int] = lambda frame: 0,
-        settled: Callable[[Payload, bool, int], None] = lambda frame, arrived, heard_ns: None,
+        settled: Callable[[Payload, bool, int], object] = lambda frame, arrived, heard_ns: None,
         in_order: bool = True,
     ) -> None:
         self._has_order = receive is not None and in_order
-        self._delays, self._losses = delays, losses
-        self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
+        self._delays, self._losses, self._bandwidth = delays, losses, bandwidth
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
+        self._decoding, self._settled = decoding, settled
         # When the sender first learns of a loss that no key frame has repaired.
         self._heard_ns: int | None = None
-        self._decoding, self._settled = decoding, settled
         # Heaps: ready_ns, then number, which is unique. On the network, and in the decoder.
         self._under_way: list[tuple[int, int, TransitStats, Payload]] = []
         self._decoded: list[tuple[int, int, TransitStats, Payload]] = []
-        # When encoder and decoder are idle.
+        # When encoder, bottleneck and decoder are idle.
         self._encoder_ns = self._decoder_ns = 0
-        self._shown: tuple[TransitStats, Payload] | None = None
+        self._free_ns: int | None = None
+        # Like those that arrive: its number, its transit, and the frame.
+        self._shown: tuple[int, TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
-        self._drawn = 0
-        self._last_ready_ns = 0
+        self._drawn = self._last_ready_ns = 0
         self._last_sent_ns: int | None = None
         self._last_asked_ns: int | None = None
 
@@ -98,7 +224,7 @@ class Link(Generic[Payload]):
     @property
     def transit(self) -> TransitStats | None:
         """Transit statistics of the shown frame; None before the first."""
-        return self._shown[0] if self._shown is not None else None
+        return self._shown[1] if self._shown is not None else None
 
     def send(
         self,
@@ -124,9 +250,13 @@ class Link(Generic[Payload]):
             )
         waits_ns = max(0, self._encoder_ns - (now_ns + render_ns))
         self._encoder_ns = now_ns + render_ns + waits_ns + encode_ns
-        queue_ns, transfer_ns, taken = (
-            self._bottleneck.enter(self._encoder_ns, size_bytes) if self._bottleneck is not None else (0, 0, True)
-        )
+        queue_ns, transfer_ns, taken = 0, 0, True
+        if (limit := self._bandwidth) is not None:
+            queue_ns = 0 if self._free_ns is None else max(0, self._free_ns - self._encoder_ns)
+            taken = queue_ns <= limit.queue_ns
+            if taken:
+                transfer_ns = limit.transfer_ns(size_bytes)
+                self._free_ns = self._encoder_ns + queue_ns + transfer_ns
         self._last_sent_ns = now_ns
         queue_ns += waits_ns
         transit = TransitStats(self._drawn, now_ns, size_bytes, render_ns, encode_ns, queue_ns, transfer_ns, delay_ns)
@@ -155,7 +285,7 @@ class Link(Generic[Payload]):
         self._last_asked_ns = now_ns
         if arrived := self._arrived(now_ns):
             self._take(arrived)
-        return self._shown[1] if self._shown is not None else None
+        return self._shown[2] if self._shown is not None else None
 
     def needs_key(self, now_ns: int) -> bool:
         """Return whether the sender knows of a missing frame and has sent no key frame since.
@@ -165,52 +295,48 @@ class Link(Generic[Payload]):
         return self._heard_ns is not None and self._heard_ns <= now_ns
 
     def close(self) -> None:
-        """Pass every frame still held to `wasted` or `discard`.
-
-        The tally still counts those in transit.
-        """
-        held = sorted([*self._decoded, *self._under_way], key=lambda one: one[:2])
-        under_way, self._under_way, self._decoded = [frame for *_, frame in held], [], []
-        shown, self._shown = self._shown, None
-        for frame in under_way:
+        """Pass every frame still held to `wasted` or `discard`; the tally stays."""
+        held, shown = sorted([*self._decoded, *self._under_way], key=lambda one: one[:2]), self._shown
+        self._under_way, self._decoded, self._shown = [], [], None
+        for *_, frame in held:
             self._wasted(frame)
         if shown is not None:
-            self._discard(shown[1])
+            self._discard(shown[2])
 
-    def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
+    def _arrived(self, now_ns: int) -> list[tuple[int, TransitStats, Payload]]:
         """Return the frames that have been decoded since the last call, in sending order."""
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
             received = self._receive is None or self._receive(frame)
             self._settled(frame, received, transit.ready_ns + transit.delay_ns)
-            if received:
-                if decode_ns := self._decoding(frame):
-                    waits_ns = max(0, self._decoder_ns - transit.ready_ns)
-                    self._decoder_ns = transit.ready_ns + waits_ns + decode_ns
-                    transit = attrs.evolve(transit, hold_ns=transit.hold_ns + waits_ns, decode_ns=decode_ns)
-                heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
-            else:
-                self._arrive("undecodable")
+            if not received:
+                self._leave("undecodable")
                 self._wasted(frame)
+                continue
+            if decode_ns := self._decoding(frame):
+                waits_ns = max(0, self._decoder_ns - transit.ready_ns)
+                self._decoder_ns = transit.ready_ns + waits_ns + decode_ns
+                transit = attrs.evolve(transit, hold_ns=transit.hold_ns + waits_ns, decode_ns=decode_ns)
+            heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
         arrived = []
         while self._decoded and self._decoded[0][0] <= now_ns:
-            arrived.append(heapq.heappop(self._decoded)[2:])
-        return sorted(arrived, key=lambda one: one[0].number)
+            arrived.append(heapq.heappop(self._decoded)[1:])
+        return sorted(arrived)  # no two have the same number
 
-    def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
+    def _take(self, arrived: list[tuple[int, TransitStats, Payload]]) -> None:
         """Show the newest, which may already be shown; discard the others, oldest first."""
         shown = self._shown
-        newer = shown is None or arrived[-1][0].number > shown[0].number
+        newer = shown is None or arrived[-1][0] > shown[0]
         if newer:
             self._shown = arrived.pop()
-            self._arrive("shown")
-        for transit, _ in arrived:
-            self._arrive("late" if shown is not None and transit.number < shown[0].number else "superseded")
+            self._leave("shown")
+        for number, *_ in arrived:
+            self._leave("late" if shown is not None and number < shown[0] else "superseded")
         leaving = [*arrived, shown] if newer and shown is not None else arrived
-        for _, frame in sorted(leaving, key=lambda one: one[0].number):
+        for *_, frame in sorted(leaving):
             self._discard(frame)
 
-    def _arrive(self, what: str) -> None:
+    def _leave(self, what: str) -> None:
         self._counts["under_way"] -= 1
         self._counts[what] += 1
 
@@ -249,26 +375,6 @@ class Bandwidth:
         return round(size_bytes * 8e3 / self.mbit)
 
 
-class Bottleneck:
-    """The queue before the limit."""
-
-    def __init__(self, bandwidth: Bandwidth) -> None:
-        self.bandwidth = bandwidth
-        self._free_ns: int | None = None
-
-    def enter(self, now_ns: int, size_bytes: int) -> tuple[int, int, bool]:
-        """Return (queue_ns, transfer_ns, taken) of a frame that arrives now.
-
-        Frames arrive in order of time; a refused one changes nothing.
-        """
-        wait = 0 if self._free_ns is None else max(0, self._free_ns - now_ns)
-        if wait > self.bandwidth.queue_ns:
-            return wait, 0, False
-        transfer = self.bandwidth.transfer_ns(size_bytes)
-        self._free_ns = now_ns + wait + transfer
-        return wait, transfer, True
-
-
 # Two instants this close are one: replays round theirs to whole nanoseconds.
 _SAME_INSTANT_NS = 1000
 # A display's rate within this of a multiple of the server's is that multiple.
@@ -290,9 +396,8 @@ class Pacer:
         self._hz = server_hz or display_hz
         # After a stall older instants are passed over, so that the server does not draw them all.
         self._most = math.ceil(self._hz / display_hz) + 1
-        self._refreshes = 0
         self._first_ns: int | None = None
-        self._drawn = 0
+        self._refreshes = self._drawn = 0
 
     def due(self, now_ns: int) -> list[int]:
         """Return the instants since the last call, oldest first; call it once a refresh."""
@@ -329,22 +434,6 @@ class GilbertElliott:
         for name, value in attrs.asdict(self).items():
             if not 0 <= value <= 1:  # NaN too
                 raise InputError(f"loss with {name}={value:g}: expected a probability from 0 to 1")
-
-    @classmethod
-    def in_bursts(cls, mean: float, frames: float) -> GilbertElliott:
-        """Return a network that loses the share `mean` of all frames, so many in a row on average.
-
-        Errors: InputError for bursts that are shorter than a frame, or too short for that share.
-        """
-        if not 1 <= frames <= 1e6:
-            raise InputError(f"--loss-burst {frames:g}: expected 1 to 1000000 frames")
-        most = frames / (frames + 1)
-        if mean > most:
-            raise InputError(
-                f"--loss {mean:g} with --loss-burst {frames:g}: expected a share of at most {most:.3g}, as a frame "
-                "arrives between two bursts; use longer bursts or a smaller share"
-            )
-        return cls(mean / (frames * (1 - mean)), 1 / frames)
 
     @property
     def mean(self) -> float:

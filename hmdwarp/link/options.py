@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,45 +11,93 @@ import attrs
 
 from ..errors import InputError
 from ..options import Declared, Number, Option, one_of, option
-from .delays import DelayModel, delay_models
-from .delays.models import ConstantDelay
+from .delays import ConstantDelay, DelayModel, delay_models
 from .link import QUEUE_MS, Bandwidth, GilbertElliott, Link
-from .response import StageTimes, parse_response
 
 ALL, CHANGES = "all", "changes"
 DROP, RESOLUTION = "drop", "resolution"
+_MOST_MS = 60_000.0
 
 
-def parse_jitter(text: str) -> DelayModel:
-    """Parse 'uniform:20'; '' is a constant delay. Errors: InputError."""
+@attrs.frozen
+class StageTimes:
+    """The time of each stage for a frame of the full resolution, in ms; None for what it took here.
+
+    Errors: InputError for a number out of range.
+    """
+
+    render: float | None = None
+    encode: float | None = None
+    decode: float | None = None
+
+    def __attrs_post_init__(self) -> None:
+        for name, given in attrs.asdict(self).items():
+            if given is not None and not 0 <= given <= _MOST_MS:
+                raise InputError(f"response {name}={given:g}: expected 0 to {_MOST_MS:g} ms")
+
+    def taken_ns(self, measured_ms: Mapping[str, float], share: float) -> Iterator[int]:
+        """Yield what each stage takes, in their order.
+
+        measured_ms: by name; 0 where nothing was measured. share: of the pixels of the full
+        resolution; given times are in proportion.
+        """
+        for name, given in attrs.asdict(self).items():
+            yield round((measured_ms.get(name, 0.0) if given is None else given * share) * 1e6)
+
+
+def _response(text: str) -> StageTimes | None:
+    """Parse 'sum', 'sum:render=8,encode=5,decode=measured'; 'fixed' or '' is None.
+
+    With one time given, stages that are not named take none.
+    """
+    wrong = InputError(
+        f"--response '{text}': expected fixed, sum, or sum:render=8,encode=5,decode=4 with milliseconds, or measured, "
+        "for each"
+    )
+    name, colon, rest = (bit.strip() for bit in text.partition(":"))
+    if name in ("", "fixed") and not colon:
+        return None
+    if name != "sum":
+        raise wrong
+    if not colon:
+        return StageTimes()
+    times: dict[str, float | None] = dict.fromkeys(attrs.fields_dict(StageTimes), 0.0)
+    said = set[str]()
+    for part in rest.split(","):
+        stage, _, value = (bit.strip() for bit in part.partition("="))
+        if stage not in times or stage in said:
+            raise wrong
+        said.add(stage)
+        times[stage] = None if value == "measured" else _number(value, wrong)
+    return StageTimes(**times)
+
+
+def _jitter(text: str) -> DelayModel:
     name, _, argument = text.strip().partition(":")
     return delay_models.get(name.strip() or "constant").parse(argument.strip())
 
 
-def parse_loss(text: str) -> GilbertElliott | None:
-    """Parse a share of frames, such as '0.02', 'none' or ''. Errors: InputError."""
+def _loss(text: str) -> GilbertElliott | None:
     if text.strip() in ("", "none"):
         return None
     expected = "expected a share of the frames, from 0 to 1, or none; bursts have an option of their own, --loss-burst"
-    share = _number(text, f"--loss '{text}': {expected}")
+    wrong = InputError(f"--loss '{text}': {expected}")
+    share = _number(text, wrong)
     if not 0 <= share <= 1:
-        raise InputError(f"--loss '{text}': {expected}")
+        raise wrong
     return GilbertElliott(0, 1, good=share)  # each frame alone, the first too
 
 
-def parse_bandwidth(text: str) -> Bandwidth | None:
-    """Parse Mbit/s, such as '50', or '' for no limit. Errors: InputError."""
-    if not text.strip():
-        return None
+def _bandwidth(text: str) -> Bandwidth | None:
     expected = "expected Mbit/s, such as 50; the longest wait before it has an option of its own, --queue"
-    return Bandwidth(_number(text, f"--bandwidth '{text}': {expected}"))
+    return Bandwidth(_number(text, InputError(f"--bandwidth '{text}': {expected}"))) if text.strip() else None
 
 
-def _number(text: str, refusal: str) -> float:
+def _number(text: str, wrong: InputError) -> float:
     try:
         return float(text.encode("ascii"))
     except ValueError:
-        raise InputError(refusal) from None
+        raise wrong from None
 
 
 _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, name="delay_trace")
@@ -83,7 +131,7 @@ class LinkOptions(Declared):
         kind=str,
         default="",
         beside=(_DELAY_TRACE,),
-        parse=parse_jitter,
+        parse=_jitter,
     )
     loss: GilbertElliott | None = option(
         None,
@@ -92,7 +140,7 @@ class LinkOptions(Declared):
         metavar="SHARE",
         numeric=True,
         beside=(_LOSS_BURST,),
-        parse=parse_loss,
+        parse=_loss,
     )
     # Rate and queue of the bottleneck.
     bandwidth: Bandwidth | None = option(
@@ -104,7 +152,7 @@ class LinkOptions(Declared):
         metavar="MBIT",
         numeric=True,
         beside=(_QUEUE,),
-        parse=parse_bandwidth,
+        parse=_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
     seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
@@ -114,7 +162,7 @@ class LinkOptions(Declared):
         "fixed: a picture is as old as the latency says; sum: rendering, encoding and decoding come on top, as "
         "measured, or as in sum:render=8,encode=5,decode=4.",
         default="fixed",
-        parse=parse_response,
+        parse=_response,
     )
     # None for the display's own. See Pacer.
     server_rate_hz: float | None = option(
@@ -139,18 +187,19 @@ class LinkOptions(Declared):
         """Return the fields whose options were set. Errors: InputError."""
         values, path = super().values_of(said), said.get("delay_trace")
         burst, queue_ms = said.get("loss_burst"), said.get("queue")
-        if path is not None and said.get("jitter"):
-            raise InputError(
-                f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
-            )
         if path is not None:
+            if said.get("jitter"):
+                raise InputError(
+                    f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them "
+                    "out"
+                )
             values["delay"] = delay_models.get("trace").parse(str(path))
         if burst is not None:
             if values.get("loss") is None:
                 raise InputError(
                     f"--loss-burst {burst:g} without --loss: expected the share of the frames that is lost too"
                 )
-            values["loss"] = GilbertElliott.in_bursts(values["loss"].mean, burst)
+            values["loss"] = _in_bursts(values["loss"].mean, burst)
         if queue_ms is not None:
             if values.get("bandwidth") is None:
                 raise InputError(
@@ -189,7 +238,8 @@ class LinkOptions(Declared):
 
     @property
     def _given_ns(self) -> int:
-        return self.response.given_ns if self.response is not None else 0
+        given = attrs.astuple(self.response) if self.response is not None else ()
+        return sum(round(ms * 1e6) for ms in given if ms is not None)
 
     def most_under_way(self, latency_ns: int, rate_hz: float) -> int:
         """Return a bound on the frames in transit, of any size, if one is sent each refresh.
@@ -217,35 +267,25 @@ class LinkOptions(Declared):
         self.check(latency_ns)
         return self.delay.samples(latency_ns, np.random.default_rng([self.seed, 0]))
 
-    def link(
-        self,
-        latency_ns: int,
-        discard: Callable[[Any], None] = lambda frame: None,
-        wasted: Callable[[Any], None] | None = None,
-        receive: Callable[[Any], bool] | None = None,
-        decoding: Callable[[Any], int] = lambda frame: 0,
-        settled: Callable[[Any, bool, int], None] = lambda frame, arrived, heard_ns: None,
-        *,
-        in_order: bool = True,
-    ) -> Link[Any]:
-        """Return a new link through this network; see `Link` for the callbacks.
-
-        Errors: as `check`.
-        """
+    def link(self, latency_ns: int, **how: Any) -> Link[Any]:
+        """Return a new link through this network. how: what Link calls. Errors: as `check`."""
         import numpy as np
 
         losses = self.loss.samples(np.random.default_rng([self.seed, 1])) if self.loss is not None else None
-        return Link(
-            self.delays(latency_ns),
-            losses,
-            self.bandwidth,
-            discard=discard,
-            wasted=wasted,
-            receive=receive,
-            decoding=decoding,
-            settled=settled,
-            in_order=in_order,
+        return Link(self.delays(latency_ns), losses, self.bandwidth, **how)
+
+
+def _in_bursts(mean: float, frames: float) -> GilbertElliott:
+    """Return a network that loses the share `mean` of all frames, so many in a row on average."""
+    if not 1 <= frames <= 1e6:
+        raise InputError(f"--loss-burst {frames:g}: expected 1 to 1000000 frames")
+    most = frames / (frames + 1)
+    if mean > most:
+        raise InputError(
+            f"--loss {mean:g} with --loss-burst {frames:g}: expected a share of at most {most:.3g}, as a frame "
+            "arrives between two bursts; use longer bursts or a smaller share"
         )
+    return GilbertElliott(mean / (frames * (1 - mean)), 1 / frames)
 
 
 # Of the full resolution, along each axis: 1, 0.64, 0.42 and 0.25 of its pixels.
@@ -256,7 +296,6 @@ _PATIENCE_NS, _MOST_PATIENCE_NS = 1_000_000_000, 16_000_000_000
 _ROOM = 0.8
 
 
-@attrs.define
 class Overload:
     """Lower the resolution as soon as a frame has to wait for the one before, and raise it later.
 
@@ -270,40 +309,38 @@ class Overload:
     period_ns: of the server. queue_ns: the longest wait at the bottleneck.
     """
 
-    period_ns: int
-    queue_ns: int
-    changes: int = attrs.field(default=0, init=False)
-    _level: int = attrs.field(default=0, init=False)
-    # No step down before this instant, unless frames wait for longer than this.
-    _settled_ns: int | None = attrs.field(default=None, init=False)
-    _waited_ns: int = attrs.field(default=0, init=False)
-    # Since when nothing has waited, and when it was last raised.
-    _clear_ns: int | None = attrs.field(default=None, init=False)
-    _raised_ns: int | None = attrs.field(default=None, init=False)
-    _patience_ns: int = attrs.field(default=_PATIENCE_NS, init=False)
+    def __init__(self, period_ns: int, queue_ns: int) -> None:
+        self.period_ns, self.queue_ns = period_ns, queue_ns
+        self.changes = self._level = 0
+        # No step down before this instant, unless frames wait for longer than this.
+        self._settled_ns: int | None = None
+        self._waited_ns = 0
+        # Since when nothing has waited, and when it was last raised.
+        self._clear_ns: int | None = None
+        self._raised_ns: int | None = None
+        self._patience_ns = _PATIENCE_NS
 
     @property
     def scale(self) -> float:
         """The share of the full width and height that the next frame has."""
         return SCALES[self._level]
 
-    def busy(self, now_ns: int, free_ns: int) -> None:
-        """Note that the server could not draw at this instant, and when it can again."""
-        self._lower(now_ns, free_ns - now_ns)
-
     def sent(self, now_ns: int, waits_ns: int, slowest_ns: int) -> None:
         """Note how long a frame of the present scale waits, and the time of its slowest stage."""
         if waits_ns > min(self.period_ns, self.queue_ns // 2):
-            self._lower(now_ns, waits_ns)
+            self.lower(now_ns, waits_ns)
         elif waits_ns:
             self._clear_ns = None
         elif self._clear_ns is None:
             self._clear_ns = now_ns
-        elif now_ns - self._clear_ns >= self._patience_ns and self._has_room(slowest_ns):
-            self._raised_ns = self._clear_ns = now_ns
-            self._go(self._level - 1)
+        elif now_ns - self._clear_ns >= self._patience_ns and self._level:
+            grown = SCALES[self._level - 1] / self.scale
+            if slowest_ns * grown * grown <= _ROOM * self.period_ns:
+                self._raised_ns = self._clear_ns = now_ns
+                self._level, self.changes = self._level - 1, self.changes + 1
 
-    def _lower(self, now_ns: int, waits_ns: int) -> None:
+    def lower(self, now_ns: int, waits_ns: int) -> None:
+        """Go down a step, as a frame or the server at that instant has to wait for so long."""
         self._clear_ns = None
         is_settling = self._settled_ns is not None and now_ns < self._settled_ns
         if self._level + 1 == len(SCALES) or (is_settling and waits_ns <= self._waited_ns):
@@ -312,16 +349,7 @@ class Overload:
             self._patience_ns = min(2 * self._patience_ns, _MOST_PATIENCE_NS)
         self._raised_ns = None
         self._settled_ns, self._waited_ns = now_ns + waits_ns + self.period_ns, waits_ns
-        self._go(self._level + 1)
-
-    def _has_room(self, slowest_ns: int) -> bool:
-        if not self._level:
-            return False
-        grown = SCALES[self._level - 1] / self.scale
-        return slowest_ns * grown * grown <= _ROOM * self.period_ns
-
-    def _go(self, level: int) -> None:
-        self._level, self.changes = level, self.changes + 1
+        self._level, self.changes = self._level + 1, self.changes + 1
 
 
 def scaled_size(size: tuple[int, int], scale: float) -> tuple[int, int]:

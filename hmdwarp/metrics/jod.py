@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from ..errors import MachineError
 from ..resources import import_extra, missing_extra
-from .job import Compared
-from .metric import Figure
+from .metric import Compared, Figure
 from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
@@ -41,10 +40,8 @@ _OF_ONE_JOD = statistics.NormalDist().inv_cdf(0.75)
 
 
 def preferring(jod: float, other_jod: float) -> float:
-    """Return the share of people, 0..1, who would prefer what has `jod` to the other.
-
-    Source: Thurstone's case V with the deviation at which 1 JOD is 75 %.
-    """
+    """Return the share of people, 0..1, who would prefer what has `jod` to the other."""
+    # Thurstone's case V with the deviation at which 1 JOD is 75 %.
     return statistics.NormalDist().cdf((jod - other_jod) * _OF_ONE_JOD)
 
 
@@ -105,19 +102,16 @@ def _metric(on: ShownOn, width: int, height: int) -> Any:
 class Clips:
     """Rate runs of neighbouring refreshes as clips of `seconds`, one after the other.
 
-    Holds the pictures of one clip at a time. One thread of a process of its own rates them, so that
-    a run repeats bit for bit and does not slow down where cores are busy.
-    When that process fails, `failure` says why and nothing is rated any more.
-    Errors: MachineError with the line that installs the package, where it is missing.
+    One thread of a process of its own rates them, so that a run repeats bit for bit. Where that
+    fails, `failure` says why and nothing is rated any more. Errors: MachineError without the
+    package.
     """
 
     def __init__(self, seconds: float, display: ShownOn) -> None:
         check_rating()
         self.display = display
-        # Pictures of a whole clip.
-        self.length = clip_length(seconds, display.rate_hz)
-        # In one line; empty while all went well.
-        self.failure = ""
+        self.length = clip_length(seconds, display.rate_hz)  # pictures of a whole clip
+        self.failure = ""  # in one line; empty while all went well
         self._process = MeasuringProcesses(1, "the run goes on without JOD")
         weakref.finalize(self, self._process.close)
         # By (eye, which warp): the pictures of the present clip.
@@ -137,10 +131,7 @@ class Clips:
             self._rate(eye, which)
 
     def finish(self) -> None:
-        """Rate what no clip is full with; what follows begins a new one.
-
-        A single picture is no clip, and is left out where there are others.
-        """
+        """Rate what no clip is full with; a single picture is left out where there are others."""
         for (eye, which), clip in self._open.items():
             if len(clip) > 1 or (clip and which not in self._clips):
                 self._rate(eye, which)
@@ -163,9 +154,8 @@ class Clips:
     def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
         """Return the `jod` of summary.json: of the run, its clips and its refreshes.
 
-        mean: over clips and eyes, by their lengths. truth_preferred: the share of people who would
-        prefer the truth, 0.5 where it looks the same. preferred: for each of `others` the share of
-        people who would prefer this one.
+        mean: over clips and eyes, by their lengths. truth_preferred, preferred: the share of people
+        who would prefer the truth, or this one to each of `others`.
         """
         mean = self._mean(which)
         by_start: dict[int, list[float]] = defaultdict(list)

@@ -1,16 +1,128 @@
-"""The declaration of a metric, and the registry of metrics: one file each in metrics/library."""
+"""The declaration of a metric, what one picture of an eye is measured from, and its measurement."""
 
 from __future__ import annotations
 
+import enum
 import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
+from ..errors import InputError
+from ..geometry import View, WarpMap
+from ..gpu import flip_rows
 from ..registry import Registry
-from .job import REGIONS, Input, Measurement, QualityJob, QualityResult, region_of, region_sums
+from .picture_pairs import Alike, check_pair, db_of, error_image, row_blocks
+
+
+class Input(enum.Flag):
+    """What a metric is computed from."""
+
+    TRUTH = enum.auto()  # the picture without latency
+    COVERAGE = enum.auto()  # which pixels the warp covered, before the fill
+    DEPTH = enum.auto()  # inverse depth of the truth
+    RENDERED = enum.auto()  # the view the late frame was rendered for
+    PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
+    ALIKE = enum.auto()  # what a PairPass has found
+
+
+@attrs.frozen(eq=False)
+class Compared:
+    """What the eye was shown and what it should have seen."""
+
+    shown: NDArray[Any]  # both are sRGB pictures, (h, w, 3), top row first
+    truth: NDArray[Any]
+    view: View
+
+    def __attrs_post_init__(self) -> None:
+        check_pair(self.shown, self.truth)
+
+    @property
+    def error(self) -> NDArray[np.float32]:
+        """The signed error image."""
+        return error_image(self.shown, self.truth)
+
+
+def _covered(coverage: Any) -> Any:
+    return None if coverage is None else np.asarray(coverage) != 0
+
+
+@attrs.frozen(eq=False)
+class QualityJob:
+    """One eye of one frame to measure. Inputs that are None leave out the metrics that need them.
+
+    Errors: InputError for sizes that do not belong together.
+    """
+
+    now: Compared  # after the fill, before the lens
+    previous: Compared | None = None  # the neighbouring frame of the same eye
+    # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
+    covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
+    truth_inverse_depth: NDArray[Any] | None = None  # (h, w), 1/m in the shown view, top row first
+    rendered: View | None = None  # view and (w, h) of the late frame
+    rendered_size: tuple[int, int] | None = None
+    rendered_picture: NDArray[Any] | None = None  # the late frame's, for reports only
+    alike: Alike | None = None  # FLIP, SSIM and flicker, where a PairPass has found them
+    # (name, picture, FLIP map as bytes) of other warps on the same late frame, for reports only.
+    beside: tuple[tuple[str, NDArray[Any], NDArray[np.uint8]], ...] = ()
+    error_map: bool = False  # whether the result has the FLIP map
+    # Whether the result says where the error is; this needs coverage, depth and the rendered view.
+    regions: bool = False
+
+    def __attrs_post_init__(self) -> None:
+        size = self.now.shown.shape[:2]
+        flip_map = None if self.alike is None else self.alike.flip_map
+        depth = self.truth_inverse_depth
+        for name, array in (("coverage", self.covered), ("truth inverse depth", depth), ("FLIP map", flip_map)):
+            if array is not None and array.shape != size:
+                raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
+        if self.regions and Input.COVERAGE | Input.DEPTH | Input.RENDERED not in self.inputs:
+            raise InputError(
+                "regions of the error need the coverage, the truth's inverse depth and the rendered view: pass all"
+            )
+
+    @property
+    def flicker(self) -> float | None:
+        """Flicker that a PairPass has found, in place of the frame before; None: it has not."""
+        return None if self.alike is None else self.alike.flicker
+
+    @property
+    def inputs(self) -> Input:
+        """The inputs of metrics that the job has."""
+        there = {
+            Input.TRUTH: self.now,
+            Input.COVERAGE: self.covered,
+            Input.DEPTH: self.truth_inverse_depth,
+            Input.RENDERED: None if self.rendered is None else self.rendered_size,
+            Input.PREVIOUS: self.flicker if self.previous is None else self.previous,
+            Input.ALIKE: self.alike,
+        }
+        return Input(sum(flag.value for flag, value in there.items() if value is not None))
+
+    @functools.cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """(h, w): what the lens does not hide; the rest is black in both pictures."""
+        high, wide = self.now.shown.shape[:2]
+        return self.now.view.seen((wide, high))
+
+    @functools.cached_property
+    def border_holes(self) -> NDArray[np.bool_]:
+        """(h, w): holes beyond what the late frame shows."""
+        job: Any = self  # metrics that ask for it need all that it is found from
+        return border_holes(job.covered, job.truth_inverse_depth, self.now.view, job.rendered, job.rendered_size)
+
+
+@attrs.frozen(eq=False)
+class QualityResult:
+    """The figures of one job."""
+
+    values: dict[str, float | None]  # by metric; None where nothing could be measured
+    error_map: NDArray[np.uint8] | None = None  # (h, w) bytes, FLIP 0..1 as 0..255, if the job requests it
+    regions: dict[str, dict[str, float]] | None = None  # as region_sums, if the job requests it
 
 
 @attrs.frozen
@@ -31,29 +143,21 @@ class Figure:
 
 @attrs.frozen(kw_only=True)
 class Metric:
-    """A figure of one eye's picture, with everything that files, tables, charts and pages need.
+    """A figure of one eye's picture, with everything that files, tables, charts and pages need."""
 
-    This is the only declaration of a metric: everything else reads it from here.
-    """
-
-    # Key in summary.json and bench.json, column of frames.csv and stem of its file.
-    name: str
-    # Place among the metrics in every file, table and page.
-    order: int
-    compute: Callable[[Measurement], float | None]
+    name: str  # key in summary.json and bench.json, column of frames.csv and stem of its file
+    order: int  # place among the metrics in every file, table and page
+    compute: Callable[[Any], float | None]  # of a QualityJob that has what it needs
     # What it is of a picture of which no pixel is alike, from that of one with a share that is
     # black in both: hidden pixels. By default of a mean of errors.
     of_seen_share: Callable[[float, float], float] = lambda value, share: value / share
-    # Without one of these there is no figure (None). A live run has no TRUTH.
-    needs: Input = Input.TRUTH
+    needs: Input = Input.TRUTH  # Without one of these there is no figure (None). A live run has no TRUTH.
     higher_is_better: bool = False
-    # No value is beyond these: neither is the interval of a mean.
-    least: float = 0.0
+    least: float = 0.0  # no value is beyond these: neither is the interval of a mean
     most: float = math.inf
     # Whether the better of two runs is marked. False for holes: a run without a warp has none.
     is_contest: bool = True
 
-    # --- how the number is written ---
     label: str
     unit: str = ""  # of the stored number
     percent_of: str = ""  # for a share, stored as 0..1 and written in percent: of what
@@ -62,14 +166,13 @@ class Metric:
     short_label: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
     short_digits: int = 3
 
-    # --- where it is shown --- Columns of a low rank are dropped first from a bench's table on a
-    # narrow terminal; None: never shown.
+    # Columns of a low rank are dropped first from a bench's table on a narrow terminal; None: never
+    # shown.
     bench_rank: float | None = 0
     tile_note: str = ""  # note under its tile at the top of a report; "": no tile
     chart: str = ""  # heading of its chart over time; "": no chart
     chart_from_zero: bool = True
 
-    # --- what it is ---
     description: str  # one phrase, for the data dictionary of a study's export
     explanation: str = ""  # sentences for the readers of a report
     # Beside ratings, in the middle of a sentence.
@@ -112,8 +215,7 @@ _FAMILIES = {
 metrics: Registry[Metric] = Registry(
     "metric", "hmdwarp.metrics.library", "metrics", columns="summary=description", modules=_FAMILIES
 )
-# Decides which pictures are the worst and, by default, which method is the best.
-PRIMARY = "flip"
+PRIMARY = "flip"  # decides which pictures are the worst and, by default, which method is the best
 
 
 @functools.cache
@@ -124,16 +226,147 @@ def metrics_in_order() -> tuple[Metric, ...]:
 
 def measure(job: QualityJob) -> QualityResult:
     """Return all figures of one job; the same job gives the same bits in any process."""
-    now, there, measurement = job.now, job.inputs, Measurement(job)
-    share = float(measurement.seen.mean())
+    now, there, share = job.now, job.inputs, float(job.seen.mean())
     values = {
-        metric.name: metric.of_seen(metric.compute(measurement), share) if metric.needs in there else None
+        metric.name: metric.of_seen(metric.compute(job), share) if metric.needs in there else None
         for metric in metrics_in_order()
     }
-    error_map = np.rint(measurement.alike.flip_map * 255).astype(np.uint8) if job.error_map else None
+    flip_map: Any = None if job.alike is None else job.alike.flip_map
+    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = None
     if job.regions:
-        region = region_of(measurement.covered, measurement.truth_inverse_depth, measurement.border_holes)
-        region[~measurement.seen] = len(REGIONS)
-        regions = region_sums(now.shown, now.truth, region, measurement.alike.flip_map)
+        region = region_of(job.covered, job.truth_inverse_depth, job.border_holes)  # type: ignore[arg-type]
+        region[~job.seen] = len(REGIONS)
+        regions = region_sums(now.shown, now.truth, region, flip_map)
     return QualityResult(values, error_map, regions)
+
+
+# Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
+# rest.
+REGIONS = ("border_holes", "inside_holes", "silhouettes", "seen")
+SUMS = ("pixels", "squared_error", "flip")
+
+# Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
+# Where two planes meet, the step changes by at most the step of each alone: tan(80 deg) x 0.1 deg =
+# 1 % of the inverse depth per pixel at 10 pixels per degree.
+RELATIVE_STEP = 0.02
+# 1/m. A head motion of 0.3 m shifts so small a difference by 0.6 mrad, less than a pixel of any
+# headset: no visible edge.
+LEAST_STEP = 0.002
+EDGE_WIDTH_PX = 2
+
+
+def border_holes(
+    coverage: NDArray[Any],
+    truth_inverse_depth: NDArray[Any],
+    shown: View,
+    rendered: View,
+    rendered_size: tuple[int, int],
+) -> NDArray[np.bool_]:
+    """Return the holes beyond the rendered field of view, (h, w).
+
+    Each hole's pixel and its true inverse depth go through the warp map to the rendered view:
+    beyond the edges of that picture, or beside or behind its eye (w <= 0), no frame could have held
+    it. The other holes are disocclusions and gaps between stretched pixels.
+
+    coverage, truth_inverse_depth: (h, w), top row first; 0 of the former is a hole; the latter in
+    1/m in the shown view, 0 (or NaN) = infinitely far. rendered_size: (w, h) of the late frame.
+    Errors: InputError if their sizes differ.
+    """
+    if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
+        shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
+        raise InputError(
+            f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
+        )
+    holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
+    height, width = holes.shape
+    mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)
+    beyond = np.zeros(holes.shape, bool)
+    for rows in row_blocks(height):
+        here = holes[rows]
+        if not here.any():
+            continue
+        depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
+        y, x = here.nonzero()
+        pixel, _, w = mapping.apply(np.stack([x, y + rows.start], axis=1) + 0.5, depth)
+        beyond[rows][here] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
+    found: NDArray[np.bool_] = flip_rows(beyond)
+    return found
+
+
+def region_of(
+    coverage: NDArray[Any], truth_inverse_depth: NDArray[Any], beyond: NDArray[np.bool_]
+) -> NDArray[np.uint8]:
+    """Return the region of each pixel, (h, w), as an index into REGIONS; beyond: border_holes."""
+    region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(2), np.uint8(3))
+    region[np.asarray(coverage) == 0] = 1
+    region[beyond] = 0
+    return region
+
+
+def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return the pixels, (h, w), within 2 pixels of a jump in depth, along a row, a column or both.
+
+    A jump lies between two neighbours whose step continues neither the step before it nor the one
+    after it, by more than two planes that meet could make: RELATIVE_STEP of the nearer one, at
+    least LEAST_STEP. A wall seen at a grazing angle has none.
+    """
+    depth = np.nan_to_num(np.asarray(inverse_depth, dtype=np.float32), nan=0.0)
+    near = np.zeros(depth.shape, bool)
+    for axis in (0, 1):
+        pixels, rows = np.moveaxis(near, axis, 1), np.moveaxis(depth, axis, 1)  # views: marking one marks `near`
+        step = np.diff(rows, axis=1)  # from each pixel of a row to the next
+        allowed = np.maximum(RELATIVE_STEP * np.maximum(np.abs(rows[:, :-1]), np.abs(rows[:, 1:])), LEAST_STEP)
+        jump = np.abs(step) > allowed
+        change = np.abs(np.diff(step, axis=1))
+        # The end of a row has one step to continue; two pixels have none: a large step is a jump.
+        jump[:, 1:] &= change > allowed[:, 1:]
+        jump[:, :-1] &= change > allowed[:, :-1]
+        pixels[:, :-1] |= jump
+        pixels[:, 1:] |= jump
+    from scipy.ndimage import binary_dilation  # worker processes that measure no regions do not wait for it
+
+    return np.asarray(binary_dilation(near, np.ones((3, 3)), iterations=EDGE_WIDTH_PX - 1))
+
+
+def region_sums(
+    shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
+) -> dict[str, dict[str, float]]:
+    """Return the SUMS of one picture by region: squared sRGB errors as integers, and FLIP errors.
+
+    shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
+    Errors: InputError for sizes that do not belong together.
+    """
+    check_pair(shown, truth)
+    if shown.dtype != np.uint8 or not shown.shape[:2] == region.shape == flip_map.shape:
+        found = f"{shown.dtype} pictures {shown.shape}, regions {region.shape}, FLIP map {flip_map.shape}"
+        raise InputError(f"{found}: expected uint8 (h, w, 3) and two (h, w)")
+    region = region.ravel()
+    difference = shown.astype(np.int32) - truth
+    squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
+    columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53
+    sums = [np.bincount(region, weights=column, minlength=len(REGIONS)) for column in columns]
+    return {
+        name: {key: float(total[index]) for key, total in zip(SUMS, sums, strict=True)}
+        for index, name in enumerate(REGIONS)
+    }
+
+
+def pooled(pictures: Iterable[Mapping[str, Mapping[str, float]]]) -> dict[str, dict[str, float | None]]:
+    """Return, by region, its share of all pixels, and PSNR and mean FLIP over its own pixels.
+
+    pictures: region_sums of each. Errors are pooled before the logarithm: a picture with a small
+    region counts little. A region without pixels has None; without any picture `share` is None too.
+    """
+    totals = {name: dict.fromkeys(SUMS, 0.0) for name in REGIONS}
+    for picture in pictures:
+        for name in REGIONS:
+            for key in SUMS:
+                totals[name][key] += picture[name][key]
+    everything, found = sum(total["pixels"] for total in totals.values()), dict[str, dict[str, float | None]]()
+    for name, total in totals.items():
+        found[name] = {"share": 0.0 if everything else None, "psnr_db": None, "flip": None}
+        if pixels := total["pixels"]:
+            psnr_db = db_of(total["squared_error"] / (3 * pixels) / 255**2)
+            found[name] = {"share": pixels / everything, "psnr_db": psnr_db, "flip": total["flip"] / pixels}
+    return found

@@ -15,7 +15,7 @@ from ..geometry import WarpMap
 from ..gpu import SCALAR, Gpu, allocate, flip_map
 from ..gpu.shaders import Compute
 from ..gpu.textures import release_all
-from .job import Compared
+from .metric import Compared
 from .picture_pairs import SSIM_SIGMA, Alike, check_pair
 
 Array = NDArray[np.float64]

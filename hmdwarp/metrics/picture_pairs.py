@@ -84,12 +84,9 @@ SSIM_SIGMA = 1.5
 class Alike:
     """What a PairPass finds of two pictures."""
 
-    # (h, w) LDR-FLIP error, 0..1.
-    flip_map: NDArray[np.float32]
-    # Mean structural similarity, at most 1, over all pixels and channels.
-    ssim: float
-    # As flicker; None where the pass did not find it.
-    flicker: float | None = None
+    flip_map: NDArray[np.float32]  # (h, w) LDR-FLIP error, 0..1
+    ssim: float  # mean structural similarity, at most 1, over all pixels and channels
+    flicker: float | None = None  # as flicker; None where the pass did not find it
 
 
 BLOCKS = 8  # on each side of a picture
@@ -102,10 +99,7 @@ _STEPS = 256
 
 
 def block_means(picture: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Return the mean levels of BLOCKS x BLOCKS parts of a picture (h, w, 3), each of 3 channels.
-
-    A picture smaller than that has a part for each pixel.
-    """
+    """Return the mean levels of BLOCKS x BLOCKS parts of a picture (h, w, 3), or each pixel."""
     rows, columns = (np.linspace(0, side, min(BLOCKS, side) + 1).astype(int) for side in picture.shape[:2])
     sums = np.add.reduceat(np.add.reduceat(picture, rows[:-1], axis=0, dtype=np.int64), columns[:-1], axis=1)
     means: NDArray[np.float64] = sums / (np.diff(rows)[:, None, None] * np.diff(columns)[None, :, None])
@@ -118,10 +112,7 @@ def blocks_text(blocks: NDArray[np.float64]) -> str:
 
 
 def blocks_apart(first: str, second: str) -> float:
-    """Return the largest difference of two pictures' means, in levels; inf for other sizes.
-
-    first, second: as blocks_text. Errors: ValueError for what is none.
-    """
+    """Return the largest difference of two blocks_text, in levels; inf for other sizes."""
     one, other = (np.frombuffer(base64.b64decode(text), "<u2").astype(np.float64) for text in (first, second))
     return float(np.abs(one - other).max(initial=0.0) / _STEPS) if one.shape == other.shape else math.inf
 
@@ -137,10 +128,8 @@ DEPTH_FLOOR = 0.002  # 1/m: differences below this count as equal
 class Mismatch:
     """Counts of left-eye pixels."""
 
-    # Pixels whose surface both eyes see.
-    seen_by_both: int = 0
-    # Of these, the holes for exactly one eye.
-    one_eyed: int = 0
+    seen_by_both: int = 0  # pixels whose surface both eyes see
+    one_eyed: int = 0  # of these, the holes for exactly one eye
 
     def __add__(self, other: Mismatch) -> Mismatch:
         return Mismatch(self.seen_by_both + other.seen_by_both, self.one_eyed + other.one_eyed)
@@ -154,13 +143,10 @@ class Mismatch:
 class SharedSurface:
     """Pixels of the two eyes that show the same surface point, from the truth alone.
 
-    Made once per refresh; comparing the holes of each warp is then quick. Each left pixel goes
-    through the warp map to the right eye. It is visible there if the right eye's own depth at the
-    nearest pixel is the same.
-
-    left, right: the shown views. left_inverse_depth, right_inverse_depth: the truth's, (h, w) of
-    one size, top row first, in 1/m, 0 or NaN = infinitely far.
-    Errors: InputError unless the two have one size.
+    Each left pixel goes through the warp map to the right eye, and is visible there if that eye's
+    own depth at the nearest pixel is the same. left, right: the shown views. left_inverse_depth,
+    right_inverse_depth: the truth's, (h, w) of one size, top row first, in 1/m, 0 or NaN =
+    infinitely far. Errors: InputError unless the two have one size.
     """
 
     def __init__(
@@ -189,9 +175,8 @@ class SharedSurface:
         self._left, self._right = np.concatenate(mine), np.concatenate(theirs)
 
     def compare(self, left_coverage: NDArray[Any], right_coverage: NDArray[Any]) -> Mismatch:
-        """Compare the holes of one warp's two pictures.
+        """Compare the holes (0) of one warp's two coverages, (h, w), top row first.
 
-        Coverages: (h, w), after the warp and before the fill, top row first; 0 is a hole.
         Errors: InputError for another size than the depths had.
         """
         if not left_coverage.shape == right_coverage.shape == self._shape:

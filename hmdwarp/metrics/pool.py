@@ -21,8 +21,7 @@ import attrs
 
 from ..errors import HmdwarpError, MachineError
 from ..platforms import lower_priority
-from .job import QualityJob, QualityResult
-from .metric import PRIMARY, measure
+from .metric import PRIMARY, QualityJob, QualityResult, measure
 
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
 # More than one thread in a worker's BLAS would fight the other workers for the cores.
@@ -30,49 +29,42 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _M_MMAP_MAX, _M_TRIM_THRESHOLD = -4, -1  # of glibc's malloc.h
 
 
-class _Process(SpawnProcess):
-    def start(self) -> None:
-        main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")  # else imported there
-        try:
-            super().start()
-        finally:
-            sys.modules["__main__"] = main
-
-
 class _Context(SpawnContext):
-    """Starts such processes, and keeps them: they know how they ended."""
+    """Keeps the processes that it starts: they know how they ended."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.started: list[_Process] = []
+        self.started: list[SpawnProcess] = []
 
-    def Process(self, *args: Any, **how: Any) -> _Process:  # type: ignore[override]  # noqa: N802
-        self.started.append(_Process(*args, **how))
+    def Process(self, *args: Any, **how: Any) -> SpawnProcess:  # type: ignore[override]  # noqa: N802
+        self.started.append(SpawnProcess(*args, **how))
         return self.started[-1]
 
 
 @contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Put signals that end the program off until the block has ended.
+def _starting() -> Iterator[None]:
+    """Start processes that do not import the program again, and hear nothing that is to end it.
 
-    A process that is started in it hears neither Ctrl-C nor a terminal that closes: what started it
-    ends it. Python's own tracker of semaphores complains where it is ended first.
+    Neither Ctrl-C nor a terminal that closes: what started them ends them. Until the block has
+    ended, the program puts them off too: Python's own tracker of semaphores complains where it is
+    ended first.
     """
-    if sys.platform == "win32":
-        yield
-        return
+    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
     heard: list[int] = []
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    is_posix = sys.platform != "win32"
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP}) if is_posix else set()
     # Another thread may get a signal for this one.
-    is_main = threading.current_thread() is threading.main_thread()
+    is_main = is_posix and threading.current_thread() is threading.main_thread()
     kept = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM) if is_main else ()
     handlers = {number: signal.signal(number, lambda which, _: heard.append(which)) for number in kept}
     try:
         yield
     finally:
+        sys.modules["__main__"] = main
         for number, handler in handlers.items():
             signal.signal(number, handler or signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if is_posix:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if heard:
             signal.raise_signal(heard[0])
 
@@ -90,14 +82,8 @@ def _begin(said: int) -> None:
         allocation = ctypes.CDLL(None)
         allocation.mallopt(_M_MMAP_MAX, 0)
         allocation.mallopt(_M_TRIM_THRESHOLD, 2**31 - 1)
-    threading.Thread(target=_end_with_the_program, daemon=True).start()
-
-
-def _end_with_the_program() -> None:
-    program = multiprocessing.parent_process()
-    assert program is not None
-    program.join()
-    os._exit(1)
+    program: Any = multiprocessing.parent_process()
+    threading.Thread(target=lambda: os._exit(program.join() or 1), daemon=True).start()
 
 
 class MeasuringProcesses:
@@ -122,10 +108,10 @@ class MeasuringProcesses:
             return done
         try:
             if self._open is None:
-                with _without_interrupts():  # Python's tracker begins here, and unblocks Ctrl-C when it has
+                with _starting():  # Python's tracker begins here, and unblocks Ctrl-C when it has
                     context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
                     self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
-            with _without_interrupts():
+            with _starting():
                 return self._open[0].submit(work, *given)
         except OSError as error:
             raise MachineError(
@@ -178,11 +164,9 @@ class Kept:
 class WorstKeeper:
     """The `count` pictures with the largest FLIP error, at most one from each bucket.
 
-    A bucket is a second of the trace, say.
-
-    The order in which pictures are offered does not matter. A bucket's worst is dropped only when
-    `count` other buckets are worse still, and those can only get worse. A picture whose bucket is
-    None is never kept.
+    A bucket is a second of the trace, say; a picture whose bucket is None is never kept. The order
+    in which pictures are offered does not matter: a bucket's worst is dropped only when `count`
+    others are worse still, and those can only get worse.
     """
 
     def __init__(self, count: int, bucket: Callable[[Any], Hashable]) -> None:
@@ -191,12 +175,8 @@ class WorstKeeper:
 
     def offer(self, kept: Kept) -> None:
         """Keep a picture if it is among the worst so far."""
-        if self.count == 0:
-            return
-        bucket = self._bucket(kept.key)
-        if bucket is None:
-            return
-        if bucket in self._best and self._best[bucket].rank >= kept.rank:
+        bucket = self._bucket(kept.key) if self.count else None
+        if bucket is None or (bucket in self._best and self._best[bucket].rank >= kept.rank):
             return
         self._best[bucket] = kept
         if len(self._best) > self.count:
@@ -218,16 +198,10 @@ def worker_count(workers: int | None) -> int:
 class QualityPool:
     """Measures the QualityJobs of a run, to the same bits with any number of processes.
 
-    with MeasuringProcesses(2) as processes:
-    pool = QualityPool(processes, worst=6)
-    pool.submit((frame, eye), job)            # waits while all workers are behind
-    pool.wait()
-    pool.results[frame, eye]["flip"]              # in the order of the keys
-
-    keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst
-    pictures (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. All others are
-    dropped as soon as they are measured, so memory does not grow with the length of the run. A kept
-    picture comes with its FLIP map, without previous frame, coverage and depth.
+    `worst` is how many of the worst pictures (by FLIP) are kept in `worst`, at most one from each
+    `bucket(key)`; submit's keep=True keeps a job's pictures in `kept`. All others are dropped as
+    soon as they are measured, so memory does not grow with the length of the run. A kept picture
+    comes with its FLIP map, without previous frame, coverage and depth.
 
     Errors: HmdwarpError, from submit() or wait(), when measuring failed or a worker died.
     """
@@ -257,10 +231,7 @@ class QualityPool:
             self.wait()
 
     def wait(self) -> None:
-        """Wait until all jobs are measured, so that the next timing has the machine to itself.
-
-        Errors: as submit.
-        """
+        """Wait until all jobs are measured: the next timing has the machine to itself."""
         self._collect(ALL_COMPLETED)
 
     @property

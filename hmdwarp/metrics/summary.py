@@ -45,9 +45,8 @@ def block_length(values: ArrayLike) -> int:
     """Return how many neighbours to draw at once: as many as their likeness calls for.
 
     At least the cube root of their number, for few instants show little of it; at most a third.
-    Source: Politis and White 2004, Automatic block-length selection for the dependent bootstrap,
-    section 3.2, with the constant for circular blocks as corrected by Patton, Politis and White
-    2009.
+    Source: Politis and White 2004, section 3.2, with the constant for circular blocks as corrected
+    by Patton, Politis and White 2009.
     """
     series = np.asarray(values, dtype=np.float64)
     count: int = len(series)
@@ -115,9 +114,8 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     rows: keyed by the columns of frames.csv.
     time_ms: per stage {median, p95} of the `<stage>_ms` columns, per eye.
     quality: per metric {mean, p95, interval}; interval: interval_of_mean over the instants, within
-    what the metric can be. p95 is
-    always the bad tail: 95 % of the pictures are at least as good. It is the 5th percentile where
-    higher is better (psnr_db, ssim), else the 95th.
+    what the metric can be. p95 is always the bad tail: 95 % of the pictures are at least as good
+    (the 5th percentile where higher is better).
     measured: per metric, how many pictures had it. A picture without a figure (None, or no such
     key) is left out of that metric, never counted as 0; without any, mean, median and p95 are None.
     Errors: HmdwarpError for NaN or infinite values, which no measurement gives.
@@ -181,26 +179,20 @@ def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
 def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_time) -> list[Thing]:
     """Return the rows that no other row beats, in their order: the Pareto front of their two costs.
 
-    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in
-    both do not beat each other: all of them stay, or none. A row with a cost of None was not
-    measured and takes no part. Each other row that is left out is beaten by one that stays. O(n log
-    n).
+    A row beats another if it is at most as large in both costs and smaller in one; rows equal in
+    both stay together. A row with a cost of None was not measured and takes no part. O(n log n).
     Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
     """
     rows = list(rows)
-    measured = [
-        (index, error, time)
-        for index, (error, time) in enumerate(map(costs, rows))
-        if error is not None and time is not None
-    ]
-    if any(math.isnan(error) or math.isnan(time) for _, error, time in measured):
+    found = [(time, error, at) for at, (error, time) in enumerate(map(costs, rows)) if None not in (error, time)]
+    if any(math.isnan(error + time) for time, error, _ in found):  # type: ignore[operator]
         raise HmdwarpError(
             "a cost is not a number: expected an error and a time that were measured, or None for what was not"
         )
     kept: set[int] = set()
-    least: tuple[float, float] | None = None  # (error, time) of the last row kept; times only grow from here on
-    for index, error, time in sorted(measured, key=lambda entry: (entry[2], entry[1])):
-        if least is None or error < least[0] or (error, time) == least:
+    least: Costs | None = None  # (error, time) of the last row kept; times only grow from here on
+    for time, error, at in sorted(found):
+        if least is None or error < least[0] or (error, time) == least:  # type: ignore[operator]
             least = (error, time)
-            kept.add(index)
-    return [row for index, row in enumerate(rows) if index in kept]
+            kept.add(at)
+    return [row for at, row in enumerate(rows) if at in kept]

@@ -1,4 +1,4 @@
-"""Declaration of options, their limits, and objects made from the texts that users write."""
+"""Declaration of options and their limits; fields that several commands share."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+import typing
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar, get_type_hints
 
 import attrs
 
+from .. import geometry
 from ..errors import InputError, in_brief, listed
-from ..registry import own_entries
+from ..registry import Registry, own_entries
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _FAMILY = re.compile(r'dict\.fromkeys\(\s*\(([^)]*)\),\s*"(\w+)"')
@@ -30,25 +33,13 @@ def names_in(folder: str, pattern: str = "*", without: Collection[str] = (), *, 
     return ", ".join(sorted(name for name in names if not name.startswith("_") and name not in without))
 
 
-def _as_float(value: Any) -> float:
-    """Return infinity for a whole number that is too large."""
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
-
-
 @attrs.frozen
 class Number:
-    """Check that a value, or each of a tuple, is None, or finite and within the limits.
-
-    Errors: InputError.
-    """
+    """Check that a value, or each of a tuple, is None, or finite and within the limits."""
 
     least: float = 0.0
     most: float = math.inf
-    # Whether the lower limit is exclusive.
-    above: bool = False
+    above: bool = False  # whether the lower limit is exclusive
 
     def words(self, unit: str = "") -> str:
         """Return the limits in words, for errors and tables."""
@@ -58,12 +49,13 @@ class Number:
     def __call__(self, _: object, field: attrs.Attribute[Any], value: Any) -> None:
         _of_its_kind(_, field, value)
         for number in value if isinstance(value, tuple) else (value,):
-            if number is None:
-                continue
-            # A text of digits is no number: what a caller typed into Python is used as it is.
-            found = _as_float(number) if isinstance(number, Real) else math.nan
+            try:
+                # A text of digits is no number: what a caller typed into Python is used as it is.
+                found = float(number) if isinstance(number, Real) else math.nan
+            except OverflowError:
+                found = math.inf if number > 0 else -math.inf
             least_met = found > self.least if self.above else found >= self.least
-            if not (math.isfinite(found) and found <= self.most and least_met):
+            if number is not None and not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
                 shown = f"{found:g}{unit}" if isinstance(number, Real) else in_brief(number)
                 kind = "a number" if math.isfinite(self.most) else "a finite number"
@@ -74,10 +66,8 @@ class Number:
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
     """Return the name and unit (" ms") by which the user knows a field."""
-    if _KEY not in field.metadata:
-        return field.name, ""
-    declared = option_of(field)
-    return declared.flag, f" {declared.unit}" if declared.unit else ""
+    declared = option_of(field) if _KEY in field.metadata else None
+    return (declared.flag, f" {declared.unit}".rstrip()) if declared else (field.name, "")
 
 
 def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], None]:
@@ -143,31 +133,21 @@ class Option:
     """One option: a flag of the command line, a key of a study's file, a row of the docs."""
 
     help: str
-    # Type that the command line reads: str, float, int, bool, Path, or list for several texts.
-    kind: type = str
-    # Value of an option that is not set; None where the help says what happens then.
-    default: Any = None
+    kind: type = str  # type that the command line reads: str, float, int, bool, Path, or list for several texts
+    default: Any = None  # value of an option that is not set; None where the help says what happens then
     required: bool = False
-    # In Python and in a study's file; "" for the field's own name without its unit.
-    name: str = ""
+    name: str = ""  # in Python and in a study's file; "" for the field's own name without its unit
     unit: str = ""
-    # Allowed values in words; "" for any.
-    limits: str = ""
+    limits: str = ""  # allowed values in words; "" for any
     metavar: str | None = None
-    # Flag that turns a switch off; "" for none.
-    off: str = ""
-    # Whether it is a positional argument rather than a flag.
-    positional: bool = False
+    off: str = ""  # flag that turns a switch off; "" for none
+    positional: bool = False  # whether it is a positional argument rather than a flag
     # Whether an empty text is a value; otherwise it is refused, as of a shell's variable not set.
     may_be_empty: bool = False
-    # Whether a study's file may give a number in place of a text.
-    numeric: bool = False
-    # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it.
-    study: str = CONDITION
-    # Whether the file or folder that it names may name other files; see named_files.
-    names_files: bool = False
-    # Converts the written text to the field's value.
-    parse: Callable[[Any], Any] | None = None
+    numeric: bool = False  # whether a study's file may give a number in place of a text
+    study: str = CONDITION  # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it
+    names_files: bool = False  # whether the file or folder that it names may name other files; see named_files
+    parse: Callable[[Any], Any] | None = None  # converts the written text to the field's value
     # Heading under which a command's help lists it; "" for the first, of what matters most.
     heading: str = attrs.field(default="", eq=False)
 
@@ -187,26 +167,18 @@ def option(
 ) -> Any:
     """Return an attrs field that is an option.
 
-    value: default of the field. valid, convert: validator and converter of the field. beside:
-    options that affect the same field, see Declared.values_of. about: attributes of Option; what
-    they leave out is that of the field: kind and default of its default (without one, the kind of
-    its annotation), the unit at the end of its name, the limits of `valid`.
+    value, valid, convert: default, validator and converter of the field. beside: options that
+    affect the same field, see Declared.values_of. about: attributes of Option; by default kind and
+    default are those of the value (without one, the kind of the annotation), the unit that at the
+    end of the name, the limits those of `valid`.
     """
     required = value is attrs.NOTHING
     kind = _Annotated if value is None or required else type(value)
     about = {"kind": kind, "default": None if required else value, "required": required, **about}
-
-    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
-        _of_its_kind(instance, field, value)
-        if valid is not None:
-            valid(instance, field, value)
-
-    return attrs.field(
-        default=value,
-        validator=valid if isinstance(valid, Number) else check,  # Number looks at the kind itself
-        converter=convert,
-        metadata={_KEY: (Option(help, **about), *beside)},
-    )
+    # Number looks at the kind itself, and option_of at its limits.
+    check = valid if isinstance(valid, Number) else [_of_its_kind, *([] if valid is None else [valid])]
+    metadata = {_KEY: (Option(help, **about), *beside)}
+    return attrs.field(default=value, validator=check, converter=convert, metadata=metadata)
 
 
 def group(kind: type[Declared]) -> Any:
@@ -246,14 +218,10 @@ def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> A
 
     default: in place of its own. about: attributes of Option that differ.
     """
-    if default is not None:
-        about = {"default": default, **about}
-    return attrs.field(
-        default=field.default if default is None else default,
-        validator=field.validator,
-        converter=field.converter,
-        metadata={_KEY: (attrs.evolve(option_of(field), **about), *field.metadata[_KEY][1:])},
-    )
+    about = about if default is None else {"default": default, **about}
+    value, metadata = field.default if default is None else default, field.metadata[_KEY]
+    metadata = {_KEY: (attrs.evolve(option_of(field), **about), *metadata[1:])}
+    return attrs.field(default=value, validator=field.validator, converter=field.converter, metadata=metadata)
 
 
 _KNOWN: dict[type[Declared], tuple[Option, ...]] = {}
@@ -268,12 +236,8 @@ def options_of(kind: type[Declared]) -> tuple[Option, ...]:
 
 def _all_of(kind: type) -> Iterator[Option]:
     for field in attrs.fields(kind):
-        if _GROUP in field.metadata:
-            inner = field.metadata[_GROUP]
-            yield from (
-                attrs.evolve(inner_option, heading=inner_option.heading or inner.heading)
-                for inner_option in _all_of(inner)
-            )
+        if inner := field.metadata.get(_GROUP):
+            yield from (attrs.evolve(one, heading=one.heading or inner.heading) for one in _all_of(inner))
         if _KEY in field.metadata:
             yield from (option_of(field), *field.metadata[_KEY][1:])
 
@@ -281,10 +245,8 @@ def _all_of(kind: type) -> Iterator[Option]:
 class Declared:
     """Base of classes whose fields are options."""
 
-    # Options of a base class that do not apply to this one.
-    not_offered: ClassVar[tuple[str, ...]] = ()
-    # Heading of its options in help, where the class is a group of another's options.
-    heading: ClassVar[str] = ""
+    not_offered: ClassVar[tuple[str, ...]] = ()  # options of a base class that do not apply to this one
+    heading: ClassVar[str] = ""  # heading of its options in help, where the class is a group of another's options
 
     def digest(self) -> str:
         """Return a hash of what these options say, HOW left out; files count by their names."""
@@ -297,7 +259,7 @@ class Declared:
         """Return the object for the options that were set; the others keep their defaults.
 
         said: values by option name, as the command line or a study's file reads them. fields: by
-        field name, overriding `said`. Errors: InputError for a value out of range.
+        field name, overriding `said`. Errors: InputError.
         """
         return cls(**{**cls.values_of(said), **fields})
 
@@ -319,7 +281,277 @@ class Declared:
                 values[field.name] = field.metadata[_GROUP].of(said)
             elif _KEY in field.metadata:
                 own = option_of(field)
-                value = said.get(own.name)
-                if value is not None:
+                if (value := said.get(own.name)) is not None:
                     values[field.name] = value if own.parse is None else own.parse(value)
         return values
+
+
+FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
+
+
+def path_of(value: str | os.PathLike[str], flag: str = "--out") -> Path:
+    """Return a path. Errors: InputError for an empty text, which would be the working folder."""
+    if isinstance(value, str) and not value.strip():
+        raise InputError(f"{flag} '{value}': expected a name; '.' is the working folder")
+    try:
+        return as_path(value)
+    except InputError as error:
+        raise InputError(f"{flag} {error}") from error
+
+
+def out_field(value: Any, help: str, /, **about: Any) -> Any:
+    """Return the field of a file or folder to write; value: its default, as `option` takes it."""
+    optional = value is None
+    return option(value, help, kind=Path, convert=attrs.converters.optional(path_of) if optional else path_of, **about)
+
+
+def force_field(study: str = CONDITION) -> Any:
+    """Return the field of `--force`. study: why a study's file may not set it."""
+    return option(False, FORCE.help, study=study)
+
+
+def _split_values(text: str) -> list[str]:
+    """Return what stands between commas; a text that names a file is one value."""
+    try:
+        is_file = Path(text).exists()
+    except OSError:  # a list longer than a name can be
+        is_file = False
+    return [text] if is_file else [part.strip() for part in text.split(",")]
+
+
+def split_names(text: str) -> list[str]:
+    """Return what stands between commas; a name with settings, which hold commas, is one value."""
+    return [text] if ":" in text else [part.strip() for part in text.split(",")]
+
+
+def several(
+    field: attrs.Attribute[Any],
+    default: tuple[Any, ...],
+    help: str = "",
+    *,
+    split: Callable[[str], list[str]] = _split_values,
+    each: Callable[[Any], Any] = lambda value: value,
+    **about: Any,
+) -> Any:
+    """Return an attrs field that takes several values of another class' option, each once.
+
+    Its name, unit, limits and parser are the option's. default: () if unset means all that
+    there are. help: in place of its own. split: from one text of the command line to values.
+    each: converter of one value. about: as for `option`.
+    """
+    one = option_of(field)
+    said = (help or one.help).removesuffix(".")
+    shown = f"; by default {listed([*map(_text, default)])}" if default else ""
+
+    def distinct(values: Iterable[Any], field: attrs.Attribute[Any]) -> tuple[Any, ...]:
+        found = tuple(dict.fromkeys(map(each, (values,) if isinstance(values, str) else values)))
+        if not found and default:
+            raise InputError(f"{option_of(field).flag}: expected at least one value")
+        return found
+
+    def value_of(text: str) -> Any:
+        try:
+            return one.kind(text) if one.parse is None else one.parse(text)
+        except ValueError as error:
+            meaning = one.help[0].lower() + one.help[1:].removesuffix(".")
+            raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
+
+    usual = {"name": one.name, "kind": list, "default": None, "unit": one.unit, "limits": one.limits}
+    usual |= {"metavar": one.metavar or one.name.upper(), "valid": field.validator}
+    usual |= {"parse": lambda texts: [value_of(part) for text in texts for part in split(text)]}
+    usual |= {"convert": attrs.Converter(distinct, takes_field=True)}
+    commas = "" if about.get("positional") else " or use commas"
+    return option(default, f"{said}{shown}. For several, repeat it{commas}.", **{**usual, **about})
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, tuple):
+        return "x".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+AUTO = "auto"
+DEFAULT_GUARD = 1.5  # of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more
+Size = tuple[int, int]
+Guard = float | tuple[float, float]
+_FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
+_HELP = (
+    "Overscan: ask the server for this many times the pixels on each axis, and so of the field of view in tangents: "
+    "1.5 makes 2.25 times the pixels; 1.25x1.125 has a factor for each axis."
+)
+_BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
+
+
+def parse_size(text: str, flag: str = "--size") -> Size:
+    """Return (640, 400) for '640x400'. Errors: InputError."""
+    match = re.fullmatch(r"([0-9]{1,6})\s*[xX]\s*([0-9]{1,6})", text.strip())
+    if not match or 0 in map(int, match.groups()):
+        raise InputError(f"{flag} '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
+    return int(match.group(1)), int(match.group(2))
+
+
+def parse_guard(text: str) -> Guard | str:
+    """Return 'auto', a factor, or one for each axis. Errors: InputError."""
+    if text.strip() == AUTO:
+        return AUTO
+    try:
+        x, *y = map(float, re.split(b"[xX]", text.encode("ascii")))
+    except ValueError as error:
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
+    if len(y) > 1:
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}")
+    return (x, y[0]) if y and y[0] != x else x
+
+
+def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | str) -> None:
+    if not isinstance(value, str) or value != AUTO:
+        Number(least=1.0)(instance, field, value)
+
+
+def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
+    # The guard band of recorded frames is what the display leaves of their own pixels.
+    is_recorded = getattr(instance, "frames", None) is not None
+    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD) and not is_recorded:
+        raise InputError(_BOTH)
+
+
+def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
+    """Return the field of `--guard`. It stands before that of `--rendered-size`.
+
+    default: a factor, or an attrs.Factory, which `more` explains: added to the help that all share.
+    """
+    # No default on the command line, to tell a guard that was set from one that was not.
+    about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
+    said = f" [default: {default:g}]" if isinstance(default, float) else ""
+    return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
+
+
+def rendered_size_field(heading: str = "") -> Any:
+    """Return the field of `--rendered-size`. heading: as of Option."""
+    help = (
+        "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
+        "1.25x1.125, and 1.41 times the pixels."
+    )
+    parse = partial(parse_size, flag="--rendered-size")
+    return option(None, help, metavar="WxH", heading=heading, parse=parse, valid=_check_rendered)
+
+
+def check_one_guard(said: Mapping[str, Any]) -> None:
+    """Raise InputError if both options were set."""
+    if said.get("guard") is not None and said.get("rendered_size") is not None:
+        raise InputError(_BOTH)
+
+
+def guard_band(options: Any) -> geometry.GuardBand:
+    """Return the guard band of the options. Errors: InputError while it is "auto"."""
+    if isinstance(options.guard, str):
+        raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
+    if options.rendered_size is not None:
+        return geometry.GuardBand(size=options.rendered_size)
+    return geometry.GuardBand.of(options.guard)
+
+
+PAPER_TABLES, PLOTS = {"latex": "tex", "csv": "csv", "markdown": "md"}, ("svg", "pdf")
+PAPER = ("paper/*.tex", "paper/*.csv", "paper/*.md", "paper/*.svg", "paper/*.pdf")
+
+
+def _kinds(known: Sequence[str], flag: str) -> Any:
+    def each(_: object, field: attrs.Attribute[Any], value: tuple[str, ...]) -> None:
+        for kind in value if isinstance(value, tuple | list) else (value,):
+            one_of(*known)(None, field, kind)
+
+    help = f"Also write the page's {flag} as files for a paper, into paper/: {listed(known)}, with commas."
+    about: dict[str, Any] = {"kind": str, "default": None, "name": flag, "metavar": "KIND,.."}
+    return option(
+        (), help, valid=each, parse=lambda text: tuple(filter(None, map(str.strip, text.split(",")))), **about
+    )
+
+
+@attrs.frozen
+class PaperOptions(Declared):
+    """What to write for a paper. Errors: InputError for an unknown kind."""
+
+    tables: tuple[str, ...] = _kinds(tuple(PAPER_TABLES), "tables")
+    plots: tuple[str, ...] = _kinds(PLOTS, "plots")
+    columns: int = option(1, "Columns of the paper that a plot spans: 1 or 2.", valid=Number(1, 2), name="plot_columns")
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anything is."""
+        return bool(self.tables or self.plots)
+
+
+@attrs.frozen
+class NoSettings:
+    """No settings."""
+
+
+class HasSettings(Protocol):
+    """An entry of a registry that can be set."""
+
+    name: ClassVar[str]
+    Settings: ClassVar[type]  # An attrs class; each field has a default.
+
+
+Entry = TypeVar("Entry", bound=HasSettings)
+
+
+@attrs.frozen
+class Choice(Generic[Entry]):
+    """An entry and its settings; str() leaves out those at their defaults."""
+
+    entry: type[Entry]
+    settings: Any
+
+    def __str__(self) -> str:
+        default = self.entry.Settings()
+        said = {field.name: getattr(self.settings, field.name) for field in attrs.fields(self.entry.Settings)}
+        changed = [f"{name}={value}" for name, value in said.items() if value != getattr(default, name)]
+        return f"{self.entry.name}:{','.join(changed)}" if changed else self.entry.name
+
+
+def parse_choice(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
+    """Parse 'name' or 'name:key=value,key=value'.
+
+    Errors: UnknownNameError for the name; InputError for a setting that it lacks, or a bad value.
+    """
+    if not isinstance(text, str):
+        raise InputError(f"{registry.kind} {in_brief(text)}: expected a name: {', '.join(registry.names())}")
+    name, _, rest = text.partition(":")
+    entry = registry.get(name)
+    return Choice(entry, parse_settings(entry.Settings, entry.name, f"{registry.kind} '{text}'", rest))
+
+
+def parse_settings(kind: type, name: str, named: str, text: str) -> Any:
+    """Return the settings of a kind from 'key=value,key=value'. Errors: InputError.
+
+    name: of what they belong to. named: that with its settings, as messages call it.
+    """
+    fields = {field.name: field for field in attrs.fields(kind)}
+    kinds = get_type_hints(kind)
+    values: dict[str, Any] = {}
+    for part in filter(None, (piece.strip() for piece in text.split(","))):
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if key not in fields or not equals:
+            known = ", ".join(f"{field.name}={field.default}" for field in fields.values()) or "none"
+            raise InputError(f"{named}: '{part}' is no setting of '{name}'; its settings and their defaults: {known}")
+        if key in values:
+            raise InputError(f"{named}: {key} is given twice; give it once")
+        kind_of = kinds[key]
+        if typing.get_origin(kind_of) is typing.Literal:
+            words = {str(word): word for word in typing.get_args(kind_of)}
+            if value not in words:
+                raise InputError(f"{named}: {key} is '{value}': expected {' or '.join(words)}")
+            values[key] = words[value]
+            continue
+        try:
+            values[key] = kind_of(value.encode("ascii") if kind_of in (int, float) else value)
+        except ValueError as error:
+            wanted = {int: "a whole number", float: "a number"}.get(kind_of, kind_of.__name__)
+            raise InputError(f"{named}: {key} is '{value}': expected {wanted}") from error
+        if kind_of is float and not math.isfinite(values[key]):
+            raise InputError(f"{named}: {key} is '{value}': expected a finite number")
+    try:
+        return kind(**values)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{named}: {error}") from error

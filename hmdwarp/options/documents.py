@@ -1,16 +1,24 @@
-"""JSON and TOML from anywhere: one function each that bounds what a text can do to its reader."""
+"""JSON and TOML from anywhere, within bounds; TOML of people by a getter per type."""
 
 from __future__ import annotations
 
+import bisect
+import difflib
+import functools
 import json
+import math
 import re
 import tomllib
 from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from ..errors import InputError
-from .named_files import FACTS, FileKind, content_of
+import attrs
+
+from ..errors import InputError, listed
+from .named_files import FACTS, TABLE, FileKind, content_of, text_in
 
 MOST_DEPTH = 100  # of lists and tables in each other; what is read by recursion stays far from Python's 1000
 MOST_KEY = 1000  # characters
@@ -122,3 +130,271 @@ def _too_deep() -> DocumentError:
 
 def _shown(key: str) -> str:
     return repr(key if len(key) <= 60 else f"{key[:57]}...").encode("ascii", "backslashreplace").decode()
+
+
+KeyPath = tuple[str | int, ...]
+_NEEDED = object()  # no default: the key is required
+T = TypeVar("T")
+
+
+def quoted(value: object) -> str:
+    """Format a value of a file for messages: one line of limited length."""
+    try:
+        return _shortened(repr(value))
+    except ValueError:  # Python does not print integers of more than 4300 digits
+        return "a number beyond all bounds"
+
+
+class KeyFault(InputError):
+    """A wrong key in a file; path: from the top, keys, and indices from 0 within arrays."""
+
+    def __init__(self, text: str, path: KeyPath) -> None:
+        super().__init__(text)
+        self.path = path
+
+
+class Table:
+    """A table of a TOML file: `data` of tomllib, at `path` in the file.
+
+    Getters take a default for an optional key. example: a file with all keys, for messages. Errors:
+    KeyFault naming the key.
+    """
+
+    def __init__(self, data: object, path: KeyPath = (), example: str = "") -> None:
+        self.path, self._example = path, example
+        if not isinstance(data, dict):
+            raise KeyFault(f"{_named(path)} is {quoted(data)}: expected a table of keys", path)
+        self._data = data
+        self._read: dict[str, list[Table]] = {}
+        self._known: dict[str, None] = {}  # every key that was read, in that order
+
+    def __contains__(self, key: str) -> bool:
+        self._known[key] = None
+        return key in self._data
+
+    def keys(self) -> tuple[str, ...]:
+        """Return the keys in file order."""
+        return tuple(self._data)
+
+    def table(self, key: str) -> Table:
+        """Return a table inside this one, the same object each time."""
+        value = self.raw(key)
+        if not self._read[key]:
+            self._read[key] = [Table(value, (*self.path, key), self._example)]
+        return self._read[key][0]
+
+    def tables(self, key: str) -> tuple[Table, ...]:
+        """Return the tables of an array, written as [[key]]; none for a missing key."""
+        value, path = self.raw(key, ()), (*self.path, key)
+        if not isinstance(value, list | tuple):
+            raise self.fault(key, f"is {quoted(value)}: expected tables, each beginning with [[{_named(path)}]]")
+        if not self._read[key]:
+            self._read[key] = [Table(one, (*path, number), self._example) for number, one in enumerate(value)]
+        return tuple(self._read[key])
+
+    def text(self, key: str, default: Any = _NEEDED) -> str:
+        """Return a non-empty text."""
+        return self._checked(str, key, default, str.strip, "a text")
+
+    def line(self, key: str, default: Any = _NEEDED) -> str:
+        """Return a one-line text without control characters."""
+        self.text(key, default)
+        return self._checked(str, key, default, str.isprintable, "a text of one line, without control characters")
+
+    def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
+        """Return one of the allowed words."""
+        return self._checked(str, key, default, known.__contains__, listed(known, "or"))
+
+    def flag(self, key: str, default: Any = _NEEDED) -> bool:
+        """Return a boolean."""
+        return self._checked(bool, key, default, lambda _: True, "true or false")
+
+    def number(self, key: str, default: Any = _NEEDED) -> float:
+        """Return a finite number."""
+        value = self._checked(object, key, default, _is_number, "a finite number")
+        return value if value is default else float(value)  # type: ignore[arg-type]
+
+    def within(self, key: str, least: float, most: float, default: Any = _NEEDED, *, above: bool = False) -> float:
+        """Return a number from least to most; above: greater than least."""
+        value = self.number(key, default)
+        if value is not default and not (least <= value <= most and (value > least or not above)):
+            raise self.fault(key, f"is {value:g}: expected a number {_range(least, most, above)}")
+        return value
+
+    def whole(self, key: str, least: int, most: int, default: Any = _NEEDED) -> int:
+        """Return a whole number from least to most."""
+        wanted = f"a whole number {_range(least, most)}"
+        return self._checked(int, key, default, lambda value: least <= value <= most, wanted)
+
+    def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
+        """Return finite numbers, `count` of them (None: any number)."""
+        what = f"a list of {'' if count is None else f'{count} '}finite numbers"
+        found = self._checked(
+            list, key, _NEEDED, lambda value: all(map(_is_number, value)) and count in (None, len(value)), what
+        )
+        return tuple(map(float, found))
+
+    def texts(self, key: str, default: Any = _NEEDED) -> tuple[str, ...]:
+        """Return non-empty texts."""
+
+        def are_texts(value: list[Any]) -> bool:
+            return all(isinstance(entry, str) and entry.strip() for entry in value)
+
+        return tuple(self._checked(list, key, default, are_texts, 'a list of texts, like ["one", "another"]'))
+
+    def _checked(self, kind: type[T], key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> T:
+        value: Any = self.raw(key, default)
+        is_kind = isinstance(value, kind) and not (kind is int and isinstance(value, bool))
+        if value is not default and not (is_kind and is_right(value)):
+            raise self.fault(key, f"is {quoted(value)}: expected {wanted}")
+        return value  # type: ignore[no-any-return]
+
+    def raw(self, key: str, default: Any = _NEEDED) -> Any:
+        """Return a value of any type."""
+        self._read.setdefault(key, [])
+        self._known[key] = None
+        if key not in self._data and default is _NEEDED:
+            raise self.missing(key)
+        return self._data.get(key, default)
+
+    def fault(self, key: str | None, says: str, *within: str | int) -> KeyFault:
+        """Return an error about a key, or this table for None; within: path in the key's value."""
+        path = self.path if key is None else (*self.path, key)
+        return KeyFault(f"{_named(path)} {says}".lstrip(), (*path, *within))
+
+    def missing(self, key: str) -> KeyFault:
+        """Return the error for a missing key; it points at a similar key if there is one."""
+        named = _named((*self.path, key))
+        for near in difflib.get_close_matches(key, set(self._data) - set(self._known), n=1, cutoff=0.7):
+            return KeyFault(f"the key {named} is missing: is {_named((near,))} meant to be {key}?", (*self.path, near))
+        hint = f"; {self._example} has them all" if self._example else ""
+        return KeyFault(f"the key {named} is missing{hint}", self.path)
+
+    def refuse_unread(self) -> None:
+        """Raise KeyFault for keys that were never read: a misspelt key would go unnoticed."""
+        for key in self._data:
+            if key not in self._read:
+                known, path = [_named((*self.path, one)) for one in self._known], (*self.path, key)
+                near = difflib.get_close_matches(name := _shortened(_named(path)), known, n=1, cutoff=0.5)
+                hint = f"did you mean {near[0]}? " if near else ""
+                raise KeyFault(f"unknown key {name}: {hint}known are {', '.join(known)}", path)
+            for inner in self._read[key]:
+                inner.refuse_unread()
+
+
+_READ = "read"
+
+
+def reads(get: Callable[..., Any], *limits: Any, at: str = "", required: bool = False, **how: Any) -> dict[str, Any]:
+    """Return the metadata of an attrs field that is a key of a file, for `fields_in` to read.
+
+    get: the getter of Table; limits, how: what that takes after the key. at: "table.key", by
+    default the field's name. required: whether the file has it although the field has a default.
+    """
+    return {_READ: (get, limits, at, required, how)}
+
+
+def read_by(get: Callable[..., Any], *limits: Any, default: Any, **how: Any) -> Any:
+    """Return such a field with a default, which an optional key has too."""
+    return attrs.field(default=default, metadata=reads(get, *limits, **how))
+
+
+def fields_in(table: Table, kind: type[attrs.AttrsInstance]) -> dict[str, Any]:
+    """Return the values of a class's fields that are keys, by name, in their order.
+
+    Keys of a table that the file lacks have their defaults. Errors: KeyFault.
+    """
+    found: dict[str, Any] = {}
+    for field in attrs.fields(kind):
+        if _READ in field.metadata:
+            get, limits, at, required, how = field.metadata[_READ]
+            inside, _, name = at.rpartition(".")
+            of = table if not inside else table.table(inside) if inside in table else Table({})
+            default = () if required or field.default is attrs.NOTHING else (field.default,)
+            found[field.name] = get(of, name or field.name, *limits, *default, **how)
+    return found
+
+
+def _named(path: KeyPath) -> str:
+    """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
+    return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def _range(least: float, most: float, above: bool = False) -> str:
+    lower = f"{'above' if above else 'of at least'} {least:g}"
+    return f"{lower} and at most {most:g}" if math.isfinite(most) else lower
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return abs(value) < 2**63  # the range of TOML; a longer one would overflow as a float
+    return isinstance(value, float) and math.isfinite(value)
+
+
+# What may close the lists and texts that the beginning of a file leaves open.
+_ENDS = ["\n" + quotes + brackets for quotes in ("", '"""', "'''") for brackets in ("", "\n]", "\n]]", "\n]]]")]
+_MOST_OPEN = 30  # lines of a value that no end closes
+
+
+def line_of(text: str, path: KeyPath) -> int:
+    """Return the line of a key in TOML, from 1 on; for a missing key that of its table, or 1.
+
+    No parser keeps them: it is that after the longest beginning of the text that lacks the key.
+    """
+    lines = text.split("\n")
+
+    @functools.cache
+    def begun(count: int) -> tuple[int, Any]:
+        """Return how many of so many lines can be read, and what they hold."""
+        for length in range(count, max(count - _MOST_OPEN, 0), -1):
+            for end in _ENDS:
+                with suppress(ValueError, RecursionError):
+                    return length, tomllib.loads("\n".join(lines[:length]) + end)
+        return max(count - _MOST_OPEN, 0), {}
+
+    def has(count: int) -> bool:
+        found = begun(count)[1]
+        with suppress(KeyError, IndexError, TypeError):
+            for key in path:
+                found = found[key]
+            return True
+        return False
+
+    while path and not has(len(lines)):
+        path = path[:-1]
+    return begun(bisect.bisect_left(range(len(lines)), True, key=has) - 1)[0] + 1 if path else 1
+
+
+def text_of(path: Path, wanted: str, folder: Path | None = None) -> str:
+    """Read a text file that is written by hand. wanted: for messages, such as "a .toml file".
+
+    Errors: InputError, as `text_in`.
+    """
+    return text_in(path, attrs.evolve(TABLE, what=wanted), folder)
+
+
+def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
+    """Parse TOML and return the result of `made_of`; refuse keys that it did not read.
+
+    path: for messages. Errors: InputError naming file, line and value.
+    """
+    try:
+        table = Table(parse_toml(text), example=example)
+    except DocumentError as error:
+        place = path if error.line is None else f"{path}:{error.line}"
+        twice, hint = re.fullmatch(r"Cannot declare \((.*)\) twice(?: \(column \d+\))?", str(error)), ""
+        if twice:
+            key = ".".join(part.strip().strip("'\"") for part in twice[1].split(",") if part.strip())
+            hint = f"; where a file may have several of them, each begins with [[{key}]]"
+        raise InputError(f"{place}: this is no TOML: {error}{hint}") from error
+    try:
+        made = made_of(table)
+        table.refuse_unread()
+    except KeyFault as error:
+        said = " ".join(str(error).split())  # names and texts of a file may hold line ends
+        raise InputError(f"{path}:{line_of(text, error.path)}: {said}") from error
+    return made

@@ -32,8 +32,7 @@ _CHUNK = 1 << 20
 def identity_of(kind: str, what: Any, also: Sequence[str] = ()) -> str:
     """Return the hash of the program, of a kind of case, and of what it runs.
 
-    what: options and plain values. A file counts by its name and content, not by its place. also:
-    as program_hash.
+    what: options and plain values; a file counts by its name and content. also: as program_hash.
     Errors: OSError and InputError for a file that cannot be read.
     """
     made_with = {"hmdwarp": __version__, "program": program_hash(*also), "kind": kind, "what": _content(what)}
@@ -45,8 +44,7 @@ def identity_of(kind: str, what: Any, also: Sequence[str] = ()) -> str:
 def program_hash(*also: str) -> str:
     """Return a hash of the program's files that results depend on, wherever it is installed.
 
-    also: beginnings of paths in the package that this kind of results depends on besides what draws
-    and measures pictures, such as `study/`.
+    also: beginnings of paths in the package that these results depend on too, such as `study/`.
     """
     package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
     found = hashlib.sha256()
@@ -125,12 +123,8 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
 def _content(value: Any) -> Any:
     """Return plain data of options and values, with files by content."""
     if attrs.has(type(value)):
-        fields = {
-            each.name: getattr(value, each.name)
-            for each in attrs.fields(type(value))
-            if each.init and each.name not in HOW
-        }
-        return {"": type(value).__name__, **{name: _content(each) for name, each in fields.items()}}
+        names = [each.name for each in attrs.fields(type(value)) if each.init and each.name not in HOW]
+        return {"": type(value).__name__, **{name: _content(getattr(value, name)) for name in names}}
     if isinstance(value, Mapping):
         return {str(key): _content(each) for key, each in value.items()}
     if isinstance(value, enum.Enum):

@@ -23,15 +23,12 @@ from .declared import Option
 OUTSIDE = Option(
     "Open files outside of the folder of the file that names them, too.", bool, False, name="allow_outside"
 )
-# In the environment, so that processes that a run starts keep to it as well.
-_VARIABLE = "HMDWARP_ALLOW_OUTSIDE"
+_VARIABLE = "HMDWARP_ALLOW_OUTSIDE"  # in the environment, so that processes that a run starts keep to it as well
 _MIB = 1 << 20
 _GIB = 1 << 30
 _STEP = 1 << 24
 _LONGEST_NAME = 500
 _OTHERS = ((stat.S_ISDIR, "a directory"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
-
-
 MOST_PIXELS_BYTES = 512 * _MIB  # of a picture or the arrays of an archive, unpacked
 
 
@@ -41,10 +38,7 @@ def most_unpacked(packed: int) -> int:
 
 
 def unpacked(decompressor: Any, data: bytes) -> bytes:
-    """Return what packed bytes hold. Errors: ValueError for too many; the decompressor's own.
-
-    decompressor: of bz2, lz4 or zstd, all of which can be told how much to unpack.
-    """
+    """Return what packed bytes hold. Errors: ValueError for too many; the decompressor's own."""
     most = most_unpacked(len(data))
     found: bytes = decompressor.decompress(data, most + 1)
     if len(found) > most or not decompressor.eof:
@@ -79,11 +73,9 @@ VIDEO = FileKind("a video", 1024 * _GIB)
 
 
 def opened(path: str | os.PathLike[str], kind: FileKind, folder: Path | None = None) -> BinaryIO:
-    """Open a file for reading.
+    """Open a file for reading. Errors: those of the kind, one line; reading raises them too.
 
-    folder: of the file that names it; None for a file that the user names, and for one in a folder
-    that was named (`enter`). Reading raises too, for a file that grows meanwhile.
-    Errors: those of the kind, one line.
+    folder: of the file that names it; None where the user does, or has named its folder (`enter`).
     """
     shown = _shown(path)
     try:
@@ -112,10 +104,7 @@ def text_in(path: str | os.PathLike[str], kind: FileKind, folder: Path | None = 
 
 
 def check_inside(path: Path, folder: Path, what: str = "a file") -> Path:
-    """Return the path of what a file in `folder` names, to be opened later.
-
-    Errors: InputError for a place outside of the folder.
-    """
+    """Return the path of what a file in `folder` names. Errors: InputError for one outside."""
     try:
         path.exists()  # raises for what can be no name
         _refuse_outside(os.path.realpath(path), path, folder, what, InputError)
@@ -129,10 +118,7 @@ _NAMED: dict[str, Path] = {}
 
 
 def keep_inside(path: Path, folder: Path, what: str = "a file") -> Path:
-    """Return the path as check_inside does, and check again when it, or a file in it, is opened.
-
-    Errors: as check_inside.
-    """
+    """Return the path as check_inside does; check again when it, or a file in it, is opened."""
     _NAMED[str(Path.cwd() / path)] = folder
     return check_inside(path, folder, what)
 
@@ -169,10 +155,7 @@ def _check(place: int, path: str | os.PathLike[str], kind: FileKind, folder: Pat
 
 
 def _named_by(path: str | os.PathLike[str]) -> list[Path]:
-    """Return the folders that a path has to lie in.
-
-    The innermost that was named as a whole, and that of the file which named it or what it is in.
-    """
+    """Return the folders that a path has to lie in: named as a whole, and of what names it."""
     absolute = Path.cwd() / path
     entered = max((name for name in _ENTERED if str(absolute).startswith(name)), key=len, default=None)
     named = [_NAMED[str(one)] for one in (absolute, *absolute.parents) if str(one) in _NAMED]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
+from collections.abc import Sequence
 
 import attrs
 
@@ -18,11 +18,7 @@ from .channel import SEEN_PX, Changes, Channel
 from .governor import AdaptiveCompensator
 from .source import FrameSource, PoseRequest
 
-
-class _Pictures(TypedDict):
-    rendered: EyeImage
-    others: tuple[EyeImage, ...]
-    recent: tuple[EyeImage, ...]
+Several = tuple[EyeImage, ...]
 
 
 @attrs.frozen(eq=False)
@@ -132,7 +128,7 @@ class Loop:
         frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
-        head = self._requested.for_display(shown_ns)
+        head = self._requested.source.head_at(shown_ns)
         inputs = self._inputs(frame, head, shown_ns)
         eyes, laps = [], []
         for eye_inputs in inputs:
@@ -148,35 +144,41 @@ class Loop:
 
         Frames must carry what it needs, see PoseRequest.needs; layers beyond that are left out.
         """
-        return tuple(
-            attrs.evolve(eye_inputs, **self._pictures(refresh.frame, eye_inputs.eye, needs))
-            for eye_inputs in refresh.inputs
-        )
+        found = []
+        for before in refresh.inputs:
+            rendered, others, recent = self._pictures(refresh.frame, before.eye, needs)
+            found.append(attrs.evolve(before, rendered=rendered, others=others, recent=recent))
+        return tuple(found)
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
         last: tuple[View | None, ...] = (None,) * len(first)
         if asked.scanout_ns:
-            last = self._eyes.views(asked.for_display(shown_ns + asked.scanout_ns).pose)
-        return tuple(
-            [
-                PassInputs(shown=shown, eye=eye, shown_last=end, shown_ns=shown_ns, **self._pictures(frame, eye, needs))
-                for eye, (shown, end) in enumerate(zip(first, last, strict=True))
-            ]
-        )
+            last = self._eyes.views(asked.source.head_at(shown_ns + asked.scanout_ns).pose)
+        found = []
+        for eye, (shown, end) in enumerate(zip(first, last, strict=True)):
+            rendered, others, recent = self._pictures(frame, eye, needs)
+            found.append(PassInputs(rendered, shown, eye, others, recent, end, shown_ns=shown_ns))
+        return tuple(found)
 
-    def _pictures(self, frame: Frame, eye: int, needs: Needs) -> _Pictures:
-        """Return the eye's picture and the others that a plan reads, with the layers it needs.
+    def _pictures(self, frame: Frame, eye: int, needs: Needs) -> tuple[EyeImage, Several, Several]:
+        """Return the eye's picture, the other and the recent ones of a plan, with its layers.
 
         Frames may carry more layers, for plans that run on the same refresh.
         """
-        rendered = frame.eyes[eye].only(needs)
-        asked, kept = needs.others, self.history
-        found = [frame.eyes[1 - eye]] if asked.other_eye else []
-        found += rendered.carried.get("views", ())
-        found += [before.eyes[eye] for before in kept.frames[: asked.past]]
-        late = [before.eyes[eye] for before in kept.recent[: asked.recent]]
-        size = rendered.size  # passes are made for pictures of one size
-        others = tuple([one.only(needs) for one in found if one.size == size]) if found else ()
-        recent = tuple([one.only(needs) for one in late if one.size == size]) if late else ()
-        return {"rendered": rendered, "others": others, "recent": recent}
+        rendered, asked, kept = frame.eyes[eye].only(needs), needs.others, self.history
+        beside = [frame.eyes[1 - eye]] if asked.other_eye else []
+        beside += rendered.carried.get("views", ())
+        others = _alike(beside, kept.frames[: asked.past], eye, rendered, needs)
+        return rendered, others, _alike([], kept.recent[: asked.recent], eye, rendered, needs)
+
+
+def _alike(images: list[EyeImage], frames: Sequence[Frame], eye: int, like: EyeImage, needs: Needs) -> Several:
+    """Return images, and an eye's of frames, that passes for `like` fit, with the needed layers."""
+    for before in frames:
+        images.append(before.eyes[eye])
+    found = []
+    for one in images:
+        if one.colour.size == like.colour.size:
+            found.append(one.only(needs) if one.carried else one)
+    return tuple(found)

@@ -1,19 +1,19 @@
-"""Options of every run, checked before anything is started."""
+"""Options of every run, checked before anything is started; and what kinds of sources there are."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import attrs
 
-from .. import geometry, headsets, poses
+from .. import client, geometry, headsets, poses
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError, in_brief
-from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
+from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions, StageTimes
 from ..link.codec import Coding
 from ..link.options import DROP
 from ..options import (
@@ -41,21 +41,185 @@ from ..poses.options import DEFAULT_PREDICTOR, PREDICTORS
 from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
 from .levels import QualityLevel
-from .proxy_options import (
-    DEFAULT_FILL,
-    DEFAULT_WARP,
-    PROXY,
-    RECORDING,
-    REMOTE,
-    SCENE,
-    ProxyOptions,
-    SourceKind,
-    default_fill,
-    default_guard,
-    default_predictor,
-    refuse_with_frames,
-    with_frames,
+
+# frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
+_PICTURE = ("rendered.colour", "rendered.inverse_depth")
+
+
+@attrs.frozen
+class SourceKind:
+    """What is known of a source of frames by its options, before anything is loaded."""
+
+    name: str
+    # Layers that its frames can have; None for any.
+    layers: tuple[str, ...] | None = None
+    # Whether the client can have the scene's geometry.
+    has_geometry: bool = True
+    # Whether it comes with a head's motion and a display of its own.
+    has_head: bool = False
+    # Eyes that it has pictures of, and the truth.
+    eyes: int = 2
+    # Controls of a live run that it sets by itself.
+    sets: tuple[str, ...] = ()
+    # Appended to the reason why a plan cannot run on its frames.
+    limits: str = ""
+    # Whether its latency is only known once it is measured.
+    is_timed: bool = False
+
+    def refuse_change(self, name: str) -> None:
+        """Raise InputError for a control that cannot change while it runs."""
+        if name in self.sets:
+            raise InputError(f"{name}: recorded frames set it; begin again with other options")
+
+
+SCENE = SourceKind("scene")
+RECORDING = SourceKind(
+    "recording",
+    (*_PICTURE, "rendered.others"),
+    has_geometry=False,
+    has_head=True,
+    eyes=1,
+    sets=("scene", "guard", "lens", "effects"),
+    limits="; recorded frames hold colour and depth of one eye, and no scene",
 )
+# The scene's name where a server elsewhere shows its own, whatever it is.
+SERVER_SCENE = "server"
+# A server elsewhere.
+REMOTE = SourceKind("remote", is_timed=True)
+# A machine near the client that warps for it, and sends the finished picture.
+PROXY = SourceKind("proxy", _PICTURE[:1])
+
+# Options that recorded frames set, with their values; and why they leave no choice in others.
+_OF_FRAMES = {"guard": "1", "predict": "none", "lens": "none"}
+_WHY_NOT = {
+    "scene": "recorded frames take the place of a scene",
+    "headset": "the display is the camera, and --guard 1.5 shows the middle of what it saw",
+    "rendered_size": "a recording has as many pixels as were taken; --guard says how much of it is shown",
+    "wide": "a recording has no second view",
+    "predict": "each frame was taken where the camera was",
+    "lens": "the display is the camera, which has no lens to correct",
+    "proxy": "a proxy draws for heads of its own",
+    "scanout": "the truth of each row was not recorded",
+    "guard": "a factor says how much of the recording is shown, such as 1.5",
+    "samples": "its edges are as they were recorded",
+    "fovea": "they came as sharp everywhere",
+    "warp": "its benchmark draws a scene; name a warp",
+}
+_ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples")
+
+
+def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the options as set, with the defaults of recorded frames where there are any.
+
+    usual: the default of each option. Errors: InputError for what frames leave no choice in.
+    """
+    if said.get("frames") is None:
+        if said.get("eye_distance") is not None:
+            raise InputError(
+                f"--eye-distance {said['eye_distance']:g} without --frames: a scene is drawn for both eyes of the "
+                "headset; leave it out"
+            )
+        return said
+    for name in _ONLY_SAID:
+        if said.get(name) not in (None, usual.get(name)):
+            raise InputError(f"--{name.replace('_', '-')} with --frames: {_WHY_NOT[name]}; leave it out")
+    return {**said, **{name: value for name, value in _OF_FRAMES.items() if name in usual and said.get(name) is None}}
+
+
+# Of what colour and depth allow, the most accurate in docs/results.md for its time.
+DEFAULT_WARP, DEFAULT_FILL = "iterative", "memory+pyramid"
+# Of frames of a caller, which need not follow each other: memory would show one in another's holes.
+SINGLE_FILL = "pyramid"
+
+
+def _default_fill(warp: str) -> str:
+    """Return the default fill of a warp: none where it reads colour alone, to send no depth for it.
+
+    A name that no warp has gets the usual fill; who takes it says what is wrong.
+    """
+    if warp in (AUTO, DEFAULT_WARP):
+        return DEFAULT_FILL
+    try:
+        chosen = client.parse_warp(warp)
+    except InputError:
+        return DEFAULT_FILL
+    return DEFAULT_FILL if _PICTURE[1] in chosen.entry.reads_for(chosen.settings) else "none"
+
+
+# Of the whole way, the part before the proxy, where only the whole is given.
+_BEFORE = 0.75
+
+
+@attrs.frozen
+class ProxyOptions(Declared):
+    """A proxy between server and client. Options that are not named here are the client's.
+
+    Errors: InputError for a value out of range.
+    """
+
+    heading = "Proxy"
+    on: bool = option(
+        False,
+        "A proxy warps: it gets frames from the server, and sends the client the finished picture for the newest pose "
+        "that it knows. --latency, codec, loss and bandwidth are then those of the link to the client.",
+        name="proxy",
+    )
+    # Poses go the other way; as everywhere, the latency is that of both ways together.
+    latency_ms: float = option(
+        300.0,
+        "Milliseconds from drawing a frame on the server to its arrival at the proxy.",
+        name="proxy_latency",
+        valid=Number(),
+    )
+    warp: str = option(DEFAULT_WARP, f"Warp on the proxy: {names_in('client/warps')}.", name="proxy_warp")
+    fill: str = option(
+        attrs.Factory(lambda self: _default_fill(self.warp), takes_self=True),
+        f"Fill on the proxy: {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where its "
+        "warp reads colour alone]",
+        kind=str,
+        default=None,
+        name="proxy_fill",
+    )
+    guard: float = option(
+        DEFAULT_GUARD,
+        "Guard band of the frames from the server, around the picture that the proxy sends.",
+        name="proxy_guard",
+        valid=Number(least=1.0),
+    )
+    codec: str = option(
+        "none",
+        f"Codec between server and proxy, at its own quality: {names_in('link/codec/codecs')}.",
+        name="proxy_codec",
+    )
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields whose options were set. Errors: InputError for one without a proxy."""
+        for offered in options_of(cls):
+            if said.get(offered.name) not in (None, offered.default) and not said.get("proxy"):
+                raise InputError(
+                    f"{offered.flag} {said[offered.name]}: there is no proxy; add --proxy, or leave it out"
+                )
+        return super().values_of(said)
+
+    def link(self, network: LinkOptions) -> LinkOptions:
+        """Return the link from the server to the proxy.
+
+        The server's rate, and the time that it takes to render, belong to it; the proxy sends a
+        picture at each refresh, and takes the time that it needs. All else is the client's link's.
+        """
+        stages = network.response
+        response = None if stages is None else StageTimes(render=stages.render)
+        return LinkOptions(server_rate_hz=network.server_rate_hz, response=response)
+
+    def longest_ms(self, network: LinkOptions) -> float:
+        """Return how long frames are under way to the proxy at most, 0 without a proxy."""
+        return self.link(network).longest_ns(round(self.latency_ms * 1e6)) / 1e6 if self.on else 0.0
+
+    def __str__(self) -> str:
+        passes = self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
+        return f"The proxy gets frames {self.latency_ms:g} ms after they were drawn and runs {passes}"
+
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
@@ -66,20 +230,6 @@ def _warp_name(value: str) -> str:
     if not isinstance(value, str):
         raise InputError(f"--warp {in_brief(value)}: expected a name")
     return value
-
-
-def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
-    """Return the chosen fill, or the default one: none for a warp fused with the lens.
-
-    wide: run that fill first. Errors: InputError for a fill with warp auto, which chooses its own.
-    """
-    if warp == AUTO and (fill is not None or wide):
-        asked = "--wide" if fill is None else f"--fill {fill}"
-        raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
-    chosen = fill if fill is not None else "none" if fused else default_fill(warp)
-    if not wide:
-        return chosen
-    return "wide" if chosen == "none" else f"wide+{chosen}"
 
 
 HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
@@ -185,7 +335,7 @@ class PipelineOptions(Declared):
     )
     # Ignored by warp "auto", which chooses its own.
     fill: str = option(
-        attrs.Factory(lambda self: default_fill(self.warp), takes_self=True),
+        attrs.Factory(lambda self: _default_fill(self.warp), takes_self=True),
         f"Fill (inpainting): {names_in('client/fills')}, or several with +. [default: {DEFAULT_FILL}; none where "
         "the warp reads colour alone; auto's own]",
         kind=str,
@@ -257,7 +407,8 @@ class PipelineOptions(Declared):
     )
     # "auto" is replaced by a number before a run is built, see run.choose.
     guard: Guard | str = guard_field(
-        attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
+        # 1 shows pictures as drawn.
+        attrs.Factory(lambda self: 1.0 if self.warp == "none" else DEFAULT_GUARD, takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
         beside=(_WIDE,),  # the other way to fill beyond the border
         heading=RENDERING,
@@ -309,7 +460,8 @@ class PipelineOptions(Declared):
     # What stands between the server and that link.
     proxy: ProxyOptions = group(ProxyOptions)
     predict: str = option(
-        attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
+        # None shows latency as it is.
+        attrs.Factory(lambda self: "none" if self.warp == "none" else DEFAULT_PREDICTOR, takes_self=True),
         f"Head pose that the server draws for, by predictor: {', '.join(PREDICTORS)}; on is cautious, "
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
         valid=lambda *given: given[-1] in PREDICTORS or poses.predictors.get(given[-1]),
@@ -327,45 +479,111 @@ class PipelineOptions(Declared):
     levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
-        if self.source_kind is REMOTE:
-            self._check_remote()
-        if self.source_kind is RECORDING:
-            self._check_recorded()
-        else:
+        if self.source_kind is not RECORDING:
             refuse_without_frames(self.sequence_options, self.repair)
-        fields = attrs.fields(type(self))
+        for is_so, text in self._conflicts():
+            if is_so:
+                raise InputError(text)
+
+    def _conflicts(self) -> Iterator[tuple[bool, str]]:
+        """Yield each thing that cannot be: whether it is so, and the message."""
+        is_auto, is_foveated = self.warp == AUTO, self.fovea_deg is not None
+        if self.source_kind is REMOTE:
+            yield (
+                self.frames is not None,
+                "--connect with --frames: frames come from the server or the folder; leave one of them out",
+            )
+            yield (
+                self.network.response is not None or self.network.overload != DROP,
+                "--connect with --response or --overload: the server's times are the real ones; leave them out",
+            )
+            yield self.proxy.on or is_auto, "--connect with --proxy or --warp auto: not supported, leave them out"
+        if self.source_kind is RECORDING:
+            asked = {
+                "guard": (f"--guard {self.guard}", self.guard == AUTO),
+                "predict": (f"--predict {self.predict}", self.predict != "none"),
+                "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
+                "proxy": ("--proxy", self.proxy.on),
+                "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
+                "warp": (f"--warp {self.warp}", is_auto),
+                "fovea": (f"--fovea {self.fovea_deg or 0:g}", is_foveated),
+            }
+            for name, (text, is_set) in asked.items():
+                yield is_set, f"{text} with --frames: {_WHY_NOT[name]}; leave it out"
         for name in ("rim", "gaze"):
-            if self.fovea_deg is None and (found := getattr(self, name)) != getattr(fields, name).default:
-                raise InputError(f"--{name} {found}: frames are as sharp everywhere; it is for --fovea")
-        if self.fovea_deg is not None and self.network.send == CHANGES:
-            raise InputError(
-                f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out"
+            found = getattr(self, name)
+            is_said = found != getattr(attrs.fields(type(self)), name).default
+            yield (
+                is_said and not is_foveated,
+                f"--{name} {found}: frames are as sharp everywhere; it is for --fovea",
             )
-        self._check_strategy()
+        yield (
+            is_foveated and self.network.send == CHANGES,
+            f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out",
+        )
+        sets = options_of_strategy(self.strategy) if self.strategy else {}
+        values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
+        values["indirect"] = self.indirect
+        for name in sorted(sets.keys() & values.keys()):
+            yield (
+                values[name] != sets[name],
+                f"strategy '{self.strategy}' with {name} '{values[name]}': it sets {name} to '{sets[name]}'; "
+                f"{type(self).__name__}.of({{'strategy': ..}}) does so",
+            )
         if self.proxy.on:
-            self._check_proxy()
-        if self.warp == AUTO:
-            self._check_auto()
-        elif self.budget_ms is not None:
-            raise InputError(
-                f"--budget {float(self.budget_ms):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
-                "it takes"
+            yield is_auto, f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
+            yield (
+                self.network.send == CHANGES,
+                f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
+                "of the two out",
             )
-        elif self.bench is not None:
-            raise InputError(
-                f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already"
+            yield (
+                self.network.overload == RESOLUTION,
+                f"--proxy with --overload {RESOLUTION}: the proxy makes pictures of one size; leave one out",
             )
+        yield (
+            is_auto and self.budget_ms is None,
+            "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye (--budget "
+            "MS)",
+        )
+        yield (
+            is_auto and self.fused,
+            "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; leave "
+            "one out",
+        )
+        yield (
+            not is_auto and self.budget_ms is not None,
+            f"--budget {float(self.budget_ms or 0):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
+            "it takes",
+        )
+        yield (
+            not is_auto and self.bench is not None,
+            f"--bench {self.bench}: only --warp auto chooses from a benchmark; '{self.warp}' is chosen already",
+        )
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
         said = with_strategy(with_frames(with_headset(said, usual["headset"]), usual), usual)
-        values = _with_limits_of_client(super().values_of(said), said)
+        values = super().values_of(said)
+        if said.get("client"):  # its limits are those of what was not set
+            device = load_client(said["client"])
+            if said.get("warp") == AUTO and said.get("budget") is None and math.isfinite(device.budget_ms):
+                values["budget_ms"] = device.budget_ms
+            coded = values["coding"].codec != "none" if "coding" in values else False
+            if coded and not said.get("bandwidth") and math.isfinite(device.download_mbit_s):
+                values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(device.download_mbit_s))
         check_one_guard(said)
-        fused, wide = bool(said.get("fused")), bool(said.get("wide"))
-        values["fill"] = _fill_for(said.get("warp") or DEFAULT_WARP, said.get("fill"), fused=fused, wide=wide)
-        return values
+        warp, fill = said.get("warp") or DEFAULT_WARP, said.get("fill")
+        if warp == AUTO and (fill is not None or said.get("wide")):
+            asked = "--wide" if fill is None else f"--fill {fill}"
+            raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
+        # A warp fused with the lens has none.
+        fill = fill if fill is not None else "none" if said.get("fused") else _default_fill(warp)
+        if said.get("wide"):  # first
+            fill = "wide" if fill == "none" else f"wide+{fill}"
+        return {**values, "fill": fill}
 
     @property
     def fovea(self) -> geometry.Fovea | None:
@@ -390,7 +608,11 @@ class PipelineOptions(Declared):
     @property
     def client_link(self) -> LinkOptions:
         """The link to the client: the network, less what belongs to the one before a proxy."""
-        return self.proxy.links(self.network)[1] if self.proxy.on else self.network
+        if not self.proxy.on:
+            return self.network
+        stages = self.network.response
+        response = None if stages is None else attrs.evolve(stages, render=None)
+        return attrs.evolve(self.network, server_rate_hz=None, response=response)
 
     @property
     def total_latency_ms(self) -> float:
@@ -445,12 +667,34 @@ class PipelineOptions(Declared):
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None, levels=())
 
+    def to_proxy(self) -> Self:
+        """Return the options of the way to the proxy, where pictures end without a lens."""
+        proxy = self.proxy
+        return attrs.evolve(
+            self,
+            strategy="",
+            client="",
+            warp=proxy.warp,
+            fill=proxy.fill,
+            guard=proxy.guard,
+            rendered_size=None,
+            lens="none",
+            fused=False,
+            scanout_ms=0.0,
+            latency_ms=proxy.latency_ms,
+            network=proxy.link(self.network),
+            coding=Coding(proxy.codec),
+            proxy=ProxyOptions(),
+        )
+
     def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
         """Return the options over a link that others share; what they set of it themselves stays.
 
         latency_ms: of the whole way, on which a proxy stands where there is one.
         """
-        proxy = self.proxy.within(latency_ms) if self.proxy.on else self.proxy
+        proxy = self.proxy
+        if proxy.on:  # which divides the way as by default
+            proxy = attrs.evolve(proxy, latency_ms=_BEFORE * latency_ms)
         return attrs.evolve(
             self,
             latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),
@@ -458,69 +702,6 @@ class PipelineOptions(Declared):
             network=_beside(network, self.network),
             coding=_beside(coding, self.coding),
         )
-
-    def _check_recorded(self) -> None:
-        asked = {
-            "guard": (f"--guard {self.guard}", self.guard == AUTO),
-            "predict": (f"--predict {self.predict}", self.predict != "none"),
-            "lens": (f"--lens {self.lens}", self.lens not in ("none", AUTO)),
-            "proxy": ("--proxy", self.proxy.on),
-            "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
-            "warp": (f"--warp {self.warp}", self.warp == AUTO),
-            "fovea": (f"--fovea {self.fovea_deg or 0:g}", self.fovea_deg is not None),
-        }
-        refuse_with_frames(asked)
-
-    def _check_remote(self) -> None:
-        if self.frames is not None:
-            raise InputError(
-                "--connect with --frames: frames come from the server or the folder; leave one of them out"
-            )
-        if self.network.response is not None or self.network.overload != DROP:
-            raise InputError(
-                "--connect with --response or --overload: the server's times are the real ones; leave them out"
-            )
-        if self.proxy.on or self.warp == AUTO:
-            raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
-
-    def _check_strategy(self) -> None:
-        sets = options_of_strategy(self.strategy) if self.strategy else {}
-        values = {"warp": self.warp, "fill": self.fill, "effects": self.effects, "proxy": self.proxy.on}
-        values["indirect"] = self.indirect
-        for name in sorted(sets.keys() & values.keys()):
-            found = values[name]
-            if found != sets[name]:
-                raise InputError(
-                    f"strategy '{self.strategy}' with {name} '{found}': it sets {name} to '{sets[name]}'; "
-                    f"{type(self).__name__}.of({{'strategy': ..}}) does so"
-                )
-
-    def _check_proxy(self) -> None:
-        if self.warp == AUTO:
-            raise InputError(
-                f"--proxy with --warp {AUTO}: the proxy warps; name what the client does, none or rotation"
-            )
-        if self.network.send == CHANGES:
-            raise InputError(
-                f"--proxy with --send {CHANGES}: the proxy's picture changes with every frame that it gets; leave one "
-                "of the two out"
-            )
-        if self.network.overload == RESOLUTION:
-            raise InputError(
-                f"--proxy with --overload {RESOLUTION}: the proxy makes pictures of one size; leave one out"
-            )
-
-    def _check_auto(self) -> None:
-        if self.budget_ms is None:
-            raise InputError(
-                "--warp auto chooses what fits into a budget: say how many milliseconds there are for one eye "
-                "(--budget MS)"
-            )
-        if self.fused:
-            raise InputError(
-                "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; "
-                "leave one out"
-            )
 
 
 def refuse_without_frames(facts: SequenceOptions, repair: str) -> None:
@@ -536,22 +717,6 @@ def _beside(shared: Any, own: Any) -> Any:
     names = [field.name for field in attrs.fields(type(own))]
     sets = {name: value for name in names if (value := getattr(own, name)) != getattr(usual, name)}
     return attrs.evolve(shared, **sets)
-
-
-def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
-    """Add the client's budget for warp auto and, for frames that are coded, its download.
-
-    Options that were set take precedence.
-    """
-    if not said.get("client"):
-        return values
-    client = load_client(said["client"])
-    if said.get("warp") == AUTO and said.get("budget") is None and math.isfinite(client.budget_ms):
-        values["budget_ms"] = client.budget_ms
-    coded = values["coding"].codec != "none" if "coding" in values else False
-    if coded and not said.get("bandwidth") and math.isfinite(client.download_mbit_s):
-        values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(client.download_mbit_s))
-    return values
 
 
 def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:

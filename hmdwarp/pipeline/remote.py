@@ -19,19 +19,29 @@ import numpy as np
 from ..errors import InputError, MachineError
 from ..frames import Needs
 from ..frames.layers import PICTURE, layers
-from ..geometry import Fov, Guard, View, guarded_eyes
+from ..geometry import Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
 from ..scenes import InputEvent
 from ..sources.feed import bounds
 from ..sources.feed.caller import Arrival, Caller
-from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
-from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.options import FeedOptions, public_key, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of, codes_video, left_out, raw_form, reading
-from .feed_layers import fovea_of, grids_of, misfit, wanted_alone, wanted_of
+from .feed_coding import (
+    FeedDecoder,
+    codec_of,
+    codes_video,
+    fovea_of,
+    grids_of,
+    left_out,
+    misfit,
+    raw_form,
+    reading,
+    wanted_alone,
+    wanted_of,
+)
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -47,6 +57,8 @@ NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame
 
 @attrs.frozen(eq=False)
 class Pending:
+    """A request that has no answer yet."""
+
     number: int
     head: PoseSample
     # On the loop's clock, and on this machine's.
@@ -94,13 +106,12 @@ class Remote:
     ) -> None:
         self._caller = Caller(feed.connect, secret_in(feed.token_file), public_key(feed.server_key))
         self._holds, self._keeps, self._say = holds, keeps, say
-        self.feed = feed
         self._number = 0
         self._pending: dict[int, Pending] = {}
         self._heard_ns = time.monotonic_ns()
         # When frames stopped coming; None while they come.
         self._lost_ns: int | None = None
-        self._losses, self._away_ns = 0, 0
+        self._losses = self._away_ns = 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = FeedDecoder(), 0
         # What was wrong with the layers of the last frame that was left out, and what was said.
@@ -111,8 +122,6 @@ class Remote:
         self.wish, self._format = Wish(), ANY
         # Types of the numbers of the frames that came last, and the largest error of their depth.
         self._raw: dict[str, Any] = {}
-        # Whether the server leaves out what requests say is hidden, as its frames say.
-        self._takes_hidden = False
         # What is read of the eyes' pictures; the rest is not sent.
         self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
@@ -121,10 +130,12 @@ class Remote:
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
         # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
-        # The session, where the server takes one; what is told in it until a request that told it
-        # has been answered: each fate with the id of the first such request.
-        self._takes_session, self._session = False, 0
-        self._takes_fovea = False
+        # What the server does, as its frames say: leave out what is hidden, take a session, draw
+        # foveated frames, and react to inputs.
+        self._takes_hidden = self._takes_session = self._takes_fovea = self.takes_inputs = False
+        # What is told in a session until a request that told it has been answered: each fate with
+        # the id of the first such request.
+        self._session = 0
         self._fates: dict[int, tuple[Fate, int | None]] = {}
         self.age_ns, self.only_changes = 0, False
         # Requests of this session to which nothing had changed.
@@ -134,8 +145,6 @@ class Remote:
         # What people did, oldest first, and how many of these the server is known to have.
         self._acted: list[InputEvent] = []
         self._known_inputs, self._began = 0, -1
-        # Whether what the server draws reacts, as its frames say.
-        self.takes_inputs = False
         # Whether the link knows of a frame that is missing.
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
@@ -164,7 +173,13 @@ class Remote:
             self._anew_number = self._number
         wanted = wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
-        session = self._session_at(now_ns) if self._takes_session else None
+        session = None
+        if self._takes_session:  # with the fates heard of by now
+            due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][:MOST_FATES]
+            for fate in due:
+                told_in = self._fates[fate.number][1]
+                self._fates[fate.number] = fate, self._number if told_in is None else told_in
+            session = Session(self._session, self.age_ns, self.only_changes, tuple(due))
         fovea = fovea if self._takes_fovea else None
         acted = self._known_inputs
         if self.takes_inputs:
@@ -189,14 +204,6 @@ class Remote:
         self._acted += events
         if len(self._acted) > bounds.KEPT_INPUTS.most:
             raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
-
-    def _session_at(self, now_ns: int) -> Session:
-        """Return the session of a request at that instant, with the fates heard of by then."""
-        due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][:MOST_FATES]
-        for fate in due:
-            told_in = self._fates[fate.number][1]
-            self._fates[fate.number] = fate, self._number if told_in is None else told_in
-        return Session(self._session, self.age_ns, self.only_changes, tuple(due))
 
     def tell(self, pending: Pending, *, arrived: bool, heard_ns: int) -> None:
         """Tell the server of a frame's fate, from that instant on, where layers build on it."""
@@ -226,9 +233,9 @@ class Remote:
         Errors: InputError where the server refuses, or sends no needed layer; MachineError where
         nothing answers.
         """
-        took = []
-        for _ in range(_TRIALS):
-            took.append(self._trial(head, views, guard, size, needs))
+        took = [
+            self._trial(lambda: self.ask(head, views, guard, size, head.time_ns, needs), needs) for _ in range(_TRIALS)
+        ]
         self.forget()
         self.delays_ns.clear()
         self.unanswered = 0
@@ -242,10 +249,10 @@ class Remote:
         self._session += 1
         self.unchanged = self._known_inputs = 0
 
-    def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
-        until_ns = time.monotonic_ns() + _ANSWER_NS
+    def _trial(self, ask: Callable[[], None], needs: Needs) -> int:
+        until_ns, place = time.monotonic_ns() + _ANSWER_NS, f"--connect {self._caller.address}"
         while (now_ns := time.monotonic_ns()) < until_ns:
-            self.ask(head, views, guard, size, head.time_ns, needs)
+            ask()
             # Requested again after a while: there may have been no connection.
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
@@ -257,16 +264,12 @@ class Remote:
                 for answer in self._known():
                     if self.decoded(answer) is not None:
                         if fovea_of(needs)[0] is not None and not self._takes_fovea:
-                            why = "that server sends whole frames alone; leave it out"
-                            raise InputError(f"--connect {self._caller.address} --fovea: {why}")
+                            raise InputError(f"{place} --fovea: that server sends whole frames alone; leave it out")
                         return answer.took_ns
                 if self._misfit:
-                    raise InputError(
-                        f"--connect {self._caller.address}: {self._misfit}: use --effects none, or another warp or fill"
-                    )
+                    raise InputError(f"{place}: {self._misfit}: use --effects none, or another warp or fill")
         raise MachineError(
-            f"--connect {self._caller.address}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and "
-            "check the address"
+            f"{place}: no frame in {_ANSWER_NS // 10**9} s: start 'hmdwarp serve' there, and check the address"
         )
 
     def pace(self, now_ns: int) -> None:
@@ -294,7 +297,19 @@ class Remote:
             self._caller.wait_until(latest_ns)
             found += self._known()
         self._told_ns = now_ns
-        self._tell()
+        for line in self._caller.lines():
+            self._say(line)
+        # No frame is missed before it is requested, so none while a pipeline is built.
+        since_ns = max(self._heard_ns, next((request.sent_ns for request in self._pending.values()), 0))
+        silent_ns = time.monotonic_ns() - since_ns
+        if self._lost_ns is not None and self._heard_ns > self._lost_ns:
+            self._say(f"{self._caller.address}: frames come again")
+            self._away_ns += self._heard_ns - self._lost_ns
+            self._lost_ns = None
+        elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
+            self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.1f} s; the last one stays")
+            self._lost_ns = since_ns
+            self._losses += 1
         return found
 
     def _known(self) -> list[Answer]:
@@ -309,25 +324,24 @@ class Remote:
                 self._heard_ns = time.monotonic_ns()
                 self.unchanged += 1
         for arrival in self._caller.take():
-            number = arrival.frame.number
-            if number not in self._pending:
+            frame = arrival.frame
+            if frame.number not in self._pending:
                 continue
-            for older in [sent for sent in self._pending if sent < number]:
+            for older in [sent for sent in self._pending if sent < frame.number]:
                 self._unanswer(self._pending.pop(older))
-            pending = self._answered(number)
-            if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
+            pending = self._answered(frame.number)
+            if frame.size != pending.size or len(frame.views) != len(pending.views):
                 self.refused += 1
                 self._leave_out("another size or number of eyes than requested", "")
                 self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
                 continue
-            self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
-            self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
-            self._takes_fovea = arrival.frame.takes_fovea
-            if self._acted and self.takes_inputs and not arrival.frame.takes_inputs:  # another server in its place
+            self._heard_ns, self._format = arrival.heard_ns, frame.colour
+            if self._acted and self.takes_inputs and not frame.takes_inputs:  # another server in its place
                 self._say(f"{self._caller.address}: it does not react any more: what people do is left out")
-            self.takes_inputs = arrival.frame.takes_inputs
-            if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
-                self._began, self._known_inputs = arrival.frame.began, 0
+            self._takes_hidden, self._takes_session = frame.takes_hidden, frame.takes_session
+            self._takes_fovea, self.takes_inputs = frame.takes_fovea, frame.takes_inputs
+            if frame.began != self._began:  # it knows nothing of what it was sent before
+                self._began, self._known_inputs = frame.began, 0
             if pending.acted.start > self._known_inputs:  # a scene without what people did before
                 self._unanswer(pending)
                 continue
@@ -335,7 +349,7 @@ class Remote:
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
-            found.append(Answer(pending, arrival, took_ns, _bytes_of(arrival.frame)))
+            found.append(Answer(pending, arrival, took_ns, _bytes_of(frame)))
             if found[-1].is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
@@ -355,28 +369,24 @@ class Remote:
             self.undecodable += 1
             self._leave_out("they cannot be decoded", f" ({error})")
             return None
-        if wrong := misfit(decoded, pending.wanted, pending.drawn) or self._lacks(decoded):
+        wrong = misfit(decoded, pending.wanted, pending.drawn)
+        if not wrong and (lacks := self.pictures & left_out(decoded, 0)):
+            wrong = f"the server sends no {' and no '.join(sorted(name.removeprefix('rendered.') for name in lacks))}"
+        if wrong:
             self.refused += 1
             self._misfit = wrong
             self._leave_out(wrong, "")
             return None
         self._raw = raw_form(frame, self._raw)
-        self._compare(pending.views, decoded.views)
-        return attrs.evolve(decoded, grids=grids)
-
-    def _lacks(self, frame: FrameMessage) -> str:
-        missing = sorted(name.removeprefix("rendered.") for name in self.pictures & left_out(frame, 0))
-        return f"the server sends no {' and no '.join(missing)}" if missing else ""
-
-    def _compare(self, asked: Sequence[View], drawn: Sequence[View]) -> None:
-        told = bool(self._apart)
-        for pair in zip(asked, drawn, strict=True):
+        were_apart = bool(self._apart)
+        for pair in zip(pending.views, decoded.views, strict=True):
             self._apart.take(*pair)
-        if self._apart and not told:
+        if self._apart and not were_apart:
             self._say(
                 f"{self._caller.address}: it draws other views than it is asked for, {self._apart}; what it has not "
                 "drawn is a hole"
             )
+        return attrs.evolve(decoded, grids=grids)
 
     def _leave_out(self, kind: str, what: str) -> None:
         """Say, once for each kind, what is wrong with frames that are left out."""
@@ -384,30 +394,10 @@ class Remote:
             self._told.add(kind)
             self._say(f"{self._caller.address}: frames are left out: {kind}{what}")
 
-    def _tell(self) -> None:
-        for line in self._caller.lines():
-            self._say(line)
-        # No frame is missed before it is requested, so none while a pipeline is built.
-        since_ns = max(self._heard_ns, next((request.sent_ns for request in self._pending.values()), 0))
-        silent_ns = time.monotonic_ns() - since_ns
-        if self._lost_ns is not None and self._heard_ns > self._lost_ns:
-            self._say(f"{self._caller.address}: frames come again")
-            self._away_ns += self._heard_ns - self._lost_ns
-            self._lost_ns = None
-        elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
-            self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.1f} s; the last one stays")
-            self._lost_ns = since_ns
-            self._losses += 1
-
     @property
     def notice(self) -> str:
         """What is shown over the picture: that frames do not come; "" while they do."""
         return "" if self._lost_ns is None else f"no frames from {self._caller.address}: the last one stays"
-
-    @property
-    def codec(self) -> str:
-        """The codec of the frames that came last."""
-        return codec_of(self._format)
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json has of the connection."""
@@ -422,6 +412,11 @@ class Remote:
             "views_off": attrs.asdict(self._apart),
             "malformed": self._caller.malformed + self.refused,
         }
+
+    @property
+    def codec(self) -> str:
+        """The codec of the frames that came last."""
+        return codec_of(self._format)
 
     def close(self) -> None:
         """End the session."""
@@ -454,7 +449,11 @@ class ViewsApart:
         """Count one view more."""
         self.turned_deg = max(self.turned_deg, math.degrees(drawn.pose.angle_to(asked.pose)))
         self.moved_m = max(self.moved_m, float(np.linalg.norm(drawn.pose.position_m - asked.pose.position_m)))
-        self.field_share = min(self.field_share, _share(asked.fov, drawn.fov))
+        left, right, down, up = asked.fov.tangents
+        tangents = drawn.fov.tangents
+        low, high = np.maximum((left, down), tangents[[0, 2]]), np.minimum((right, up), tangents[[1, 3]])
+        share = float(np.prod((high - low).clip(min=0)) / ((right - left) * (up - down)))
+        self.field_share = min(self.field_share, share)
 
     def __bool__(self) -> bool:
         return self.turned_deg > _SAME_DEG or self.moved_m > _SAME_M or self.field_share < 1 - _SAME_SHARE
@@ -462,9 +461,3 @@ class ViewsApart:
     def __str__(self) -> str:
         field = f", with {self.field_share:.0%} of the field of view" if self.field_share < 1 - _SAME_SHARE else ""
         return f"up to {self.turned_deg:.2f} degrees and {self.moved_m:.3f} m off{field}"
-
-
-def _share(asked: Fov, drawn: Fov) -> float:
-    left, right, down, up = asked.tangents
-    low, high = np.maximum((left, down), drawn.tangents[[0, 2]]), np.minimum((right, up), drawn.tangents[[1, 3]])
-    return float(np.prod((high - low).clip(min=0)) / ((right - left) * (up - down)))

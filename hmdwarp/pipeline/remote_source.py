@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -12,7 +12,7 @@ from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE
-from ..frames.layers.foveated import FoveatedPicture
+from ..frames.layers.pictures import FoveatedPicture
 from ..geometry import Eyes, Pose, View, guarded_eyes, looking
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR
@@ -21,21 +21,15 @@ from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import InputEvent, Scene
 from ..sources.feed.caller import Viewer
-from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import RAW, FrameMessage
-from ..sources.feed.options import FULL, FeedOptions, secret_in
+from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
-from .feed_layers import made
-from .options import PipelineOptions
-from .proxy_options import REMOTE, SERVER_SCENE
-from .recorded_renderer import MomentOf
+from .feed_coding import arrays_of, codes_video, depth_error, left_out, made, wish_of
+from .options import REMOTE, SERVER_SCENE, PipelineOptions
 from .remote import Answer, Pending, Remote, ViewsApart
-from .source import FirstRequest, Options, PoseRequest, Source, nothing
+from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
-
-_MS = 1e6
 
 
 class NoTruth(HmdwarpError):
@@ -82,16 +76,19 @@ class RemoteSource(Source):
                 "use another one, or name that scene by --scene, too"
             )
 
-    def measured(self, options: Options, first: FirstRequest) -> Options:
-        """Connect, send what people do, and return the options with the measured latency."""
+    def measured(self, options: Options, **first: Any) -> Options:
+        """Connect, send what people do, and return the options with the measured latency.
+
+        first: head and views of one instant, rate_hz, needs and pictures as of PoseRequest; holds,
+        keeps and say as of Remote.
+        """
         assert options.size is not None
-        remote = self.remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
-        remote.pictures = first.pictures
-        wanted = (RAW[self.feed.raw], options.coding, first.rate_hz, first.views, options.size)
+        remote = self.remote = Remote(self.feed, **{name: first[name] for name in ("holds", "keeps", "say")})
+        remote.pictures, head, views, rate_hz = first["pictures"], first["head"], first["views"], first["rate_hz"]
+        wanted = (RAW[self.feed.raw], options.coding, rate_hz, views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
-        longest_ns += self._added_ns
-        remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + self._added_ns
+        remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / rate_hz)
         if self.scene.inputs is not None:
             remote.act(self.scene.inputs)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
@@ -174,7 +171,7 @@ class RemoteRenderer(Renderer):
 
 
 @attrs.frozen(eq=False)
-class RemoteFrames:
+class RemoteFrames(FrameSource):
     """Frames that another machine draws: asking returns none, they arrive at the channel.
 
     server: this side's, of whose textures the frames are made.
@@ -196,42 +193,34 @@ class RemoteFrames:
 
     def made(self, pending: Pending, found: FrameMessage) -> Frame:
         """Return the frame that arrived, decoded."""
-        eyes = []
-        for eye, view in enumerate(found.views):
-            target = self.server.acquire(pending.drawn if pending.looks else self._size(found, view))
-            missing = left_out(found, eye) | frozenset(PICTURE).difference(self.requested.pictures)
+        eyes, asked, server = [], self.requested, self.server
+        for eye, (view, wanted) in enumerate(zip(found.views, pending.views, strict=True)):
+            # As large as in the request where no picture was sent.
+            size = found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
+            target, sent = server.acquire(pending.drawn if pending.looks else size), left_out(found, eye)
+            missing = sent | frozenset(PICTURE).difference(asked.pictures)
             whole = frozenset(PICTURE) if pending.looks else missing
-            self.server.take_in(arrays_of(found, eye, target.size, whole), target)
-            textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
-            asked, error = pending.views[eye], depth_error(found, self.remote.wish)
-            hidden = asked.hidden if view.fov == asked.fov else view.hidden
-            seen = attrs.evolve(view, hidden=hidden, gaze=asked.gaze)
-            made_of = EyeImage(seen, *textures, drawn_ns=drawn_ns, depth_error=error, left_out=missing)
-            eyes.append(self._foveated(found, eye, made_of) if pending.looks else made_of)
+            server.take_in(arrays_of(found, eye, target.size, whole), target)
+            hidden = wanted.hidden if view.fov == wanted.fov else view.hidden
+            image = EyeImage(
+                attrs.evolve(view, hidden=hidden, gaze=wanted.gaze),
+                target.colour,
+                target.inverse_depth,
+                drawn_ns=pending.drawn_ns,
+                depth_error=depth_error(found, self.remote.wish),
+                left_out=missing,
+            )
+            if pending.looks:  # foveated pictures came in place of whole ones
+                colour, depth = (server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
+                server.take_in(arrays_of(found, eye, found.size, sent), Target(colour, depth))
+                pictures = [FoveatedPicture(texture, found.grids[eye]) for texture in (colour, depth)]
+                image = image.having(foveated=pictures[0], foveated_depth=pictures[1])
+            eyes.append(image)
         if found.layers:  # a server may choose the size of some
-            eyes = made(self.server, eyes, found.layers, pending.wanted)
-            self.server.trim()
-        took_ms = {"render": found.render_ns / _MS}
+            eyes = made(server, eyes, found.layers, pending.wanted)
+            server.trim()
+        took_ms = {"render": found.render_ns / 1e6}
         return Frame(tuple(eyes), pending.drawn_ns, pending.head, None, found.began, took_ms, found.time_ns)
-
-    def _foveated(self, found: FrameMessage, eye: int, image: EyeImage) -> EyeImage:
-        """Return an eye's image with the foveated pictures that came in place of whole ones."""
-        colour, depth = (self.server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
-        self.server.take_in(arrays_of(found, eye, found.size, left_out(found, eye)), Target(colour, depth))
-        grid = found.grids[eye]
-        return image.having(foveated=FoveatedPicture(colour, grid), foveated_depth=FoveatedPicture(depth, grid))
-
-    def _size(self, found: FrameMessage, view: View) -> tuple[int, int]:
-        """Return the size of the eye's picture here: that of the request where none was sent."""
-        asked = self.requested
-        return found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
-
-    def has_more(self, now_ns: int) -> bool:
-        """Return False: it is not known here."""
-        return False
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Pass over: the server elsewhere hears of it with the next request."""
 
     def recycle(self, frame: Frame | None) -> None:
         """Return the frame's textures to the pools; None for one that was never made."""
@@ -255,12 +244,20 @@ class RemoteChannel(Channel):
     """The channel of frames that arrive by the feed: what was measured of it, then the link.
 
     The link emulates what its options say, behind the real network: frames are decoded as they
-    arrive over both, and those that it loses never are.
+    arrive over both, and those that it loses never are. The server hears of a frame's fate with the
+    next request.
     """
 
     def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
-        self._remote, self._frames_of = frames.remote, frames
-        super().__init__(attrs.evolve(setup, coder=None), frames.recycle)  # the server codes them
+        self._remote, self._frames_of, self._tell = frames.remote, frames, setup.settled
+        super().__init__(
+            attrs.evolve(setup, coder=None),  # the server codes them
+            frames.recycle,
+            receive=self._receive,
+            decoding=lambda sent: 0,
+            settled=self._settled,
+            in_order=codes_video(frames.remote.wish.colour),
+        )
         self._measured_ns = self._sent_ns = 0
         self._shown: _Sent | None = None
         self._unanswered = self._remote.unanswered
@@ -273,25 +270,16 @@ class RemoteChannel(Channel):
             self._remote.keep(self._sent_ns, self._measured_ns + added_ns)
             yield self._measured_ns + added_ns
 
-    def _receiver(self) -> Callable[[Any], bool] | None:
-        return self._receive
-
-    def _needs_earlier(self) -> bool:
-        return codes_video(self._remote.wish.colour)
-
     def _receive(self, sent: _Sent) -> bool:
         decoded = self._remote.decoded(sent.answer)
         if decoded is not None:
             sent.frame = self._frames_of.made(sent.answer.pending, decoded)
         return decoded is not None
 
-    def _settled(self, sent: Any, arrived: bool, heard_ns: int) -> None:
-        if arrived:
+    def _settled(self, sent: _Sent, arrived: bool, heard_ns: int) -> None:
+        if arrived and sent.frame is not None:
             self._tell(sent.frame, arrived, heard_ns)
         self._remote.tell(sent.answer.pending, arrived=arrived, heard_ns=heard_ns)
-
-    def _decoding(self, coded: Any) -> int:
-        return 0
 
     def due(self, now_ns: int) -> list[int]:
         """Return the instants at which a frame is requested, up to now."""
@@ -301,9 +289,11 @@ class RemoteChannel(Channel):
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
         for answer in self._remote.arrived(now_ns):
-            self._enter(answer)
-        found: Any = self.link.newest(now_ns)
-        self._shown = found
+            self._frames, self._eyes = self._frames + 1, len(answer.pending.views)
+            self._bytes.update(answer.layer_bytes)
+            self._measured_ns, self._sent_ns = answer.took_ns, answer.pending.drawn_ns
+            self.link.send(_Sent(answer), self._sent_ns, answer.layer_bytes.total(), answer.is_key)
+        self._shown = self.link.newest(now_ns)
         return self._shown.frame if self._shown is not None else None
 
     @property
@@ -315,13 +305,6 @@ class RemoteChannel(Channel):
         answer = self._shown.answer
         render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
         return attrs.evolve(found, render_ns=render_ns, delay_ns=found.delay_ns - render_ns)
-
-    def _enter(self, answer: Answer) -> None:
-        self._frames, self._eyes = self._frames + 1, len(answer.pending.views)
-        self._bytes.update(answer.layer_bytes)
-        self._measured_ns, self._sent_ns = answer.took_ns, answer.pending.drawn_ns
-        sent: Any = _Sent(answer)
-        self.link.send(sent, self._sent_ns, answer.layer_bytes.total(), answer.is_key)
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame; skipped: requests that the server passed over."""

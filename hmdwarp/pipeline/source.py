@@ -7,10 +7,11 @@ whose head they are for, and in which format.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import cached_property
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -21,7 +22,7 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, Pose, View, looking
+from ..geometry import Eyes, Guard, GuardBand, Pose, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions, scaled_size
@@ -42,12 +43,12 @@ from ..scenes import (
     scenes,
 )
 from ..sources.server import Renderer, Server
-from .channel import Channel, ChannelSetup, Settled
-from .frame_coder import Coder, Reads
-from .options import PipelineOptions
-from .proxy_options import SCENE, SourceKind
-from .recorded_renderer import MomentOf
+from .channel import Channel, ChannelSetup, Coder, Reads
+from .options import SCENE, PipelineOptions, SourceKind
 from .remote import Remote
+
+# Where recorded frames are at an instant.
+MomentOf = Callable[[int], Moment]
 
 
 @attrs.define(eq=False)
@@ -83,10 +84,6 @@ class PoseRequest:
         head = self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, ahead_ns)
         return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, ahead_ns, head.pose))
 
-    def for_display(self, shown_ns: int) -> PoseSample:
-        """Return the head pose at the instant when the picture is seen."""
-        return self.source.head_at(shown_ns)
-
 
 @attrs.frozen(eq=False)
 class Target:
@@ -103,30 +100,34 @@ class Target:
     lens_of: Headset | None = None
 
 
-class FrameSource(Protocol):
+class FrameSource(ABC):
     """Frames for the heads that a loop asks for."""
 
+    @abstractmethod
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame | None:
         """Return a frame made now for that head, None while there is nothing to make one from.
 
         scale: the share of the full width and height that it should have.
         """
 
-    def has_more(self, now_ns: int) -> bool:
-        """Return whether there is something to send even if nothing has moved."""
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Take note of whether a frame arrived, which the sender hears at that instant."""
-
+    @abstractmethod
     def recycle(self, frame: Frame) -> None:
         """Take back a frame that is no longer needed."""
 
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether there is something to send even if nothing has moved."""
+        return False
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not care)
+        """Take note of whether a frame arrived, which the sender hears at that instant."""
+
     def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel that the frames come through."""
+        return Channel(setup, self.recycle)
 
 
 @attrs.frozen(eq=False)
-class ServerFrames:
+class ServerFrames(FrameSource):
     """Frames as the server draws them.
 
     requested: their format. eyes: the views that belong to a head pose. unseen_from_ns: frames made
@@ -162,31 +163,13 @@ class ServerFrames:
         return attrs.evolve(frame, head=frame.head or head, drawing=timer.lap())
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether the server has something to send even if nothing has moved."""
         return self.server.has_more(now_ns)
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Tell the server whether a frame arrived."""
         self.server.heard(frame, arrived, heard_ns)
 
     def recycle(self, frame: Frame) -> None:
-        """Return the frame to the server's pools."""
         self.server.recycle(frame)
-
-    def channel(self, setup: ChannelSetup) -> Channel:
-        """Return a channel over the link."""
-        return Channel(setup, self.recycle)
-
-
-def settling(frames: FrameSource, geometry: ClientScene) -> Settled:
-    """Return what is done with a frame whose fate is known: both ends take note of it."""
-
-    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:
-        if arrived:
-            geometry.receive(frame)
-        frames.heard(frame, arrived, heard_ns)
-
-    return settled
 
 
 def joined(
@@ -201,9 +184,15 @@ def joined(
 
     link: its options, latency in ns, refresh rate and coder. Both are freed with the stack.
     """
+
+    def settled(frame: Frame, arrived: bool, heard_ns: int) -> None:  # both ends take note of it
+        if arrived:
+            geometry.receive(frame)
+        frames.heard(frame, arrived, heard_ns)
+
     history = History(requested.needs.others, frames.recycle)
     stack.callback(history.close)
-    channel = frames.channel(ChannelSetup(*link, Reads.of(plans), history.offer, settling(frames, geometry)))
+    channel = frames.channel(ChannelSetup(*link, Reads.of(plans), history.offer, settled))
     stack.callback(channel.close)
     return channel, history
 
@@ -216,7 +205,7 @@ def client_scene(options: PipelineOptions, scene: Scene, server: Renderer, stack
     arrived = None
     if options.client_motion != FORESEEN and moves(scene):
         arrived = ArrivedState(options.client_motion == EXTRAPOLATED)
-        server = _server(server.gpu, options, as_arrived(scene, arrived))
+        server = Server(server.gpu, as_arrived(scene, arrived), options.mirrors, samples=options.samples)
         stack.callback(server.close)
     geometry = ClientScene(server, arrived=arrived)
     stack.callback(geometry.close)
@@ -233,28 +222,7 @@ def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str
     return [f"{known}."]
 
 
-def _server(gpu: Gpu, options: PipelineOptions, scene: Scene) -> Server:
-    return Server(gpu, scene, options.mirrors, samples=options.samples)
-
-
 Options = TypeVar("Options", bound=PipelineOptions)
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class FirstRequest:
-    """The first request to a server elsewhere, to measure the way to it."""
-
-    # Of one instant.
-    head: PoseSample
-    views: Sequence[View]
-    rate_hz: float
-    needs: Needs
-    # As of PoseRequest.
-    pictures: frozenset[str]
-    # See Remote.
-    holds: bool
-    keeps: bool
-    say: Callable[[str], None]
 
 
 class Source:
@@ -318,10 +286,10 @@ class Source:
                 why, remedy = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
             raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")
 
-    def measured(self, options: Options, first: FirstRequest) -> Options:
+    def measured(self, options: Options, **first: Any) -> Options:
         """Connect where frames come from elsewhere, and return the options with the way's latency.
 
-        Errors: as Remote.measure.
+        first: the first request, see RemoteSource. Errors: as Remote.measure.
         """
         return options
 
@@ -359,7 +327,7 @@ class Source:
 
         moment_of: where recorded frames are at an instant.
         """
-        return _server(gpu, options, self.scene)
+        return Server(gpu, self.scene, options.mirrors, samples=options.samples)
 
 
 def nothing(name: str, summary: str, **more: Any) -> Scene:

@@ -1,4 +1,4 @@
-from .load import load_trace as load_trace
+from .formats import load_trace as load_trace
 from .options import TraceOptions as TraceOptions
 from .prediction import ERROR_PERCENTILES as ERROR_PERCENTILES
 from .prediction import LATENCIES_MS as LATENCIES_MS
@@ -17,8 +17,8 @@ from .prediction import turn_errors as turn_errors
 from .predictors import predictors as predictors
 from .quaternions import angle_between as angle_between
 from .quaternions import slerp as slerp
+from .reading.axes import jumps_between as jumps_between
 from .reading.cleaning import LoadedTrace as LoadedTrace
-from .reading.plausibility import jumps_between as jumps_between
 from .synth import DECIMALS as DECIMALS
 from .synth import GLIDES as GLIDES
 from .synth import KINDS as KINDS

@@ -12,8 +12,7 @@ from ..options import Declared, Number, names_in, one_of, option
 # Kinds of `poses.synth`, in words.
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 # Predictors of the head, each with the file of poses/predictors that has it.
-PREDICTORS = {"cautious": "cautious", "cav": "steady", "constant_velocity": "steady", "none": "steady"}
-PREDICTORS["on"] = "cautious"
+PREDICTORS = dict.fromkeys(("cautious", "cav", "constant_velocity", "none", "on"), "cautious")
 DEFAULT_PREDICTOR = "cautious"  # errs short, see docs/results-link.md
 FRAMES = "frames"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns", FRAMES)
@@ -59,10 +58,7 @@ def parse_euler(text: str) -> Euler:
 
 @attrs.frozen
 class TraceOptions(Declared):
-    """Overrides for reading a trace; None leaves the fact to the file.
-
-    Errors: InputError for values that no file can have.
-    """
+    """Overrides for reading a trace; None leaves the fact to the file. Errors: InputError."""
 
     heading = "Reading the head trace"
     format: str | None = option(

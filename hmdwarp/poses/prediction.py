@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..geometry import Pose
 from . import quaternions
 from .assumptions import assumption_rows
-from .predictors import Predictor, predictors
+from .predictors import predictors
 from .reading.cleaning import LoadedTrace
 from .track import SACCADE_DEG_S, Gaze, Origin, PoseSample, PoseTrack
 
@@ -31,9 +31,8 @@ _HORIZON_NS = 100_000_000  # beyond it a pursuit has long been corrected by a le
 def foreseen_gaze(track: PoseTrack, now_ns: int, ahead_ns: int = 0, head: Pose | None = None) -> Gaze | None:
     """Return the gaze so long after an instant, as known at that instant; None where it is not.
 
-    head: in whose axes, by default the one at that instant. Eyes rest on things: what they look at
-    stays where it is in the world, however the head turns. A pursuit goes on at its speed there,
-    for 100 ms at most. After a leap it is held too: nothing before a leap says where it goes.
+    head: in whose axes, by default the one at that instant. What eyes look at stays where it is in
+    the world. A pursuit goes on at its speed there, for 100 ms at most; after a leap it is held.
     """
     now = _in_world(track, now_ns)
     if now is None:
@@ -127,10 +126,7 @@ def predict(
 
 @attrs.frozen
 class PredictionErrors:
-    """Angles of many predictions, in degrees. NaN for no prediction at all.
-
-    One that leads overshoots where the head stops. `signed_lead` says what leads.
-    """
+    """Angles of many predictions, in degrees; NaN without any. See `signed_lead`."""
 
     mean: float
     percentiles: tuple[float, ...]  # at ERROR_PERCENTILES
@@ -140,11 +136,7 @@ class PredictionErrors:
 
 
 def turn_errors(known: Array, actual: Array, predicted: Array) -> PredictionErrors:
-    """Return the angles between heads and where they were predicted, in degrees.
-
-    Orientations (n, 4): known when predicting, the actual ones that were to be predicted, and the
-    predicted ones.
-    """
+    """Return angles of heads (n, 4): known when predicting, the actual ones, those predicted."""
     missed, moved = (np.degrees(quaternions.vector_between(*pair)) for pair in ((actual, predicted), (known, actual)))
     if not len(missed):
         return PredictionErrors(math.nan, (math.nan,) * len(ERROR_PERCENTILES), math.nan, math.nan, math.nan)
@@ -161,8 +153,8 @@ def signed_lead(missed: Array, moved: Array, still: float) -> Array:
 
     That is the part of the error along the head's own motion: missed (n, 3) is the rotation vector
     or way from the actual head to the predicted one, moved (n, 3) that from the known head to the
-    actual one, both in the world. A head that has moved less than `still` goes nowhere: whatever
-    its prediction moves is lead. Holding the known head never leads.
+    actual one, in the world. A head that has moved less than `still` goes nowhere: whatever its
+    prediction moves is lead.
     """
     length = np.linalg.norm(moved, axis=-1)
     at_rest = length < still
@@ -180,13 +172,10 @@ SPEED_PERCENTILES = (50, 95, 99, 99.9)
 
 @attrs.frozen
 class ErrorRow:
-    """Angles between the head and its predictions from `latency_ms` before.
-
-    All values are NaN where the track is too short for the latency.
-    """
+    """Angles between the head and its predictions of `latency_ms` before; NaN in a short track."""
 
     latency_ms: int
-    errors: dict[str, PredictionErrors]  # by predictor, in the order of `predictors_in_order`
+    errors: dict[str, PredictionErrors]  # by predictor, each once, by how far it looks ahead
     count: int  # instants
 
 
@@ -245,14 +234,9 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
     known = track.sample_many(then).orientation_xyzw
     errors = {
         predictor.name: turn_errors(known, truth, predictor.predict_many(track, then, latency).orientation_xyzw)
-        for predictor in predictors_in_order()
+        for predictor in sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
     }
     return ErrorRow(latency_ms, errors, len(now))
-
-
-def predictors_in_order() -> list[Predictor]:
-    """Return every predictor once, by how far it looks ahead."""
-    return sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
@@ -277,10 +261,7 @@ def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
-    """Return what `hmdwarp trace info --json` prints.
-
-    Percentiles are keys such as p95. What the track is too short for is NaN.
-    """
+    """Return what `trace info --json` prints; percentiles are keys such as p95."""
     rates = ("samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz")
     return {
         **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},

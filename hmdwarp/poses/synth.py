@@ -33,6 +33,7 @@ from .track import Origin, PoseSample, PoseTrack
 from .writing import write_native
 
 EYE_HEIGHT_M = 1.6
+_START = (0.0, EYE_HEIGHT_M, 0.0)
 WALK_M_S, FASTER = 1.4, 3.0  # a pedestrian's pace (Browning et al. 2006 measured 1.4 m/s); with shift, a run
 STEEPEST_RAD = math.radians(89.0)
 # Time constants of turning and walking. 20 ms: the steps of a mouse that is read at 60 Hz become a
@@ -46,18 +47,18 @@ DEAF_NS = 1_000_000_000
 STILL_M_S, STILL_RAD = 1e-6, 1e-9
 
 
-@attrs.define(eq=False)
+@attrs.frozen(eq=False)
 class _State:
     """State of the head and its last input at `time_ns`."""
 
     time_ns: int
-    position: tuple[float, float, float]
-    velocity: tuple[float, float, float]
-    yaw: float
-    pitch: float
-    yaw_goal: float
-    pitch_goal: float
-    wish: tuple[float, float, float]  # m/s to the right, up and forward of the gaze
+    position: tuple[float, ...]
+    velocity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    pitch: float = 0.0
+    yaw_goal: float = 0.0
+    pitch_goal: float = 0.0
+    wish: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m/s to the right, up and forward of the gaze
 
     @property
     def at_rest(self) -> bool:
@@ -70,31 +71,28 @@ class _State:
         turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
         slowed = math.exp(-seconds / WALK_S)
         heading = self.yaw_goal + (self.yaw - self.yaw_goal) * half
-        sine, cosine, (right, uy, forward) = math.sin(heading), math.cos(heading), self.wish
-        ux, uz = right * cosine - forward * sine, -right * sine - forward * cosine
-        (x, y, z), (vx, vy, vz) = self.position, self.velocity
-        velocity = ux + (vx - ux) * slowed, uy + (vy - uy) * slowed, uz + (vz - uz) * slowed
-
-        def moved(x: float, v: float, u: float) -> float:
-            return x + u * seconds + (v - u) * WALK_S * (1 - slowed)
-
-        position = moved(x, vx, ux), moved(y, vy, uy), moved(z, vz, uz)
-        yaw = self.yaw_goal + (self.yaw - self.yaw_goal) * turned
-        pitch = self.pitch_goal + (self.pitch - self.pitch_goal) * turned
-        return _State(time_ns, position, velocity, yaw, pitch, self.yaw_goal, self.pitch_goal, self.wish)
+        sine, cosine, (right, up, forward) = math.sin(heading), math.cos(heading), self.wish
+        wish = right * cosine - forward * sine, up, -right * sine - forward * cosine
+        axes = list(zip(self.position, self.velocity, wish, strict=True))
+        return attrs.evolve(
+            self, time_ns=time_ns, velocity=tuple(u + (v - u) * slowed for _, v, u in axes),
+            position=tuple(x + u * seconds + (v - u) * WALK_S * (1 - slowed) for x, v, u in axes),
+            yaw=self.yaw_goal + (self.yaw - self.yaw_goal) * turned,
+            pitch=self.pitch_goal + (self.pitch - self.pitch_goal) * turned,
+        )  # fmt: skip
 
     def settled(self) -> _State:
-        """Zero out residual motion, which an exponential never loses."""
+        """Return it without residual motion, which an exponential never loses."""
+        changes: dict[str, Any] = {}
         if not any(self.wish) and max(map(abs, self.velocity)) < STILL_M_S:
-            self.velocity = (0.0, 0.0, 0.0)
+            changes["velocity"] = (0.0, 0.0, 0.0)
         if max(abs(self.yaw - self.yaw_goal), abs(self.pitch - self.pitch_goal)) < STILL_RAD:
-            self.yaw, self.pitch = self.yaw_goal, self.pitch_goal
-        return self
+            changes |= {"yaw": self.yaw_goal, "pitch": self.pitch_goal}
+        return attrs.evolve(self, **changes)
 
     def pose(self) -> Pose:
         (sy, cy), (sp, cp) = ((math.sin(angle / 2), math.cos(angle / 2)) for angle in (self.yaw, self.pitch))
-        # About the world's y after the head's x: never any roll.
-        return Pose(self.position, (cy * sp, sy * cp, -sy * sp, cy * cp))
+        return Pose(self.position, (cy * sp, sy * cp, -sy * sp, cy * cp))  # y after the head's x: never any roll
 
 
 class Walker:
@@ -102,48 +100,42 @@ class Walker:
 
     Every input has its time; `advance` says that no more came until then. The path is a function of
     these alone, bit for bit: it is computed on a grid of its own, however often it is sampled.
-    Angles: yaw to the left, pitch up, radians; pitch within 89 degrees. Times must not run
-    backwards: an earlier one counts as the latest known.
+    Angles: yaw to the left, pitch up, radians; pitch within 89 degrees. An earlier time than the
+    latest known counts as that.
     """
 
     def __init__(self, time_ns: int) -> None:
         self._now_ns, self._recentred = time_ns, 0
-        self._states: deque[_State] = deque()
-        self._place(time_ns)
+        self._states = deque([_State(time_ns, _START)])
 
     def turn(self, time_ns: int, yaw_rad: float, pitch_rad: float) -> None:
         """Turn this much further to the left and up."""
-        state = self._state_for_input(time_ns)
-        state.yaw_goal += yaw_rad
-        state.pitch_goal = min(max(state.pitch_goal + pitch_rad, -STEEPEST_RAD), STEEPEST_RAD)
+        self.advance(time_ns)
+        last = self._states[-1]
+        pitch_goal = min(max(last.pitch_goal + pitch_rad, -STEEPEST_RAD), STEEPEST_RAD)
+        self._input(yaw_goal=last.yaw_goal + yaw_rad, pitch_goal=pitch_goal)
 
     def walk(
         self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False
     ) -> None:
-        """Walk in this direction from now on, -1..1 each, level with the ground whatever the pitch.
-
-        Zeros stop.
-        """
+        """Walk on in this direction, -1..1 each, level with the ground; zeros stop."""
         length = max(1.0, math.hypot(right, forward))
         pace = WALK_M_S * (FASTER if fast else 1.0)
         wish = (pace * right / length, pace * up, pace * forward / length)
         self.advance(time_ns)
         if wish != self._states[-1].wish:
-            self._state_for_input(time_ns).wish = wish
+            self._input(wish=wish)
 
     def recentre(self, time_ns: int) -> None:
         """Jump back to the start, looking ahead; walking continues."""
-        wish = self._states[-1].wish
         self._now_ns = max(time_ns, self._now_ns)
         self._recentred += 1
-        self._states.clear()
-        self._place(self._now_ns)
-        self._states[-1].wish = wish
+        self._states = deque([_State(self._now_ns, _START, wish=self._states[-1].wish)])
 
     def advance(self, now_ns: int) -> None:
         """Note that there was no input until now."""
         if now_ns - self._now_ns > DEAF_NS:
-            self._state_for_input(self._now_ns).wish = (0.0, 0.0, 0.0)
+            self._input(wish=(0.0, 0.0, 0.0))
         self._now_ns = max(now_ns, self._now_ns)
         last = self._states[-1]
         while not last.at_rest and (tick_ns := (last.time_ns // GRID_NS + 1) * GRID_NS) <= self._now_ns:
@@ -155,8 +147,8 @@ class Walker:
     def head_at(self, time_ns: int) -> PoseSample:
         """Return world_from_head, exact for the last quarter of a second (HELD before that).
 
-        The future is PREDICTED as if no input came, for 50 ms at most: turning and walking continue
-        with their lags, so the head never overshoots when the hand stops.
+        The future is PREDICTED as if no input came, for 50 ms at most: the lags go on, so the head
+        never overshoots when the hand stops.
         """
         if time_ns > self._now_ns:
             state, origin = self._known(self._now_ns).after(min(time_ns, self._now_ns + HORIZON_NS)), Origin.PREDICTED
@@ -170,16 +162,9 @@ class Walker:
     def _known(self, time_ns: int) -> _State:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)
 
-    def _state_for_input(self, time_ns: int) -> _State:
-        """Return the state at that instant, for its input to be changed."""
-        if time_ns > self._now_ns:
-            self.advance(time_ns)
-        self._states.append(self._states[-1].after(self._now_ns))
-        return self._states[-1]
-
-    def _place(self, time_ns: int) -> None:
-        still = (0.0, 0.0, 0.0)
-        self._states.append(_State(time_ns, (0.0, EYE_HEIGHT_M, 0.0), still, 0.0, 0.0, 0.0, 0.0, still))
+    def _input(self, **changes: Any) -> None:
+        """Change the state at the latest known instant."""
+        self._states.append(attrs.evolve(self._states[-1].after(self._now_ns), **changes))
 
 
 Array = NDArray[np.float64]
@@ -193,6 +178,7 @@ NECK_TO_EYES_M = np.array([0.0, 0.075, -0.080])
 SHIFT_BASE_S, SHIFT_PER_DEG_S = 0.28, 0.0058
 DECIMALS = (6, 8)  # 1 um and 1e-8: coarser than the last bit, in which sines may differ between machines
 RATE_HZ = 90.0
+_NECK = np.array(_START) - NECK_TO_EYES_M
 _LONGEST_S, _FASTEST_HZ = 3600.0, 1000.0
 
 
@@ -219,11 +205,10 @@ _MOST = {"m": (5.0, 1.5), "degrees": (720.0, 360.0)}
 
 @attrs.frozen
 class Glide:
-    """A motion there and back: along a line, or about the upright axis.
+    """A motion there and back, without a pause: along a line, or about the upright axis.
 
-    A way out and a way back take equal times and follow each other without a pause. Each begins and
-    ends at rest: the speed grows along a minimum-jerk profile for `EASE_S`, stays, and falls the
-    same way. So the head never goes farther than the amplitude, nor faster than the speed.
+    Each way begins and ends at rest: the speed grows along a minimum-jerk profile for `EASE_S`,
+    stays, and falls the same way, so the head never goes farther than the amplitude or faster.
     Errors of `with_`: InputError for a speed or amplitude out of range.
     """
 
@@ -232,8 +217,7 @@ class Glide:
     direction: Sequence[float] | None = None  # of the way out, as a unit vector; None turns to the left
 
     @property
-    def unit(self) -> str:
-        """Return what the amplitude counts: m or degrees."""
+    def unit(self) -> str:  # of the amplitude
         return "degrees" if self.direction is None else "m"
 
     def with_(self, speed: float | None, amplitude: float | None) -> Glide:
@@ -271,7 +255,7 @@ class Glide:
     def motion(self, t: Array) -> Motion:
         """Return it at the seconds t, of a head that turns about its eyes."""
         still, way = np.zeros_like(t), self.way(t)
-        place = np.outer(way, self.direction or (0.0, 0.0, 0.0)) + np.array([0.0, EYE_HEIGHT_M, 0.0])
+        place = np.outer(way, self.direction or (0.0, 0.0, 0.0)) + np.array(_START)
         return Motion(way if self.direction is None else still, still, still, place, neck_to_eyes_m=np.zeros(3))
 
 
@@ -294,9 +278,8 @@ def synthesise(
     """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
     kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
-    samples per second. speed, amplitude: of a motion there and back (`Glide`), in m/s and m, or in
-    degrees per second and degrees. Errors: UnknownNameError; InputError for a number out of range,
-    and for one that the motion does not have.
+    samples per second. speed, amplitude: of a `Glide`, in m/s and m, or in degrees per second and
+    degrees. Errors: UnknownNameError; InputError for a number out of range or not of the motion.
     """
     if kind not in KINDS:
         raise unknown_name("kind of motion", kind, sorted(KINDS))
@@ -321,12 +304,9 @@ def synthesise(
         if seed is None or seed < 0:
             raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
         motion, flags = build(random.Random(seed), seconds, t), f"--seed {seed}"
-    turns = []
     # Each about the axis turned by those before.
-    for angle, axis in zip((motion.yaw, motion.pitch, motion.roll), (1, 0, 2), strict=True):
-        vector = np.zeros((len(angle), 3))
-        vector[:, axis] = np.radians(angle)
-        turns.append(quaternions.from_rotation_vector(vector))
+    angles = zip((motion.yaw, motion.pitch, motion.roll), np.eye(3)[[1, 0, 2]], strict=True)
+    turns = [quaternions.from_rotation_vector(np.outer(np.radians(angle), axis)) for angle, axis in angles]
     orientation = quaternions.multiply(quaternions.multiply(turns[0], turns[1]), turns[2])
     quaternions.make_continuous(orientation)
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
@@ -363,10 +343,7 @@ def _between(rng: random.Random, low: float, high: float) -> float:
 
 
 def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_hz: float) -> Array:
-    """Return a sum of sines with random phases, of peak `amplitude` at most; 0 at t = 0.
-
-    Frequencies spread over the band, amplitudes as 1/f.
-    """
+    """Return sines over a band, as 1/f, of sum `amplitude` at most, which is 0 at t = 0."""
     out, weights, count = np.zeros_like(t), 0.0, 4
     for i in range(count):
         hz = low_hz * (high_hz / low_hz) ** ((i + _between(rng, 0.2, 0.8)) / count)
@@ -379,13 +356,12 @@ def _sines(rng: random.Random, t: Array, amplitude: float, low_hz: float, high_h
 def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     """Return a standing person's neck: about a centimetre of sway, more forwards than sideways.
 
-    size: above 1 for more. Source: amplitudes and the band below 1 Hz as in Winter 1995, Human
-    balance and posture control during standing and walking.
+    Source: amplitudes and the band below 1 Hz as in Winter 1995, Human balance and posture control.
     """
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
     )
-    return np.asarray(size * sway + np.array([0.0, EYE_HEIGHT_M, 0.0]) - NECK_TO_EYES_M)
+    return np.asarray(size * sway + _NECK)
 
 
 def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:
@@ -403,8 +379,7 @@ def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float,
 def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = math.inf) -> Iterator[float]:
     """Return yaw targets within +-span degrees, each at least `least` from the previous one.
 
-    mean: how much further than `least` a shift goes on average (exponentially, small ones being the
-    most common); by default targets lie anywhere within the span.
+    mean: how much further a shift goes on average, small ones the most; by default anywhere.
     """
     angle = 0.0
     while True:
@@ -412,9 +387,7 @@ def _gaze_targets(rng: random.Random, span: float, least: float, mean: float = m
             target = _between(rng, -span, span)
         else:
             reach = least - mean * math.log(1 - rng.random())
-            # Heads come back to the front: the further out, the likelier the next shift leads
-            # inwards.
-            outwards = rng.random() < 0.5 - 0.4 * abs(angle) / span
+            outwards = rng.random() < 0.5 - 0.4 * abs(angle) / span  # heads come back to the front
             target = angle + math.copysign(reach, angle if outwards else -angle)
         if abs(target) <= span and abs(target - angle) >= least:
             yield target
@@ -480,9 +453,8 @@ _LEAD_S = 0.35
 def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
     """Return laps of two ellipses that touch at the start, one to the left, one to the right.
 
-    Each step lifts and sways the head. Constant pace in the ellipse's parameter is the two-thirds
-    power law of human curved motion (Lacquaniti et al. 1983); the head turns ahead of the path
-    (Grasso et al. 1996, 0.2 to 0.5 s).
+    Constant pace in the ellipse's parameter is the two-thirds power law of human curved motion
+    (Lacquaniti et al. 1983); the head turns ahead of the path (Grasso et al. 1996, 0.2 to 0.5 s).
     """
     place, _ = _path(t, seconds)
     going = _path_pace(t, seconds)

@@ -51,10 +51,10 @@ class PoseSample:
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
-    """Return the longest step that is still interpolated.
+    """Return the longest step that is interpolated: 100 ms, or four median steps if that is more.
 
-    100 ms, or four median steps where that is more (slow recordings). Recorded heads turn at up to
-    300 deg/s: 100 ms is 30 degrees, about the longest arc that interpolation can be trusted for.
+    Heads turn at up to 300 deg/s: 30 degrees, about the longest arc that interpolation can be
+    trusted for.
     """
     return SHORTEST_GAP_NS if len(time_ns) < 2 else max(SHORTEST_GAP_NS, 4 * int(np.median(np.diff(time_ns))))
 
@@ -131,24 +131,12 @@ class PoseTrack:
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)
 
     def __attrs_post_init__(self) -> None:
-        self._check()
-        object.__setattr__(self, "orientation_xyzw", _unit_and_continuous(self.orientation_xyzw))
-        broken = np.diff(self.time_ns) > self.max_gap_ns
-        broken[list(self.jumps)] = True
-        object.__setattr__(self, "broken", broken)
-        object.__setattr__(self, "gaze", _unit_gaze(self.gaze, len(self)))
-        for array in (self.time_ns, self.position_m, self.orientation_xyzw, self.broken, self.gaze):
-            if array is not None:
-                array.flags.writeable = False
-
-    def _check(self) -> None:
-        n = len(self.time_ns)
+        n, steps = len(self.time_ns), np.diff(self.time_ns)
         if n == 0:
             raise TraceError("a head track needs at least one sample")
         if self.position_m.shape != (n, 3) or self.orientation_xyzw.shape != (n, 4):
             shapes = f"{self.position_m.shape} and {self.orientation_xyzw.shape}"
             raise TraceError(f"{n} instants with poses of shape {shapes}: expected ({n}, 3) and ({n}, 4)")
-        steps = np.diff(self.time_ns)
         if n > 1 and steps.min() <= 0:
             i = int(np.argmax(steps <= 0))
             a, b = self.time_ns[i : i + 2]
@@ -157,13 +145,21 @@ class PoseTrack:
             if not np.isfinite(array).all():
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
                 raise TraceError(f"sample {i} of the head track is not finite: {array[i].tolist()}")
-        if n and (far := np.abs(self.position_m).max(axis=1)).max() > MOST_M:
+        if (far := np.abs(self.position_m).max(axis=1)).max() > MOST_M:
             i = int(np.argmax(far))
             raise TraceError(f"sample {i} of the head track is {far[i]:g} m away: expected at most {MOST_M:g} m")
         if not isinstance(self.max_gap_ns, Real):
             raise TraceError(f"max_gap_ns: expected nanoseconds, found {in_brief(self.max_gap_ns)}")
         if any(not 0 <= i < n - 1 for i in self.jumps):
             raise TraceError(f"jumps {self.jumps}: expected indices of samples that have a next one, 0 to {n - 2}")
+        broken = steps > self.max_gap_ns
+        broken[list(self.jumps)] = True
+        made = {"orientation_xyzw": _unit_and_continuous(self.orientation_xyzw), "broken": broken}
+        for name, value in (made | {"gaze": None if self.gaze is None else _unit_gaze(self.gaze, n)}).items():
+            object.__setattr__(self, name, value)
+        for array in (self.time_ns, self.position_m, self.orientation_xyzw, self.broken, self.gaze):
+            if array is not None:
+                array.flags.writeable = False
 
     def __len__(self) -> int:
         return len(self.time_ns)
@@ -200,15 +196,14 @@ class PoseTrack:
         return len(times) - 1 if time_ns >= times[-1] else int(times.searchsorted(time_ns, side="right")) - 1
 
     def pose(self, index: int) -> Pose:
-        """Return the pose of one sample."""
         return Pose(self.position_m[index], self.orientation_xyzw[index])
 
     def at(self, time_ns: int, across_gaps: bool = False) -> PoseSample:
         """Return the head at an instant (ns): SLERP and linear between two samples.
 
         On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and
-        within a gap or jump (unless across_gaps): HELD at the nearest end or at the last sample
-        before. Its gaze is that of gaze_at.
+        within a gap or jump (unless across_gaps): HELD at the nearest end or the last sample
+        before.
         """
         time_ns, gaze = operator.index(time_ns), None if self.gaze is None else self.gaze_at(time_ns)
         i = self.index_at(time_ns)
@@ -286,19 +281,14 @@ class PoseTrack:
         )  # fmt: skip
 
     def evolve(self, **changes: Any) -> PoseTrack:
-        """Return a copy with changes; the gap limit follows new times unless passed too.
-
-        Other samples have no gaze unless it is passed too.
-        """
+        """Return a copy with changes; gap limit and gaze are left behind by other samples."""
         if len(changes.get("time_ns", self.time_ns)) != len(self):
             changes = {"gaze": None, **changes}
         fields = (f.name for f in attrs.fields(PoseTrack) if f.name not in ("max_gap_ns", "broken"))
         return PoseTrack(**{name: getattr(self, name) for name in fields} | changes)
 
 
-def _unit_gaze(gaze: NDArray[np.float64] | None, n: int) -> NDArray[np.float64] | None:
-    if gaze is None:
-        return None
+def _unit_gaze(gaze: NDArray[np.float64], n: int) -> NDArray[np.float64]:
     if gaze.shape != (n, 3):
         raise TraceError(f"{n} instants with gaze of shape {gaze.shape}: expected ({n}, 3)")
     squared = np.einsum("ij,ij->i", gaze, gaze)
@@ -355,10 +345,7 @@ class RecordedSource:
 
 
 class LoopedSource(RecordedSource):
-    """A PoseSource over a track, on the clock `now_ns`.
-
-    At its end the track is played backwards to its beginning, so that nothing jumps.
-    """
+    """A PoseSource over a track on the clock `now_ns`, to its end and back, endlessly."""
 
     def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
         super().__init__(track)
@@ -369,11 +356,8 @@ class LoopedSource(RecordedSource):
         self._begun_ns, self._begun = self._now_ns(), self._begun + 1
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the track's pose, before its beginning its first; read_ns: the clock now.
-
-        space: how often it has begun again.
-        """
-        sample = self.track.at(self.track.start_ns + self.moment(time_ns).since_ns)
+        """Return the track's pose; read_ns: the clock now; space: how often it has begun again."""
+        sample = self.track.at(self.track.start_ns + self.moment(time_ns).since_ns)  # its first, before its beginning
         return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns(), space=self._begun)
 
     def moment(self, time_ns: int) -> Moment:

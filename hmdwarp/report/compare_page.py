@@ -8,39 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import PRIMARY, Figure, pareto
+from ..metrics import PRIMARY, pareto
 from ..scenes.options import KNOWS
+from . import page
 from .bench.page import suite_section
 from .bench.rows import RATED, Case, Column, Conditions, by_name, cases, metric_columns, table_of
-from .charts import (
-    Drawn,
-    Look,
-    Spot,
-    again,
-    canvas,
-    draw_spots,
-    legend,
-    svg_text,
-)
-from .page import (
-    Article,
-    Chart,
-    Fold,
-    Group,
-    Heading,
-    Page,
-    Picture,
-    Section,
-    Terms,
-    Text,
-    data_uri,
-    fact,
-    machine_pairs,
-    minutes,
-    notes_section,
-    reading_section,
-    texts,
-)
+from .charts import Drawn, Look, Spot, again, canvas, draw_spots, legend, svg_text
+from .page import texts
 from .run_texts import Table, axes_of_traces, counted, source_facts, terminal_table
 
 if TYPE_CHECKING:
@@ -69,7 +43,7 @@ def _named(row: Row) -> str:
 
 
 def _columns() -> Iterator[Column]:
-    text, number, mb = Column.of_text, Column.of_number, 1e-6
+    text, number = Column.of_text, Column.of_number
     yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
     yield from (text("warp"), text("fill"), *metric_columns(intervals=False), *RATED)
     yield number("client_ms", "client", "ms an eye", 1)
@@ -77,8 +51,8 @@ def _columns() -> Iterator[Column]:
     yield number("mbit_s", "link", "Mbit/s", 1)
     yield number("up_mbit_s", "poses back", "Mbit/s", 2)
     yield number("decoded_mpx_s")
-    yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
-    yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
+    yield number("start_bytes", "before the first frame", "MB", 1, 1e-6)
+    yield number("client_bytes", "held", "MB", 0, 1e-6)
     yield text("unfit", value=lambda row: "; ".join(f"{who}: {why}" for who, why in row["unfit"].items() if why))
 
 
@@ -93,27 +67,23 @@ _SHOWN = (
 COSTS = ("client_ms", "mbit_s")
 
 
-def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
-    """Return the page from the content of compare.json.
-
-    data: also `cases`, how many there are where `rows` are the first. pictures: of each row.
-    """
+def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.Page:
+    """Return the page from compare.json; `cases`: of how many `rows` are the first."""
     rows: list[Row] = list(data["rows"])
     count, groups = len(data["strategies"]), cases(rows, OF_COMPARE)
     picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}
     folds = []
     for number, group in enumerate(groups):
         table = table_of(f"{group.label}, least FLIP first", columns_of(group.rows), _ordered(group.rows))
-        folds.append(Fold(group.label, [table, Group("panels", _strip(group, picture_of))], is_open=number == 0))
+        folds.append(
+            page.Fold(group.label, [table, page.Group("panels", _strip(group, picture_of))], is_open=number == 0)
+        )
     drawn: dict[object, Drawn] = {}
     numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
     clients = [_client(client, groups, numbers, drawn) for client in data["clients"]]
+    about = "{first}{rest}. Crosses the link: {crosses}. Late: {late}. ({source})"
     strategies = [
-        (
-            one["name"],
-            f"{one['summary'][0].upper()}{one['summary'][1:]}. Crosses the link: {one['crosses']}. "
-            f"Late: {one['late']}. ({one['source']})",
-        )
+        (one["name"], about.format(**one, first=one["summary"][0].upper(), rest=one["summary"][1:]))
         for one in data["strategies"]
     ]
     suite = data.get("suite")
@@ -145,26 +115,27 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
             f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
             "are dashes, and no mean has them."
         )
-    note = Text(texts("compare")["notes"]["assigned"])
-    return Page(
+    note = page.Text(texts("compare")["notes"]["assigned"])
+    return page.Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
         heading=("Strategies of remote rendering", f"{count} of them, {counted(len(groups), 'case')}"),
-        facts=[fact(label, text) for label, text in facts],
+        facts=[page.fact(label, text) for label, text in facts],
         command=data.get("command") or "",
         sections=(
             suite_section(suite),
-            notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
-            Section("Tables and pictures", folds, id="table"),
-            Section("By class of client", clients, id="clients"),
-            Section("Who can run what", [note, assigned_table(data)], id="assigned"),
-            Section("The strategies", [Terms(strategies)], id="strategies", style="reading"),
-            reading_section("compare"),
+            page.notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
+            page.Section("Tables and pictures", folds, id="table"),
+            page.Section("By class of client", clients, id="clients"),
+            page.Section("Who can run what", [note, assigned_table(data)], id="assigned"),
+            page.Section("The strategies", [page.Terms(strategies)], id="strategies", style="reading"),
+            page.reading_section("compare"),
         ),
         made_with=[
-            *machine_pairs(data["hmdwarp"], data["machine"], data["clock"]), ("Run in", minutes(data["seconds"])),
+            *page.machine_pairs(data["hmdwarp"], data["machine"], data["clock"]),
+            ("Run in", page.minutes(data["seconds"])),
         ],
-    )  # fmt: skip
+    )
 
 
 def compare_table(rows: Iterable[Row]) -> TerminalTable:
@@ -213,38 +184,37 @@ def ran_text(rows: Sequence[Row]) -> str:
     )
 
 
-def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[Picture]:
+def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture]:
     """Return the truth and what each strategy shows."""
     from PIL import Image
 
-    both = [(row, picture_of[id(row)]) for row in group.rows if "nothing" not in row]
-    if not both:
-        return []
-    by_row = sorted(both, key=lambda pair: _error(pair[0]))
-    shown = [("what should be seen", by_row[0][1]()[1])]
-    shown += [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", load()[0]) for row, load in by_row]
-    pictures_of = []
-    for caption, picture in shown:
-        small = Image.fromarray(picture)
-        small.thumbnail((_PICTURE_WIDTH, _PICTURE_WIDTH), Image.Resampling.LANCZOS)
-        pictures_of.append(Picture(caption, data_uri(np.asarray(small)), caption))
-    return pictures_of
+    strip: list[page.Picture] = []
+    for row in (row for row in _ordered(group.rows) if "nothing" not in row):
+        shown, truth = picture_of[id(row)]()
+        pictures = [] if strip else [("what should be seen", truth)]
+        for caption, picture in (*pictures, (f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", shown)):
+            small = Image.fromarray(picture)
+            small.thumbnail((_PICTURE_WIDTH, _PICTURE_WIDTH), Image.Resampling.LANCZOS)
+            strip.append(page.Picture(caption, page.data_uri(np.asarray(small)), caption))
+    return strip
 
 
 def _client(
     client: Mapping[str, str], groups: Sequence[Case], numbers: Mapping[str, int], drawn: dict[object, Drawn]
-) -> Article:
+) -> page.Article:
     """Return the fronts of one client: what it can run, case by case.
 
     numbers: of the strategies, the same in all charts. drawn: the charts so far, by content; those
     that are the same are drawn once.
     """
-    folds: list[Fold] = []
+    folds: list[page.Fold] = []
     for group in groups:
         can = [row for row in group.rows if not row["unfit"][client["name"]]]
-        charts = Group("charts", [_front(group.label, client["name"], can, cost, numbers, drawn) for cost in COSTS])
-        folds.append(Fold(group.label, [charts], _best(can), is_open=not folds))
-    return Article([Heading(client["name"]), Text(client["summary"], ""), *folds], id=client["name"])
+        charts = page.Group(
+            "charts", [_front(group.label, client["name"], can, cost, numbers, drawn) for cost in COSTS]
+        )
+        folds.append(page.Fold(group.label, [charts], _best(can), is_open=not folds))
+    return page.Article([page.Heading(client["name"]), page.Text(client["summary"], ""), *folds], id=client["name"])
 
 
 def _best(can: Sequence[Row]) -> str:
@@ -258,7 +228,7 @@ def _best(can: Sequence[Row]) -> str:
 
 def _front(
     label: str, client: str, rows: Sequence[Row], cost: str, numbers: Mapping[str, int], drawn: dict[object, Drawn]
-) -> Chart:
+) -> page.Chart:
     column = COLUMNS[cost]
     rows = [row for row in rows if row["quality"][PRIMARY]["mean"] is not None]
     best = pareto(rows, lambda row: (row["quality"][PRIMARY]["mean"], row[cost]))
@@ -267,7 +237,7 @@ def _front(
     words = f"{heading}, {client}, {label}. Front, from cheap to dear: {names}."
     content = (cost, *((row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows))
     if content in drawn:
-        return Chart.of(heading, again(drawn[content], (client, label)), words, "")
+        return page.Chart.of(heading, again(drawn[content], (client, label)), words, "")
     across = " in ".join(filter(None, column.head))
     longest = max((len(row["strategy"]) for row in rows), default=0)
     ncols = max(1, _CHARS // (longest + 6))
@@ -285,7 +255,7 @@ def _front(
             borderaxespad=0.1, handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
         )  # fmt: skip
         drawn[content] = svg_text(axes.get_figure())
-    return Chart.of(heading, drawn[content], words, "")
+    return page.Chart.of(heading, drawn[content], words, "")
 
 
 def assigned_table(data: Mapping[str, Any]) -> Table:

@@ -12,47 +12,11 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from ..metrics import LEAST_INSTANTS, PRIMARY, Figure, Input, Kept, excludes_zero, metrics, metrics_in_order
+from . import page, run_texts
 from .charts import Series, time_series, timeline_svg
 from .files import ERROR_TOP, Panel, comparison_columns, in_a_row
-from .page import (
-    Article,
-    Chart,
-    Group,
-    Heading,
-    Page,
-    Picture,
-    Section,
-    Terms,
-    Text,
-    Tile,
-    fact,
-    machine_pairs,
-    notes_section,
-    reading_section,
-    texts,
-)
-from .run_texts import (
-    QUALITY_FIGURES,
-    TIME_FIGURES,
-    Cell,
-    Line,
-    Summary,
-    Table,
-    budget_rows,
-    coding_rows,
-    drawing_text,
-    eyes_text,
-    figure_of,
-    filled_rows,
-    frame_rows,
-    listed,
-    miss_texts,
-    model_rows,
-    response_rows,
-    source_facts,
-    source_text,
-    waited_text,
-)
+from .page import texts
+from .run_texts import Cell, Line, Summary, Table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable
@@ -105,7 +69,7 @@ def render_report(
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
-    gate: Section | None = None,
+    gate: page.Section | None = None,
 ) -> str:
     """Return the text of report.html; the same arguments give the same text.
 
@@ -118,66 +82,70 @@ def render_report(
     axes = Markup(" in axes <b>{}</b>").format(summary["trace_axes"]) if summary.get("trace_axes") else ""
     count, pictures = summary.get("measured", {}).get(PRIMARY), summary.get("eyes", 2) * summary["frames"]
     figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
-    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
+    figures.append(("Time per eye", run_texts.TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
     tiles, others = [], [*zip(names[1:], baselines, strict=True)]
     for label, figure, table, main, note in figures:
         mine, *theirs = (figure.text(one[table][figure.name][main]) for one in (summary, *baselines))
         beside = "; ".join(f"{name}: {text}" for name, text in zip(names[1:], theirs, strict=True))
-        tiles.append(Tile(label, figure.unit, mine, note, beside))
+        tiles.append(page.Tile(label, figure.unit, mine, note, beside))
     eyes, shown = EYES if summary.get("eyes", 2) == 2 else ("camera",), []
     for frame in worst:
         when = f"{frame.time_s:.2f} s, {eyes[frame.eye]}"
         values = [
             Markup("<span>{} <b>{}</b>{}</span> ").format(f.label, f.text(value), f" {f.unit}" if f.unit else "")
-            for f in QUALITY_FIGURES
+            for f in run_texts.QUALITY_FIGURES
             if (value := frame.values.get(f.name)) is not None
         ]
         stacks = [
-            Group("stack", [Picture.of(label, one, f"{label} at {when}") for label, one in column])
+            page.Group("stack", [page.Picture.of(label, one, f"{label} at {when}") for label, one in column])
             for column in frame.columns
         ]
-        panels = Group("panels slides", stacks)
-        shown.append(Article([Heading(when), Text(Markup("").join(values), "figures"), panels], style="worst"))
+        panels = page.Group("panels slides", stacks)
+        shown.append(
+            page.Article([page.Heading(when), page.Text(Markup("").join(values), "figures"), panels], style="worst")
+        )
     about = notes_of["figures"].format(
-        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
+        rising=run_texts.listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
         sure=how_sure(summary, mark="★" if baselines else None),
     ) + (notes_of["compared"] if baselines else "")
     about += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in others)
     regions: Mapping[str, Any] = summary.get("regions") or {}
     is_parted, of_region = any(one["share"] for one in regions.values()), ("share", "psnr_db", PRIMARY)
     parts = (
-        (part.replace("_", " "), *(figure_of(key).text(one[key]) for key in of_region)) for part, one in regions.items()
+        (part.replace("_", " "), *(run_texts.figure_of(key).text(one[key]) for key in of_region))
+        for part, one in regions.items()
     )
-    heads = [("", ""), *((figure_of(key).label, figure_of(key).unit) for key in of_region)]
-    by_region = [Table.of("", heads, parts, label="Error by region"), Text(texts("bench")["notes"]["regions"])]
+    heads = [("", ""), *((run_texts.figure_of(key).label, run_texts.figure_of(key).unit) for key in of_region)]
+    by_region = [Table.of("", heads, parts, label="Error by region"), page.Text(texts("bench")["notes"]["regions"])]
+    about_charts = notes_of["charts"].format(eyes=run_texts.eyes_text(summary))
     charts = metric_charts(dict(zip(names, (rows, *baselines_rows), strict=True)))
     charts += [
-        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
+        page.Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
         for heading, name, unit in _MOTION_CHARTS
     ]
-    return Page(
+    return page.Page(
         kind="replay",
         title=f"hmdwarp: {summary['warp']} at {summary['latency_ms']:g} ms, {summary['trace']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
         facts=[
-            fact("head trace", summary["trace"], axes),
-            *(fact(*pair) for pair in source_facts(summary)),
-            *(fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
+            page.fact("head trace", summary["trace"], axes),
+            *(page.fact(*pair) for pair in run_texts.source_facts(summary)),
+            *(page.fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
             size_fact(summary),
             f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
         ],
         command=command,
         sections=(
             gate,
-            Section("", tiles, style="tiles", label="Main figures"),
-            notes_section(notes),
-            Section("Worst frames", shown and [Text(notes_of["worst"]), *shown, Text(_SCALE, "scale")]),
-            Section("Figures", [comparison_table(summary, *baselines), Text(about)]),
-            Section("Where the error lies", by_region if is_parted else []),
-            transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
-                            ("On the client, uncompressed", model_rows(summary))),
-            Section("Over time", [Group("charts", charts), Text(notes_of["charts"].format(eyes=eyes_text(summary)))]),
-            reading_section(
+            page.Section("", tiles, style="tiles", label="Main figures"),
+            page.notes_section(notes),
+            page.Section("Worst frames", shown and [page.Text(notes_of["worst"]), *shown, page.Text(_SCALE, "scale")]),
+            page.Section("Figures", [comparison_table(summary, *baselines), page.Text(about)]),
+            page.Section("Where the error lies", by_region if is_parted else []),
+            transit_section(summary, ("Holes, of all pixels", run_texts.filled_rows(summary)),
+                            ("On the client, uncompressed", run_texts.model_rows(summary))),
+            page.Section("Over time", [page.Group("charts", charts), page.Text(about_charts)]),
+            page.reading_section(
                 "replay", *((m.label, m.explanation) for m in metrics_in_order() if m.explanation), truth=truth
             ),
         ),
@@ -186,8 +154,7 @@ def render_report(
 
 
 def made_with(summary: Summary) -> list[tuple[str, str]]:
-    """Return what a run was made with."""
-    pairs = machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"])
+    pairs = page.machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"])
     return [*pairs, ("Effects", ", ".join(summary["effects"]) or "none")]
 
 
@@ -202,34 +169,31 @@ def size_fact(summary: Summary) -> Markup:
     return size + more.format("×".join(map(str, rendered["size"])), rendered["pixels"], across, down)
 
 
-def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> Section | None:
+def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> page.Section | None:
     """Return the section on the frames in transit. more: heading and pairs of further tables."""
-    response = response_rows(summary)
+    response = run_texts.response_rows(summary)
     if not response:
         return None
-    tables = (
-        ("Response time, means over the refreshes", response),
-        ("Frames", frame_rows(summary)),
-        ("Size", coding_rows(summary)),
-        *more,
-    )
+    tables = [("Response time, means over the refreshes", response), ("Frames", run_texts.frame_rows(summary))]
+    tables += [("Size", run_texts.coding_rows(summary)), *more]
     pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
     frames = (summary.get("link") or {}).get("timeline") or ()
     ways = {tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}
     timeline = timeline_svg(frames) if len(ways) > 1 else ""
     title = "The last frames, part by part"
-    drawn = [Heading(title), Chart.of("", timeline, title, "wide plain")] if timeline else []
-    return Section("Frames in transit", [Group("pairs", pairs), *drawn, Text(texts("replay")["notes"]["transit"])])
+    drawn = [page.Heading(title), page.Chart.of("", timeline, title, "wide plain")] if timeline else []
+    return page.Section(
+        "Frames in transit", [page.Group("pairs", pairs), *drawn, page.Text(texts("replay")["notes"]["transit"])]
+    )
 
 
-def metric_charts(runs: Mapping[str, Rows]) -> list[Chart]:
+def metric_charts(runs: Mapping[str, Rows]) -> list[page.Chart]:
     """Return the charts over time of the metrics, the primary one first. runs: by name."""
     charts = []
-    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+    for metric in sorted((metric for metric in metrics_in_order() if metric.chart), key=lambda m: m.name != PRIMARY):
         series = [Series.of(name, rows, metric.name, metric.scale) for name, rows in runs.items()]
-        if metric.chart:
-            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero, points=True)
-            charts.append(Chart.over_time(metric.chart, svg))
+        svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero, points=True)
+        charts.append(page.Chart.over_time(metric.chart, svg))
     return charts
 
 
@@ -241,8 +205,8 @@ def comparison_table(summary: Summary, *baselines: Summary) -> Table:
     contest: a warp that does nothing is quick and leaves nothing empty.
     """
     lines = []
-    for figure in (*QUALITY_FIGURES, *TIME_FIGURES):
-        is_time, best = figure in TIME_FIGURES, None
+    for figure in (*run_texts.QUALITY_FIGURES, *run_texts.TIME_FIGURES):
+        is_time, best = figure in run_texts.TIME_FIGURES, None
         if baselines and not is_time and metrics.get(figure.name).is_contest:
             sign = 1 if figure.higher_is_better else -1
             found = [baseline.get("difference", {}).get(figure.name) for baseline in baselines]
@@ -259,17 +223,14 @@ def comparison_table(summary: Summary, *baselines: Summary) -> Table:
                 is_cut = not math.isclose(interval[1] - entry["mean"], entry["mean"] - interval[0], abs_tol=1e-12)
                 mean += f" ({low} to {high})" if is_cut else f" ±{figure.text((interval[1] - interval[0]) / 2)}"
             cells += [Cell(mean, "best" if number == best else ""), Cell(figure.text(entry["p95"]), "tail")]
-        groups = {QUALITY_FIGURES[0]: "Picture, mean", TIME_FIGURES[0]: "Time per eye, median"}
+        groups = {run_texts.QUALITY_FIGURES[0]: "Picture, mean", run_texts.TIME_FIGURES[0]: "Time per eye, median"}
         lines.append(Line(tuple(cells), group=groups.get(figure, "")))
     heads = [("", ""), *(pair for name in column_names(summary, *baselines) for pair in ((name, ""), ("p95", "")))]
     return Table("", heads, lines, label="Figures")
 
 
 def how_sure(summary: Summary, *, mark: str | None) -> str:
-    """Return what the intervals are and what a mark says, or why there are none.
-
-    mark: None where nothing is compared.
-    """
+    """Return what the intervals are and what a mark (None for none) says, or why none are."""
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     best = f"; {mark}: the best of the line, by the 95 % interval of the difference" if mark else ""
@@ -291,12 +252,11 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     The best column of each quality line is bold and starred, so that it reads without colour too.
     Only the first baseline has its tail next to it, where a terminal has room for no more.
     """
-    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
+    of_what = f"{run_texts.source_text(summary)}, {summary['frames']} frames"
+    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {of_what}"
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
-    lines[1] += "".join(
-        f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
-    )
+    lines[1] += "".join("; baseline {warp}: fill {fill}, lens {lens}".format(**one) for one in baselines)
     caption = "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])
     table = comparison_table(summary, *baselines)
     tails = range(2, 3 if len(baselines) > 1 else 5)
@@ -332,63 +292,62 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
     pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
     about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
-    pairs = [("source", live["source"]), *about, *source_facts(summary)]
+    pairs = [("source", live["source"]), *about, *run_texts.source_facts(summary)]
     pairs += [(name, summary[name]) for name in ("fill", "lens")]
-    charts = [Group("charts", _live_charts(summary, column)), Text(texts("live")["notes"]["charts"])]
+    over_time = [page.Group("charts", _live_charts(summary, column)), page.Text(texts("live")["notes"]["charts"])]
+    errors = run_texts.listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs])
     collector = live["garbage_collector"]
     when = "between the pictures" if collector["between"] else "at any time"
     collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
     notices = "; ".join(f"{text} ({count}×)" for text, count in live["notices"].items())
-    return Page(
+    return page.Page(
         kind="live",
         title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
         heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
-        facts=[*(fact(*pair) for pair in pairs), size_fact(summary), pictures],
+        facts=[*(page.fact(*pair) for pair in pairs), size_fact(summary), pictures],
         command=command,
         sections=(
-            Section("", _live_tiles(summary), style="tiles", label="Main figures"),
-            notes_section(summary["notes"]),
+            page.Section("", _live_tiles(summary), style="tiles", label="Main figures"),
+            page.notes_section(summary["notes"]),
             _refresh(summary),
             transit_section(summary),
-            Section("Changes", [Terms(changes, "changes")] if changes else []),
-            Section("Over time", charts),
-            reading_section(
+            page.Section("Changes", [page.Terms(changes, "changes")] if changes else []),
+            page.Section("Over time", over_time),
+            page.reading_section(
                 "live",
                 *([("Shown over the picture", notices)] if notices else []),
                 ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
-                errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
+                errors=errors,
                 waiting=str(live["waiting"]),
                 unseen=str(live["unseen"]),
-            ),
+            ),  # fmt: skip
         ),
         made_with=made_with(summary),
     ).html()
 
 
-def _live_tiles(summary: Summary) -> list[Tile]:
+def _live_tiles(summary: Summary) -> list[page.Tile]:
+    def tile(label: str, figure: Figure, entry: Mapping[str, float | None], note: str) -> page.Tile:
+        tail = "" if entry["p95"] is None else f"; p95 {figure.text(entry['p95'])} ms"
+        return page.Tile(label, "ms", figure.text(entry["median"]), note + tail)
+
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
-    share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), TIME_FIGURES[-1]
-    handed, waits = "from reading the head to submitting the picture", waited_text(live)
-    missed, longest, judder = miss_texts(summary["miss"])
-    miss = Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
+    share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), run_texts.TIME_FIGURES[-1]
+    handed, waits = "from reading the head to submitting the picture", run_texts.waited_text(live)
+    missed, longest, judder = run_texts.miss_texts(summary["miss"])
+    miss = page.Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
     return [
-        _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
-        _tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
-        Tile("Missed refreshes", "", "–", waits) if waits else miss,
-        _tile("Time per eye", time, total, "all stages"),
-        Tile(holes.label, holes.figure.unit, share, holes.tile_note),
+        tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
+        tile("Pose age at frame submission", _SHORT_MS, live["pose_age_ms"], handed),
+        page.Tile("Missed refreshes", "", "–", waits) if waits else miss,
+        tile("Time per eye", time, total, "all stages"),
+        page.Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]
 
 
-def _tile(label: str, figure: Figure, entry: Mapping[str, float | None], note: str) -> Tile:
-    tail = "" if entry["p95"] is None else f"; p95 {figure.text(entry['p95'])} ms"
-    return Tile(label, "ms", figure.text(entry["median"]), note + tail)
-
-
-def _refresh(summary: Summary) -> Section:
-    """Return the parts of a refresh against its budget, with a bar for each."""
+def _refresh(summary: Summary) -> page.Section:
     live = summary["live"]
-    lines, rows = [], budget_rows(summary)
+    lines, rows = [], run_texts.budget_rows(summary)
     longest = max([1.0, *(share for *_, share in rows)])
     for part, median, tail, share in rows:
         bar = Markup('<i style="width: {:.1f}%"></i>').format(100 * share / longest)
@@ -399,18 +358,18 @@ def _refresh(summary: Summary) -> Section:
     note = texts("live")["notes"]["budget"].format(
         rate=f"{round(summary['rate_hz'], 2):g}", budget=budget, over=f"{live['over'] / max(1, live['timed']):.1%}"
     )
-    return Section("Time per refresh", [Table("", heads, lines, label="Time per refresh"), Text(note)])
+    return page.Section("Time per refresh", [Table("", heads, lines, label="Time per refresh"), page.Text(note)])
 
 
 def _value(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _live_charts(summary: Summary, column: Column) -> list[Chart]:
+def _live_charts(summary: Summary, column: Column) -> list[page.Chart]:
     time_s, budget_ms, holes = column("time_s"), summary["live"]["budget_ms"], metrics.get("hole_share")
     limit = Series("a refresh of the display", time_s, np.full(len(time_s), budget_ms))
     both_eyes = holes.scale * np.concatenate([column("hole_share/0"), column("hole_share/1")])
-    busy = f"{drawing_text(summary).capitalize()} and all passes of {eyes_text(summary)}"
+    busy = f"{run_texts.drawing_text(summary).capitalize()} and all passes of {run_texts.eyes_text(summary)}"
 
     def line(name: str, label: str = "") -> Series:
         return Series(label, time_s, column(name))
@@ -423,4 +382,4 @@ def _live_charts(summary: Summary, column: Column) -> list[Chart]:
         (holes.chart, [Series("", np.concatenate([time_s, time_s]), both_eyes)], holes.chart_unit),
         ("Angular speed of the head", [line("angular_speed_deg_s")], "deg/s"),
     )
-    return [Chart.over_time(heading, time_series(series, unit)) for heading, series, unit in charts]
+    return [page.Chart.over_time(heading, time_series(series, unit)) for heading, series, unit in charts]

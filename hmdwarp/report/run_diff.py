@@ -18,9 +18,9 @@ from ..errors import InputError
 from ..metrics import QUALITY, Figure
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
+from . import page
 from .files import LATE, Panel, Pixels, panels_in
 from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
-from .page import Article, Choice, Group, Heading, Page, Picture, Section, Sentences, fact, machine_pairs
 from .replay_page import metric_charts
 from .run_texts import Cell, Line, Table, counted, figure_of
 
@@ -147,7 +147,6 @@ class FigureChange:
         return written.text(self.stored), written.text(self.now), f"{change:+.{written.digits}f}{share}"
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         values = {"name": self.key, "first": self.stored, "second": self.now, "unit": self.figure.unit}
         change = None if None in (self.stored, self.now) else self.now - self.stored  # type: ignore[operator]
         return values | {"change": change, "verdict": _WORDS[self.is_better]}
@@ -225,12 +224,10 @@ class RunDiff:
         ]
 
     def blocks(self) -> list[Any]:
-        """Return the same as blocks of a page."""
         lines = self.lines(figures=False)
-        return [*[figures_table(self.figures)] * bool(self.figures), *[Sentences(lines)] * bool(lines)]
+        return [*[figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         return {
             "equal": self.is_equal,
             "setup": [dict(zip(("name", "first", "second"), entry, strict=True)) for entry in self.setup],
@@ -244,31 +241,30 @@ class RunDiff:
         """Return the page: the figures, each picture beside its difference, both runs over time."""
         count = len(self.setup) + len(self.figures) + len(self.refreshes) + len(self.pictures)
         labels = ("stored", "now", f"absolute difference, x{_MAGNIFY}")
-        choice = Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
-        articles = [
-            Article([Heading(one.name, one.told), Group("panels", [
-                Picture.of(label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png")
+        choice = page.Choice("view", (("now", "now"), ("blink", "now and stored in turn")), "Middle picture")
+        articles = []
+        for one in (one for one in self.pictures if one.pictures):
+            shown = [
+                page.Picture.of(
+                    label, picture, f"{one.name}, {label}", one.pictures[0] if label == "now" else None, "png"
+                )
                 for label, picture in zip(labels, one.pictures, strict=True)
-            ])])
-            for one in self.pictures
-            if one.pictures
-        ]  # fmt: skip
-        return Page(
+            ]
+            articles.append(page.Article([page.Heading(one.name, one.told), page.Group("panels", shown)]))
+        over_time = metric_charts({"stored": self.first.rows(), "now": self.second.rows()})
+        return page.Page(
             kind="diff",
             title="hmdwarp: run comparison",
             heading=("Run comparison:", counted(count, "difference")),
-            facts=[fact("stored", self.first.named), fact("now", self.second.named), self.told()],
+            facts=[page.fact("stored", self.first.named), page.fact("now", self.second.named), self.told()],
             command=command,
             remarks=self.notes,
             sections=(
-                Section("Differences", self.blocks()),
-                Section("Pictures", [choice, *articles] if articles else []),
-                Section(
-                    "Over time",
-                    [Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
-                ),
+                page.Section("Differences", self.blocks()),
+                page.Section("Pictures", [choice, *articles] if articles else []),
+                page.Section("Over time", [page.Group("charts", over_time)]),
             ),
-            made_with=machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
+            made_with=page.machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
         ).html()
 
 
@@ -300,17 +296,10 @@ def diff_runs(
     changed = [one for one in figures if not is_same(one.key, one.stored, one.now)]
     beyond = [one for one in changed if not allows(one.key, one.stored, one.now)]
     same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
-    return RunDiff(
-        first,
-        second,
-        setup,
-        sorted(beyond, key=lambda one: -one.size),
-        [one.key for one in figures],
-        len(changed) - len(beyond),
-        [] if same_rows else _refreshes(first, second, allows, notes),
-        [*_pictures(first, second, pixels)],
-        notes,
-    )
+    refreshes = [] if same_rows else _refreshes(first, second, allows, notes)
+    beyond.sort(key=lambda one: -one.size)
+    pictures, compared = [*_pictures(first, second, pixels)], [one.key for one in figures]
+    return RunDiff(first, second, setup, beyond, compared, len(changed) - len(beyond), refreshes, pictures, notes)
 
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:

@@ -7,23 +7,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from .page import (
-    Article,
-    Chart,
-    Fold,
-    Group,
-    Heading,
-    Page,
-    Picture,
-    Section,
-    Terms,
-    Text,
-    Tile,
-    fact,
-    machine_pairs,
-    minutes,
-    reading_section,
-)
+from . import page
 from .run_texts import Table, plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
@@ -35,16 +19,13 @@ _CLASSES = {
 
 
 def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[tuple[str, str]]]) -> str:
-    """Return the text of the page from the content of results.json.
-
-    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name.
-    """
+    """Return the page from results.json. pictures: (caption, data URI or <svg>) by experiment."""
     experiments = data["experiments"]
-    facts = [fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
-    facts.append(fact("run in", minutes(data["seconds"])))
-    quick = [fact("", "quick", ": small pictures, middle speeds only")] if data["quick"] else []
+    facts = [page.fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
+    facts.append(page.fact("run in", page.minutes(data["seconds"])))
+    quick = [page.fact("", "quick", ": small pictures, middle speeds only")] if data["quick"] else []
     articles = [_article(experiment, pictures.get(experiment["name"], ())) for experiment in experiments]
-    return Page(
+    return page.Page(
         kind="thesis",
         title="hmdwarp: the thesis again",
         heading=("The thesis again", f"{len(experiments)} figures, times and claims"),
@@ -52,17 +33,20 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
         command=data.get("command") or "",
         remarks=[f"failed: {failure}" for failure in data["failed"]],
         sections=(
-            Section(
+            page.Section(
                 "",
-                [Tile(name, "", str(count), "of the experiments below") for name, count in data["verdicts"].items()],
+                [
+                    page.Tile(name, "", str(count), "of the experiments below")
+                    for name, count in data["verdicts"].items()
+                ],
                 style="tiles",
                 label="Verdicts",
             ),
-            Section("Verdicts", [_verdicts(experiments)], id="verdicts"),
-            Section("Experiments", articles, id="experiments"),
-            reading_section("thesis"),
+            page.Section("Verdicts", [_verdicts(experiments)], id="verdicts"),
+            page.Section("Experiments", articles, id="experiments"),
+            page.reading_section("thesis"),
         ),
-        made_with=machine_pairs(data["hmdwarp"], data["machine"], data["clock"]),
+        made_with=page.machine_pairs(data["hmdwarp"], data["machine"], data["clock"]),
     ).html()
 
 
@@ -83,38 +67,31 @@ def is_conditional(one: Mapping[str, Any]) -> bool:
 def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
     claim = Markup('<a href="#{}">{}</a> <span class="unit">{}</span>')
     where = Markup('{}<br><span class="unit">{}</span>')
-    lines = [
-        (
-            claim.format(experiment["name"], experiment["claim"], experiment["source"]),
-            experiment["thesis"],
-            experiment["ours"] or "–",
-            where.format(_verdict(experiment), experiment["holds_at"])
-            if is_conditional(experiment)
-            else _verdict(experiment),
-        )
-        for experiment in experiments
-    ]
+    lines = []
+    for one in experiments:
+        verdict = where.format(_verdict(one), one["holds_at"]) if is_conditional(one) else _verdict(one)
+        about = claim.format(one["name"], one["claim"], one["source"])
+        lines.append((about, one["thesis"], one["ours"] or "–", verdict))
     heads = [(head, "") for head in ("claim", "the thesis", "ours", "verdict")]
     return Table.of("", heads, lines, words=4, style="verdicts", label="Verdicts")
 
 
-def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> Article:
-    """Return the card of an experiment."""
+def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> page.Article:
     pairs = [("The thesis", one["thesis"]), ("Ours", one["ours"] or "not measured"), ("Rule", one["rule"])]
     if is_conditional(one):
         pairs += [("Holds at", one["holds_at"]), ("Does not at", one["fails_at"])]
     pairs += [(term, one[key]) for term, key in (("Cannot be told at", "unknown_at"), ("Note", "note")) if one[key]]
-    panels = [Picture(caption, uri, caption) for caption, uri in pictures if uri.startswith("data:")]
+    panels = [page.Picture(caption, uri, caption) for caption, uri in pictures if uri.startswith("data:")]
     blocks = [
-        Heading(one["claim"]),
-        Text(f"{one['name']} · {one['source']}"),
-        Text(_verdict(one), ""),
-        Terms(pairs),
-        panels and Group("panels", panels),
-        *(Chart.of(caption, svg, caption) for caption, svg in pictures if svg.startswith("<svg")),
-        Fold("Numbers", [cells_table(one)], str(len(one["cells"]))),
+        page.Heading(one["claim"]),
+        page.Text(f"{one['name']} · {one['source']}"),
+        page.Text(_verdict(one), ""),
+        page.Terms(pairs),
+        panels and page.Group("panels", panels),
+        *(page.Chart.of(caption, svg, caption) for caption, svg in pictures if svg.startswith("<svg")),
+        page.Fold("Numbers", [cells_table(one)], str(len(one["cells"]))),
     ]
-    return Article(blocks, id=one["name"])
+    return page.Article(blocks, id=one["name"])
 
 
 def cells_table(one: Mapping[str, Any]) -> Table:

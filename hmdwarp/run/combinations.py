@@ -247,7 +247,7 @@ def frames_used(
     drawn: dict[int, list[int]] = {}
     pacer = Pacer(server_rate_hz, schedule.rate_hz)
     history = History(needs.others, lambda frame: None)
-    link: Link[_Drawn] = LinkOptions().link(link_ns, history.offer)
+    link: Link[_Drawn] = LinkOptions().link(link_ns, discard=history.offer)
     for number, instant_ns in schedule.numbered():
         drawn[number] = pacer.due(instant_ns)
         for drawn_ns in drawn[number]:

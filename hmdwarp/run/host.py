@@ -17,10 +17,10 @@ from ..display import MOVED, Command, Display, Lost, control
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Reads
 from ..pipeline.loop import Refresh
+from ..pipeline.options import PROXY, SCENE
 from ..pipeline.proxy import check_names, source_of
-from ..pipeline.proxy_options import PROXY, SCENE
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns, plans_for
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, PoseSource, PoseTrack, gaze_of, jumps_between

@@ -26,7 +26,7 @@ from ..display import (
 from ..errors import InputError, MachineError
 from ..options import AUTO
 from ..pipeline.loop import Refresh
-from ..pipeline.proxy_options import SERVER_SCENE
+from ..pipeline.options import SERVER_SCENE
 from ..pipeline.sizes import smaller_size
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, load_trace

@@ -29,8 +29,16 @@ from ..options import (
     same_as,
     several,
 )
-from ..pipeline.options import DISPLAYED, PipelineOptions, refuse_without_frames
-from ..pipeline.proxy_options import REMOTE, SERVER_SCENE, ProxyOptions, SourceKind, with_frames
+from ..pipeline.options import (
+    DISPLAYED,
+    REMOTE,
+    SERVER_SCENE,
+    PipelineOptions,
+    ProxyOptions,
+    SourceKind,
+    refuse_without_frames,
+    with_frames,
+)
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions

@@ -18,8 +18,8 @@ from ..gpu.textures import download
 from ..link.options import ALL, DROP
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
+from ..pipeline.options import SERVER_SCENE
 from ..pipeline.proxy import source_of
-from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames

@@ -16,8 +16,8 @@ from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..metrics import Alike, PairPass, QualityJob, QualityPool
+from ..pipeline.options import SERVER_SCENE
 from ..pipeline.proxy import source_of
-from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.sizes import latency_ns, plan_against, refreshes_of, smaller_size
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -12,13 +13,11 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
 from ..options.named_files import SCENE, opened
-from ._draft import Draft
+from ._draft import Draft, Notes
 from ._gltf_scene import GltfContent
-from ._light_atlas import lit_by
+from ._lamps import lit_by
 from ._mesh import Body, Texture
-from ._mesh_files import drafts_of, unreadable
-from ._mitsuba_file import mitsuba_drafts
-from ._notes import Notes
+from ._mesh_files import drafts_of, mitsuba_drafts, unreadable
 from ._scene import Background, Scene
 from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, add_hints, free_place, is_inside, place_at
 from .options import FILE_ENDINGS, SceneOptions
@@ -32,13 +31,11 @@ _FROM_Z_UP = ((1, 0, 0), (0, 0, 1), (0, -1, 0))
 
 
 def scene_from_file(path: Path, options: SceneOptions) -> Scene:
-    """Return the file's triangles as a Scene; its notes say what had to be left out or replaced.
+    """Return the file's triangles as a Scene; its notes say what was left out or replaced.
 
-    The scene is put so that the viewer's place is at (0, 1.6, 0), looking along -z. Its origin is
-    kept apart in float64 (origin_m), so that far from it no digits are lost on the GPU.
-    Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles or
-    extent, or with positions that are not finite; InputError for a camera or an animation that it
-    lacks.
+    The viewer's place is at (0, 1.6, 0), looking along -z; the origin is kept apart in float64
+    (origin_m), so that far from it no digits are lost on the GPU. Errors: SceneError, one line, for
+    a file that cannot be used; InputError for a camera or an animation that it lacks.
     """
     with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
         if not file.read(1):
@@ -61,40 +58,29 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
                 taken = ["a unit is a metre (--scene-scale)"] * (options.scale == 1)
                 if taken := taken + ["y is up (--scene-up)"] * (options.up == "y"):
                     notes.add(f"assumed (not stated in the file): {', '.join(taken)}")
-            return _scene(path, options, notes, drafts, textures, content)
+            return _put(drafts, path, options, notes, textures, content)
     except (HmdwarpError, MemoryError):
         raise
     except Exception as error:  # a damaged file may hold any value where another is due
         raise unreadable(path, error) from error
 
 
-def _scene(
-    path: Path,
-    options: SceneOptions,
-    notes: Notes,
-    drafts: Sequence[Draft],
-    textures: list[Texture],
-    content: GltfContent | None,
+def _put(
+    drafts: Sequence[Draft], path: Path, options: SceneOptions, notes: Notes, textures: list[Texture], content: Any
 ) -> Scene:
-    """Return the scene of these drafts, put where the viewer stands."""
+    """Return the scene of these drafts, put where the viewer stands. content: of glTF, or None."""
     if not drafts:
-        raise SceneError(
-            f"{path}: no triangles in it; expected a mesh, not points, lines or an empty scene:"
-            " make a surface of the points, or export the scene with its meshes"
-        )
+        what = f"{path}: no triangles in it; expected a mesh, not points, lines or an empty scene"
+        raise SceneError(f"{what}: make a surface of the points, or export the scene with its meshes")
     standing = [draft for draft in drafts if not draft.look.material.head_locked]
     clouds = [draft.positions for draft in standing] or [np.array([STANDING - 1, STANDING + 1])]
     low = np.array([points.min(axis=0) for points in clouds]).min(axis=0)
     high = np.array([points.max(axis=0) for points in clouds]).max(axis=0)
     if not (high - low).any():
-        raise SceneError(
-            f"{path}: all {sum(len(points) for points in clouds)} positions are the same point; export it again"
-        )
+        raise SceneError(f"{path}: all {sum(map(len, clouds))} positions are the same point; export it again")
     if (size := float((high - low).max())) > LARGEST_M:
-        raise SceneError(
-            f"{path}: {size:.3g} m across; expected at most {LARGEST_M:.0e} m: say what its unit is by"
-            " --scene-scale, or export it again"
-        )
+        what = f"{path}: {size:.3g} m across; expected at most {LARGEST_M:.0e} m"
+        raise SceneError(f"{what}: say what its unit is by --scene-scale, or export it again")
     solid = [draft for draft in standing if draft.is_surface] or standing
     triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
     add_hints(triangles, low, high, options.scale, options.up, notes)
@@ -114,26 +100,15 @@ def _scene(
         looks = [(draft.look, draft.is_surface and draft.driven is None) for draft in drafts]
         lit = [is_rigid and not look.unlit and not look.emission.any() for look, is_rigid in looks]
         meshes, lamps = lit_by(lamps, meshes, lit, textures, origin, notes)
-    return Scene(
-        path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem,
-        f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
-        meshes,
-        textures,
-        # Lamps are all the light that a file has.
-        Background() if lamps else SKY,
-        bodies,
-        origin_m=origin,
-        viewpoint=Pose(STANDING),
-        walk_bounds_m=STANDING + place.reach,
-        notes=notes.lines(),
-        lamps=lamps,
-        panels=panels,
-    )
+    name = path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem
+    summary = f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles"
+    sky = Background() if lamps else SKY  # lamps are all the light that a file has
+    where: dict[str, Any] = {"viewpoint": Pose(STANDING), "walk_bounds_m": STANDING + place.reach, "origin_m": origin}
+    found: dict[str, Any] = {"notes": notes.lines(), "lamps": lamps, "panels": panels}
+    return Scene(name, summary, meshes, textures, sky, bodies, **where, **found)
 
 
-def _place(
-    options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: GltfContent | None
-) -> Place:
+def _place(options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: Any) -> Place:
     cameras = [] if content is None else [name for name, _ in content.cameras]
     if options.viewpoint is None:
         found = free_place(triangles, low, high)

@@ -24,20 +24,13 @@ from ..errors import InputError, SceneError
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import GLTF, SCENE, content_of, most_unpacked
 from ..resources import install_line
-from ._notes import Notes, read_beside, rgba_of
+from ._draft import Notes, read_beside, rgba_of
 
 SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 _LONGEST_NAME = 1000  # characters of a path
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
-_NUMBERS: dict[Any, Any] = {
-    5120: np.int8,
-    5121: np.uint8,
-    5122: np.int16,
-    5123: np.uint16,
-    5125: np.uint32,
-    5126: np.float32,
-}
+_NUMBERS: dict[Any, str] = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
@@ -48,9 +41,7 @@ class GltfFile:
     path: Path
     header: dict[str, Any]  # the JSON
     buffers: tuple[bytes, ...]  # the bytes of each buffer
-    unpacked: dict[int, NDArray[Any]] = attrs.field(
-        factory=dict
-    )  # numbers of accessors that came compressed, by accessor
+    unpacked: dict[int, NDArray[Any]] = attrs.field(factory=dict)  # of accessors that came compressed
     lists: dict[str, list[dict[str, Any]]] = attrs.field(factory=dict, init=False)  # by kind, once they are checked
 
     @classmethod
@@ -75,9 +66,8 @@ class GltfFile:
             raise _no_glb(path, f"a chunk {data[16:20]!r} at byte 16", "b'JSON'")
         start, binary = _HEADERS + length, b""
         if start > len(data):
-            raise _no_glb(
-                path, f"its JSON of {length} bytes ends at byte {start}", f"{len(data)}, the file's end, at most"
-            )
+            ends = f"its JSON of {length} bytes ends at byte {start}"
+            raise _no_glb(path, ends, f"{len(data)}, the file's end, at most")
         header = _header_of(path, data[_HEADERS:start])
         if start + 8 <= len(data):
             length, kind = struct.unpack_from("<2I", data, start)
@@ -100,10 +90,7 @@ class GltfFile:
         return cls(path, header, tuple(found or [binary or b""]))
 
     def bytes_at(self, uri: object, user: str) -> bytes:
-        """Return the bytes of a data URI or of a file next to this one.
-
-        Errors: SceneError, and InputError for one that is refused, see read_beside.
-        """
+        """Return the bytes of a data URI or of a file next to this one. Errors: as read_beside."""
         if not isinstance(uri, str):
             raise self.damaged(f"{user}: {uri!r} in place of a file's name")
         if uri.startswith("data:"):
@@ -154,22 +141,20 @@ class GltfFile:
     def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray[Any]:
         """Return the (n, columns) numbers of an accessor as they are stored.
 
-        Normalised integers come as float64 of -1..1 or 0..1.
-        Errors: SceneError for an unknown accessor, one of another width, or one that reaches beyond
-        the file.
+        Normalised integers come as float64 of -1..1 or 0..1. Errors: SceneError.
         """
         accessor = self.item("accessors", index, user)
         kind, count = accessor.get("componentType"), accessor.get("count")
         width = _COLUMNS.get(accessor.get("type", ""))
         if not (isinstance(kind, int) and kind in _NUMBERS and width and isinstance(count, int) and count >= 0):
-            raise self.error(
-                f"{user}: accessor {index} is of an unsupported kind (component {kind}, {accessor.get('type')})"
-            )
+            found = f"component {kind}, {accessor.get('type')}"
+            raise self.error(f"{user}: accessor {index} is of an unsupported kind ({found})")
         rows = self.unpacked.get(index) if isinstance(index, int) else None
         if rows is None:
-            rows = self._rows(accessor, kind, (count, width), f"{user}: accessor {index}")
+            name = f"{user}: accessor {index}"
+            rows = self._rows(accessor, kind, (count, width), name)
             if "sparse" in accessor:
-                rows = self._replaced(rows, accessor, f"{user}: accessor {index}")
+                rows = self._replaced(rows, accessor, name)
         if columns is not None and rows.shape[1] != columns:
             raise self.error(f"{user}: accessor {index} has {rows.shape[1]} numbers per element, expected {columns}")
         if accessor.get("normalized") and rows.dtype.kind in "iu":
@@ -178,7 +163,7 @@ class GltfFile:
 
     def _rows(self, place: dict[str, Any], kind: int, shape: tuple[int, int], user: str) -> NDArray[Any]:
         """Return an array of a component type; place: what has its buffer view and offset."""
-        number, (count, width) = np.dtype(_NUMBERS[kind]).newbyteorder("<"), shape
+        number, (count, width) = np.dtype(_NUMBERS[kind]), shape
         if "bufferView" not in place:
             if count > (most := sum(map(len, self.buffers))):
                 raise self.error(f"{user} has {count} elements without data; expected at most {most}, the file's bytes")
@@ -230,10 +215,8 @@ class GltfFile:
         try:
             return rgba_of(Image.open(io.BytesIO(data)))
         except (OSError, ValueError, SyntaxError, TypeError, Image.DecompressionBombError) as error:
-            raise self.damaged(
-                f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
-                "PNG, JPEG or WebP"
-            ) from error
+            what = f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded"
+            raise self.damaged(f"{what}; expected PNG, JPEG or WebP") from error
 
 
 def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
@@ -260,23 +243,19 @@ LIGHTS, KTX2, VISIBILITY = "KHR_lights_punctual", "KHR_texture_basisu", "KHR_nod
 READ = {POINTER, DRACO, INSTANCING, LIGHTS, SPECULAR, VISIBILITY, "EXT_texture_webp", "KHR_mesh_quantization"}
 READ |= {f"KHR_materials_{name}" for name in ("emissive_strength", "transmission", "unlit")} | {"KHR_texture_transform"}
 _COPY = "gltf-transform copy"
-_TOOLS = {
-    DRACO: _COPY,
-    "EXT_meshopt_compression": _COPY,
-    "KHR_meshopt_compression": _COPY,
-    KTX2: "gltf-transform ktxdecompress",
-}
+_TOOLS = dict.fromkeys((DRACO, "EXT_meshopt_compression", "KHR_meshopt_compression"), _COPY)
+_TOOLS[KTX2] = "gltf-transform ktxdecompress"
 # They describe the file, not the picture; images that are in no other format are noted one by one.
 _SILENT = {"KHR_xmp", "KHR_xmp_json_ld", KTX2}
 
 
 def check_extensions(file: GltfFile, notes: Notes) -> None:
     """Note the extensions that are left out. Errors: SceneError for what the file needs in vain."""
-    lists = [file.header.get(kind, []) for kind in ("extensionsRequired", "extensionsUsed")]
-    for kind, found in zip(("extensionsRequired", "extensionsUsed"), lists, strict=True):
+    lists = {kind: file.header.get(kind, []) for kind in ("extensionsRequired", "extensionsUsed")}
+    for kind, found in lists.items():
         if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
             raise file.damaged(f"its '{kind}' are not a list of names")
-    required, used = map(dict.fromkeys, lists)
+    required, used = map(dict.fromkeys, lists.values())
     missing = [name for name in required if name not in READ]
     if DRACO in required and not _has_draco():
         missing.insert(0, DRACO)
@@ -305,10 +284,7 @@ def _has_draco() -> bool:
 
 
 def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: Notes) -> None:
-    """Decode a primitive that Draco packed; its accessors then give the decoded numbers.
-
-    Source: Khronos 2019, KHR_draco_mesh_compression.
-    """
+    """Decode a primitive that Draco packed. Source: Khronos 2019, KHR_draco_mesh_compression."""
     packed = (primitive.get("extensions") or {}).get(DRACO)
     if packed is None:
         return
@@ -351,7 +327,7 @@ def _draco_bytes(data: bytes) -> int:
 
 
 def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray | None:
-    """Return (n, 4, 4) node_from_instance of a node that is drawn several times; None for others.
+    """Return (n, 4, 4) node_from_instance of a node that is drawn several times, else None.
 
     Source: Khronos 2021, EXT_mesh_gpu_instancing.
     """
@@ -360,13 +336,9 @@ def instances_of(file: GltfFile, node: dict[str, Any], user: str) -> np.ndarray 
     found = (node.get("extensions") or {}).get(INSTANCING)
     if found is None:
         return None
-    attributes = found.get("attributes") or {}
-    widths = {"TRANSLATION": 3, "ROTATION": 4, "SCALE": 3}
-    parts = {
-        name: file.numbers(attributes[name], user, width).astype(np.float64)
-        for name, width in widths.items()
-        if name in attributes
-    }
+    attributes, widths = found.get("attributes") or {}, {"TRANSLATION": 3, "ROTATION": 4, "SCALE": 3}
+    known = [(name, width) for name, width in widths.items() if name in attributes]
+    parts = {name: file.numbers(attributes[name], user, width).astype(np.float64) for name, width in known}
     counts = {len(rows) for rows in parts.values()}
     if len(counts) != 1 or not all(np.isfinite(rows).all() for rows in parts.values()):
         raise file.damaged(f"{user}: instances without one finite place, turn and size each")

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..geometry import Pose, RigidState
+from ._draft import Notes
 from ._gltf_file import POINTER, VISIBILITY, GltfFile
-from ._notes import Notes
 from .options import NONE, numbered
 
 Array = NDArray[np.float64]
@@ -64,12 +64,8 @@ class Curve:
     def _on_spline(self, key: int, t: float, length: float) -> tuple[Array, Array]:
         start, out = self.values[key, 1], self.values[key, 2] * length
         into, end = self.values[key + 1, 0] * length, self.values[key + 1, 1]
-        value = (
-            (2 * t**3 - 3 * t**2 + 1) * start
-            + (t**3 - 2 * t**2 + t) * out
-            + (3 * t**2 - 2 * t**3) * end
-            + (t**3 - t**2) * into
-        )
+        value = (2 * t**3 - 3 * t**2 + 1) * start + (t**3 - 2 * t**2 + t) * out
+        value = value + (3 * t**2 - 2 * t**3) * end + (t**3 - t**2) * into
         rate = (6 * t**2 - 6 * t) * (start - end) + (3 * t**2 - 4 * t + 1) * out + (3 * t**2 - 2 * t) * into
         if self.path != "rotation":
             return value, rate / length
@@ -86,10 +82,7 @@ def _product(p: Array, q: Array) -> Array:
 
 
 class Nodes:
-    """Transforms of all nodes over time; the animations that play repeat.
-
-    By default these are the first and each later one that moves other things.
-    """
+    """Transforms of all nodes over time; the animations that play repeat."""
 
     def __init__(self, file: GltfFile, notes: Notes, animation: str | None = None) -> None:
         self._file, self._nodes, self.error = file, file.items("nodes"), file.error
@@ -106,9 +99,8 @@ class Nodes:
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
-        hidden = [
-            ((node.get("extensions") or {}).get(VISIBILITY) or {}).get("visible", True) is False for node in self._nodes
-        ]
+        said = (((node.get("extensions") or {}).get(VISIBILITY) or {}) for node in self._nodes)
+        hidden = [one.get("visible", True) is False for one in said]
         # Of each node, whether it or an ancestor is animated; is hidden (KHR_node_visibility).
         self.moving = self.inherited([node in self.curves for node in range(len(hidden))])
         self.hidden = self.inherited(hidden)
@@ -117,7 +109,7 @@ class Nodes:
 
     @staticmethod
     def _playing(animations: list[dict[str, Any]], names: list[str], wanted: str | None, notes: Notes) -> list[int]:
-        """Return the animations to play. Errors: InputError for one that the file lacks."""
+        """Return which to play: that wanted, or the first and each that moves other things."""
         if wanted is not None and wanted not in names and wanted == NONE:
             return []
         if wanted is not None:
@@ -235,9 +227,8 @@ class Nodes:
             node = target["node"]
             target_name = f"{path} of node '{file.item('nodes', node, name).get('name', node)}'"
             if path not in _WIDTH:
-                notes.add(
-                    "what an animation changes beside place, turn and size is not played", f"{name}, {target_name}"
-                )
+                what = "what an animation changes beside place, turn and size is not played"
+                notes.add(what, f"{name}, {target_name}")
                 continue
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
@@ -279,12 +270,8 @@ class Nodes:
 
 
 MOST_PLACED = 1_000_000  # of nodes at instants, to know which chains are rigid: two or three minutes
-# A chain of nodes is rigid if lengths change by less than this share: float32 rotations are off by
-# 1e-7 each.
-RIGID = 1e-5
-# Weights may miss a sum of 1 by this much without a note: half a byte's step for each of four is
-# 0.008.
-MOST_OFF = 0.01
+RIGID = 1e-5  # change of lengths along a chain of nodes: float32 rotations are off by 1e-7 each
+MOST_OFF = 0.01  # of weights from a sum of 1: half a byte's step for each of four is 0.008
 
 
 @attrs.define(eq=False, frozen=True, slots=False)
@@ -359,10 +346,7 @@ class Driven:
 
 
 def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], rest: Array, notes: Notes) -> Driven:
-    """Return a primitive under a skin; its weights are scaled to sum 1, with a note if need be.
-
-    Errors: SceneError, naming the skin, if joints or weights do not fit.
-    """
+    """Return a primitive under a skin, whose weights are scaled to sum 1. Errors: SceneError."""
     found = file.item("skins", skin, "a node")
     name = f"skin '{found.get('name') or skin}'"
     joints = found.get("joints", [])
@@ -378,9 +362,8 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], 
 
     which, weights = columns("JOINTS").astype(np.int64), columns("WEIGHTS").astype(np.float64)
     if len(which) != len(rest) or len(weights) != len(rest):
-        raise file.error(
-            f"{name}: {len(rest)} positions, {len(which)} joints, {len(weights)} weights; expected as many of each"
-        )
+        counts = f"{len(rest)} positions, {len(which)} joints, {len(weights)} weights"
+        raise file.error(f"{name}: {counts}; expected as many of each")
     weights = _with_sum_1(file, name, weights, notes)
     used = weights > 0
     if (which[used] >= len(joints)).any():
@@ -406,9 +389,8 @@ def _with_sum_1(file: GltfFile, name: str, weights: Array, notes: Notes) -> Arra
     total = weights.sum(axis=1)
     off = np.abs(total - 1)
     if (off > MOST_OFF).any():
-        notes.add(
-            "skin weights do not have sum 1; they were scaled to it", f"{name}, a sum of {total[np.argmax(off)]:.4g}"
-        )
+        found = f"{name}, a sum of {total[np.argmax(off)]:.4g}"
+        notes.add("skin weights do not have sum 1; they were scaled to it", found)
     without = total == 0
     weights = np.where(without[:, None], np.eye(1, weights.shape[1]), weights)
     return weights / np.where(without, 1.0, total)[:, None]

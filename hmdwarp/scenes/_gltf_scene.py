@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ..geometry import Pose
-from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
+from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of
 from ._gltf_file import KTX2, LIGHTS, SPECULAR, VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_nodes import Driven, NodeMotion, Nodes, is_rigid, skinned
 from ._mesh import Body, Emission, Material, Texture
-from ._notes import Notes
 from ._scene import Lamp
 from .motions import Still
 from .options import numbered
@@ -39,8 +38,7 @@ def as_metal(
 ) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
     """Return `pbrMetallicRoughness` and the picture of its base colour, None for none.
 
-    found: the extension of a material, with the (h, w, 4) pictures that it names, None for none;
-    that of specular colour is scaled to the other's size.
+    found: the extension of a material, whose two (h, w, 4) pictures follow.
     """
     factor = np.array(found.get("diffuseFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
     specular = np.array(found.get("specularFactor", (1.0, 1.0, 1.0)), np.float64)
@@ -73,19 +71,16 @@ def _linear(image: Image, size: tuple[int, int]) -> Array:
 def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
     """Return base colour (h, w, 3) and how much is metal (h, w, 1)."""
     diffuse, specular = np.broadcast_arrays(diffuse, specular)
+    bright_diffuse, bright = (np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]) for colour in (diffuse, specular))
     left = 1 - specular.max(axis=2, keepdims=True)
     # The share of metal at which both brightnesses come out.
-    b = _bright(diffuse) * left / (1 - _DIELECTRIC) + (bright := _bright(specular)) - 2 * _DIELECTRIC
+    b = bright_diffuse * left / (1 - _DIELECTRIC) + bright - 2 * _DIELECTRIC
     root = np.sqrt(np.maximum(b**2 - 4 * _DIELECTRIC * (_DIELECTRIC - bright), 0))
     metallic = np.where(bright < _DIELECTRIC, 0.0, np.clip((root - b) / (2 * _DIELECTRIC), 0, 1))
     of_diffuse = diffuse * left / (1 - _DIELECTRIC) / np.maximum(1 - metallic, 1e-6)
     of_specular = (specular - _DIELECTRIC * (1 - metallic)) / np.maximum(metallic, 1e-6)
     share = metallic**2
     return np.clip(of_diffuse * (1 - share) + of_specular * share, 0, 1), metallic
-
-
-def _bright(colour: Array) -> Array:
-    return np.asarray(np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]))
 
 
 _WHITE = np.full((1, 1, 3), 255, np.uint8)
@@ -137,17 +132,15 @@ class Looks:
         glow, base, emission = self._emission(gltf, name, material, base, is_pictured=image is not None)
         texture = self._add(name, image, srgb=True, repeat=self._repeats(base, name), emission=emission)
         coordinates, transform = _place_of(base)
-        return Look(
-            np.clip(factor[:3], 0, None),
-            texture,
-            material,
-            bool(gltf.get("doubleSided")),
-            coordinates,
-            self._uv_transform(transform, name),
-            "KHR_materials_unlit" in (gltf.get("extensions") or {}),
-            glow if emission is None else np.zeros(3),
-            mode != "OPAQUE",
-        )
+        (x, y), (across, down) = transform.get("offset", (0.0, 0.0)), transform.get("scale", (1.0, 1.0))
+        sine, cosine = np.sin(transform.get("rotation", 0.0)), np.cos(transform.get("rotation", 0.0))
+        moved = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
+        if not np.isfinite(moved).all():
+            raise self._file.damaged(f"{name}: its KHR_texture_transform is not made of finite numbers")
+        unlit, both = "KHR_materials_unlit" in (gltf.get("extensions") or {}), bool(gltf.get("doubleSided"))
+        glow = glow if emission is None else np.zeros(3)
+        colour = np.clip(factor[:3], 0, None)
+        return Look(colour, texture, material, both, coordinates, moved, unlit, glow, mode != "OPAQUE")
 
     def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
         """Return the material by metal and roughness, and the picture of its base colour."""
@@ -190,15 +183,6 @@ class Looks:
             image = _mean_of(image)
         return factor, base, Emission(image, factor, self._repeats(info, name))
 
-    def _uv_transform(self, found: dict[str, Any], name: str) -> Array:
-        """Return (3, 3) of KHR_texture_transform."""
-        (x, y), (across, down) = found.get("offset", (0.0, 0.0)), found.get("scale", (1.0, 1.0))
-        sine, cosine = np.sin(found.get("rotation", 0.0)), np.cos(found.get("rotation", 0.0))
-        matrix = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
-        if not np.isfinite(matrix).all():
-            raise self._file.damaged(f"{name}: its KHR_texture_transform is not made of finite numbers")
-        return matrix
-
     def _material(self, gltf: dict[str, Any], name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
         passes, reflectivity = self._transmission(gltf, name), self._reflectivity(gltf, name, colour)
         if passes > 0 or see_through:
@@ -210,18 +194,14 @@ class Looks:
         bumps = gltf.get("normalTexture") or {}
         image = self._image(bumps, name, channels=3)
         normal_map = self._add(f"{name}-normal", image, srgb=False, repeat=self._repeats(bumps, name))
-        return Material(
-            reflectivity=reflectivity,
-            normal_map=normal_map,
-            normal_scale=float(bumps.get("scale", 1.0)),
-            curved=bool((gltf.get("extras") or {}).get("curved", False)),
-        )
+        scale, curved = float(bumps.get("scale", 1.0)), bool((gltf.get("extras") or {}).get("curved", False))
+        return Material(reflectivity=reflectivity, normal_map=normal_map, normal_scale=scale, curved=curved)
 
     def _transmission(self, gltf: dict[str, Any], name: str) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
 
-        The blend of alpha is apart from it: what alpha does not cover passes untouched.
-        Source: Khronos 2021, KHR_materials_transmission; glTF 2.0 Specification, B.2 (materials).
+        What alpha does not cover passes untouched. Source: Khronos 2021,
+        KHR_materials_transmission.
         """
         glass = (gltf.get("extensions") or {}).get("KHR_materials_transmission") or {}
         passes = float(np.clip(glass.get("transmissionFactor", 0.0), 0, 1))
@@ -257,9 +237,8 @@ class Looks:
         extensions = texture.get("extensions") or {}
         source = (extensions.get("EXT_texture_webp") or {}).get("source", texture.get("source"))
         if source is None and KTX2 in extensions:
-            self._notes.add(
-                "KTX2 images are not read, drawn plain ('gltf-transform ktxdecompress' converts them)", name
-            )
+            what = "KTX2 images are not read, drawn plain ('gltf-transform ktxdecompress' converts them)"
+            self._notes.add(what, name)
             return None
         try:
             return self._file.image(source, name)[..., :channels]
@@ -305,8 +284,7 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 class GltfContent:
     """The drawable parts of a glTF file: drafts of its meshes, textures, bodies and notes.
 
-    units: 4x4, from the file's world to metres with +y up. animation: see SceneOptions.
-    Errors: SceneError, one line, naming the file and the broken animation, skin or mesh.
+    units: 4x4, to metres with +y up. animation: see SceneOptions. Errors: SceneError.
     """
 
     def __init__(self, path: Path, units: Array, animation: str | None, notes: Notes) -> None:
@@ -326,15 +304,12 @@ class GltfContent:
     @cached_property
     def cameras(self) -> list[tuple[str, int]]:
         """Name and node of each camera that stands in the file."""
-        file = self._file
-        return [
-            (
-                str(node.get("name") or file.item("cameras", node["camera"], "a node").get("name") or f"node {index}"),
-                index,
-            )
-            for index, node in enumerate(file.items("nodes"))
-            if "camera" in node
-        ]
+        file, found = self._file, []
+        for index, node in enumerate(file.items("nodes")):
+            if "camera" in node:
+                own = file.item("cameras", node["camera"], "a node").get("name")
+                found.append((str(node.get("name") or own or f"node {index}"), index))
+        return found
 
     def camera(self, wanted: str) -> tuple[float, ...]:
         """Return x, y, z and yaw in degrees of a camera. Errors: InputError if unknown."""
@@ -366,11 +341,9 @@ class GltfContent:
         light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
         sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
         if kind not in ("directional", "point", "spot") or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
-            raise self._file.error(
-                f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity "
-                f"{light.tolist()}, cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite "
-                "light of 0 or more, inner < outer <= 1.5708"
-            )
+            what = f"light '{said.get('name', kind)}' of type {kind!r}, colour times intensity {light.tolist()}, cone"
+            wanted = "point, spot or directional, finite light of 0 or more, inner < outer <= 1.5708"
+            raise self._file.error(f"node {node}: {what} {cone[0]:g} to {cone[1]:g} rad; expected {wanted}")
         if abs(np.linalg.det(self._nodes.at(node, 0)[0][:3, :3])) < 1e-12:
             raise self._file.damaged(f"node {node}: a light in a node of size 0, which has no direction")
         motion = NodeMotion(self._nodes, node)
@@ -432,9 +405,8 @@ class GltfContent:
         rest = self._shaped(rest, nodes[node], primitive, user)
         bad = ~np.isfinite(rest).all(axis=1)
         if bad.any():
-            raise file.error(
-                f"{user}: position {int(np.argmax(bad))} is not a finite number; export it again without it"
-            )
+            at = int(np.argmax(bad))
+            raise file.error(f"{user}: position {at} is not a finite number; export it again without it")
         look = self._looks.look_of(primitive, self._locked[node])
         if look is None or not len(triangles):
             return None
@@ -518,15 +490,14 @@ def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int)
     indices = file.numbers(primitive["indices"], user, 1)[:, 0].astype(np.int64) if listed else np.arange(count)
     if len(indices) and (indices.max() >= count or indices.min() < 0):
         raise file.error(f"{user}: a triangle uses vertex {int(indices.max())} of {count}; the file is damaged")
-    mode = primitive.get("mode", _TRIANGLES)
+    mode, ends = primitive.get("mode", _TRIANGLES), (indices[1:-1], indices[2:])
     if mode == _TRIANGLES:
         return indices[: len(indices) // 3 * 3].reshape(-1, 3).astype(np.uint32)
     if len(indices) < 3:
         return np.empty((0, 3), np.uint32)
     if mode == _FAN:
-        first = np.full(len(indices) - 2, indices[0])
-        return np.column_stack([first, indices[1:-1], indices[2:]]).astype(np.uint32)
-    strip = np.column_stack([indices[:-2], indices[1:-1], indices[2:]])
+        return np.column_stack([np.full(len(indices) - 2, indices[0]), *ends]).astype(np.uint32)
+    strip = np.column_stack([indices[:-2], *ends])
     strip[1::2] = strip[1::2][:, [1, 0, 2]]  # every second one runs the other way round
     return strip.astype(np.uint32)
 

@@ -25,15 +25,12 @@ from .options import FILE_ENDINGS, SceneOptions
 def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) -> Scene:
     """Load the scene registered under a name, else the glTF, OBJ, PLY or Mitsuba file at a path.
 
-    A registered scene is built once and kept; its arrays are read-only. One that reacts gets
-    inputs of its own each time.
-
+    A registered scene is built once and kept, read-only; one that reacts gets inputs of its own.
     options: of files alone. Errors: UnknownNameError (with the nearest known name) for what is
     neither; SceneError for a file that cannot be used; InputError for options that do not fit.
     """
     text, options = str(name_or_path), SceneOptions.checked(options, optional=True)
     if text in scenes.names():
-        # Raise InputError for options that only make sense with a file.
         for field in attrs.fields(SceneOptions):
             if getattr(options, field.name) != field.default:
                 flag = option_of(field).flag
@@ -65,44 +62,39 @@ def _built(source: SceneSource) -> Scene:
 # printed, why it costs and what to do about it.
 # Each costs 5 to 20 ms of CPU time for one eye and picture where Mesa's llvmpipe draws (two cores,
 # 320x400); a GPU draws triangles far faster, but sorts, skins and calls no faster.
-_LOADS: tuple[tuple[str, Callable[[Scene], int], int, str], ...] = (
-    (
-        "triangles",
+_LOADS: dict[str, tuple[Callable[[Scene], int], int, str]] = {
+    "triangles": (
         lambda scene: scene.triangle_count,
         250_000,
         "simplify the meshes in the tool that made them, as a software renderer takes 1 s for ten million",
     ),
-    (
-        "transparent triangles",
+    "transparent triangles": (
         lambda scene: sum(len(mesh.triangles) for mesh in scene.meshes if mesh.material.see_through),
         20_000,
         "each eye's picture sorts them all and its layer draws them three times; simplify them, make opaque what need "
         "not be seen through, or draw them into the picture alone (--effects no-transparency)",
     ),
-    (
-        "moving vertices",
+    "moving vertices": (
         lambda scene: sum(len(mesh.positions) for mesh in scene.meshes if mesh.deformation is not None),
         50_000,
         "skins are bent on the CPU for each instant that is drawn; simplify what moves, or leave its animation out",
     ),
-    (
-        "moving bodies",
+    "moving bodies": (
         lambda scene: len(scene.bodies),
         100,
         "each is drawn by itself; join those that move together under one node",
     ),
-    (
-        "textures",
+    "textures": (
         lambda scene: len(scene.textures),
         500,
         "each is drawn by itself; join small ones into one picture (a texture atlas)",
     ),
-)
+}
 
 
 def slow_in(scene: Scene) -> tuple[str, ...]:
     """Return for each thing that makes drawing slow its count and what to do, one line each."""
-    counted = ((what, count(scene), many, remedy) for what, count, many, remedy in _LOADS)
+    counted = ((what, count(scene), many, remedy) for what, (count, many, remedy) in _LOADS.items())
     return tuple(f"{count:,} {what}: {remedy}" for what, count, many, remedy in counted if count >= many)
 
 
@@ -163,21 +155,16 @@ def moves(scene: Scene) -> bool:
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
-    States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
-    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright.
+    Later than the newest, bodies and lamps go on as RigidState.after says, vertices as
+    motions.swing_m, lamps stay as bright.
     """
 
     def arrives(whole: Any) -> Any:
         return None if whole is None else _Arrived(whole, arrived)
 
-    return attrs.evolve(
-        scene,
-        bodies=[Body(body.name, arrives(body.motion)) for body in scene.bodies],
-        lamps=[
-            attrs.evolve(lamp, motion=arrives(lamp.motion), brightness=arrives(lamp.brightness)) for lamp in scene.lamps
-        ],
-        meshes=[
-            mesh if mesh.deformation is None else attrs.evolve(mesh, deformation=arrives(mesh.deformation))
-            for mesh in scene.meshes
-        ],
+    meshes = (attrs.evolve(mesh, deformation=arrives(mesh.deformation)) for mesh in scene.meshes)
+    lamps = (
+        attrs.evolve(lamp, motion=arrives(lamp.motion), brightness=arrives(lamp.brightness)) for lamp in scene.lamps
     )
+    bodies = (Body(body.name, arrives(body.motion)) for body in scene.bodies)
+    return attrs.evolve(scene, bodies=bodies, lamps=lamps, meshes=meshes)

@@ -24,18 +24,13 @@ def _rgb(value: Iterable[float]) -> tuple[float, ...]:
 class Material:
     """Surface properties besides baked light. Errors: SceneError for shares outside 0..1."""
 
-    # Share of the light mirrored at normal incidence, 0 for matt. It rises to 1 at grazing angles
-    # (Schlick 1994).
-    reflectivity: float = 0.0
-    curved: bool = False  # A mirror that is not a plane
-    # Index of a linear texture of tangent-space normals that disturb the reflection, -1 for none.
-    normal_map: int = -1
+    reflectivity: float = 0.0  # share mirrored at normal incidence, to 1 at grazing angles (Schlick 1994)
+    curved: bool = False  # a mirror that is not a plane
+    normal_map: int = -1  # index of a linear texture of tangent-space normals that disturb the reflection, or -1
     normal_scale: float = 1.0  # factor on the x and y of the normals, as glTF's normalTexture.scale
     see_through: bool = False  # covers what lies behind by opacity times the texture's alpha
     opacity: float = 1.0
-    # Fixed to the head: positions in metres from between the eyes, in head axes. Both eyes see it;
-    # it is drawn over everything by its opacity and never warped.
-    head_locked: bool = False
+    head_locked: bool = False  # in head axes, metres from between the eyes; drawn over everything, never warped
     # Share of the light that passes where a see-through surface covers, coloured by its texture and
     # the mesh's albedo as by coloured glass; the rest is scattered or stopped.
     transmission: float = 0.0
@@ -46,16 +41,15 @@ class Material:
         for name in ("reflectivity", "opacity", "transmission"):
             if not 0 <= getattr(self, name) <= 1:
                 raise SceneError(f"material with {name} {getattr(self, name):g}: expected 0 to 1")
+        wrong = ""
         if not self.reflectivity and (self.curved or self.normal_map >= 0):
-            raise SceneError(
-                "material with a normal map or a curved mirror, but reflectivity 0: set a reflectivity or remove them"
-            )
-        if len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
-            raise SceneError(f"material with tint {self.tint}: expected three shares, each 0 to 1")
-        if (self.tint != NO_TINT or self.transmission) and not self.see_through:
-            raise SceneError(
-                "material with a tint or transmission but no light passing through: make it see_through or omit them"
-            )
+            wrong = "a normal map or a curved mirror, but reflectivity 0: set a reflectivity or remove them"
+        elif len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
+            wrong = f"tint {self.tint}: expected three shares, each 0 to 1"
+        elif (self.tint != NO_TINT or self.transmission) and not self.see_through:
+            wrong = "a tint or transmission but no light passing through: make it see_through or omit them"
+        if wrong:
+            raise SceneError(f"material with {wrong}")
         if self.see_through and self.head_locked:
             raise SceneError("material both see-through and head-locked: head-locked surfaces already use the opacity")
         if self.reflectivity and (self.see_through or self.head_locked):
@@ -136,10 +130,7 @@ class Emission:
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Texture:
-    """An image on a surface.
-
-    Errors: SceneError for a wrong shape or type; of a painter's image where it is first used.
-    """
+    """An image on a surface. Errors: SceneError."""
 
     name: str
     # What `image` returns, or what paints it when it is first used: a plan needs no pictures.
@@ -168,8 +159,7 @@ class Texture:
 class Mesh:
     """Triangles with one texture and one material; the server draws texture x light.
 
-    Errors: SceneError for arrays of the wrong shape, values that are not finite, indices beyond the
-    vertices, and a mesh that both belongs to a body and deforms.
+    Errors: SceneError for arrays of the wrong shape or not finite, and for what cannot be drawn.
     """
 
     name: str
@@ -179,7 +169,7 @@ class Mesh:
     normals: NDArray[np.float32] = attrs.field(converter=_triples)  # (n, 3) unit vectors, in the same axes
     uv: NDArray[np.float32] = attrs.field(converter=_pairs)  # (n, 2), origin bottom left, +v up
     light: NDArray[np.float32] = attrs.field(converter=_triples)  # (n, 3) baked linear light times colour, 0 or more
-    # (m, 3) indices, counter-clockwise seen from the front.
+    # (m, 3) indices, counter-clockwise seen from the front
     triangles: NDArray[np.uint32] = attrs.field(converter=_indices)
     texture: int = -1  # index into the scene's textures, -1 for white
     double_sided: bool = False
@@ -195,18 +185,16 @@ class Mesh:
 
     def __attrs_post_init__(self) -> None:
         count = len(self.positions)
-        optional = [name for name in ("albedo", "light_uv") if getattr(self, name) is not None]
-        for field in ("positions", "normals", "uv", "light", *optional):
-            array: NDArray[Any] = getattr(self, field)
+        for field in ("positions", "normals", "uv", "light", "albedo", "light_uv"):
+            array: NDArray[Any] | None = getattr(self, field)
+            if array is None:
+                continue
             if len(array) != count:
                 raise SceneError(f"mesh '{self.name}': {count} positions but {len(array)} {field}")
-            bad = ~np.isfinite(array).all(axis=1)
-            if bad.any():
+            if (bad := ~np.isfinite(array).all(axis=1)).any():
                 raise SceneError(f"mesh '{self.name}': {field} of vertex {int(np.argmax(bad))} are not finite numbers")
-        if self.triangles.size and int(self.triangles.max()) >= count:
-            raise SceneError(
-                f"mesh '{self.name}': a triangle uses vertex {int(self.triangles.max())}, but there are only {count}"
-            )
+        if self.triangles.size and (most := int(self.triangles.max())) >= count:
+            raise SceneError(f"mesh '{self.name}': a triangle uses vertex {most}, but there are only {count}")
         if self.body and self.deformation is not None:
             raise SceneError(f"mesh '{self.name}' belongs to body {self.body} and deforms by itself: expected only one")
 
@@ -242,3 +230,66 @@ def morton(points: NDArray[Any]) -> NDArray[np.uint64]:
         for axis in range(3):
             code |= ((cell[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
     return code
+
+
+Triple = tuple[float, float, float]
+
+
+@attrs.frozen
+class Quad:
+    """A parallelogram, front along right x up; corners (-,-), (+,-), (+,+), (-,+) of both."""
+
+    centre: Triple  # metres
+    right: Triple  # half edges, metres
+    up: Triple
+    texture: int = 0
+    light: Triple = (1.0, 1.0, 1.0)
+    repeats: tuple[float, float] = (1.0, 1.0)  # uv runs from 0 to this over the quad
+
+    @property
+    def normal(self) -> NDArray[np.float64]:
+        """Unit normal of the front."""
+        across = np.cross(self.right, self.up)
+        return across / np.linalg.norm(across)
+
+    def mesh(self, name: str) -> Mesh:
+        """Return two triangles, seen from both sides."""
+        signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float64)
+        places = np.array(self.centre) + signs[:, :1] * np.array(self.right) + signs[:, 1:] * np.array(self.up)
+        normals, light = np.tile(self.normal, (4, 1)), np.tile(self.light, (4, 1))
+        uv, two = (signs + 1) / 2 * self.repeats, [(0, 1, 2), (0, 2, 3)]
+        return Mesh(name, places, normals, uv, light, two, self.texture, double_sided=True, albedo=light)
+
+
+@attrs.frozen
+class Ball:
+    """A sphere with a texture around it, lit from above."""
+
+    centre: Triple  # metres
+    radius: float
+    texture: int = 0
+    colour: Triple = (1.0, 1.0, 1.0)
+
+    def mesh(self, name: str, rings: int = 48) -> Mesh:
+        """Return a grid of `rings` x 2 `rings` cells, with vertices on the sphere."""
+        theta = np.linspace(0, np.pi, rings + 1)
+        phi = np.linspace(0, 2 * np.pi, 2 * rings + 1)
+        tt, pp = np.meshgrid(theta, phi, indexing="ij")
+        normals = np.stack([np.sin(tt) * np.sin(pp), np.cos(tt), np.sin(tt) * np.cos(pp)], axis=-1).reshape(-1, 3)
+        corner = (np.arange(rings)[:, None] * len(phi) + np.arange(2 * rings)).ravel()
+        down, across_down = corner + len(phi), corner + len(phi) + 1
+        triangles = np.stack([corner, down, across_down, corner, across_down, corner + 1], axis=1).reshape(-1, 3)
+        uv = np.stack([pp / (2 * np.pi) * 2, 1 - tt / np.pi], axis=-1).reshape(-1, 2)
+        places, albedo = np.array(self.centre) + self.radius * normals, np.tile(self.colour, (len(normals), 1))
+        light = np.array(self.colour) * (0.55 + 0.45 * normals[:, 1:2])
+        return Mesh(name, places, normals, uv, light, triangles, self.texture, albedo=albedo)
+
+
+def checker(
+    cells: int, cell_px: int, dark: tuple[int, int, int], bright: tuple[int, int, int], seed: int
+) -> NDArray[np.uint8]:
+    """Return a (n, n, 3) checkerboard with seeded noise, so that no two places look alike."""
+    index = np.arange(cells * cell_px) // cell_px
+    board = ((index[:, None] + index) % 2)[..., None]
+    noise = np.random.default_rng(seed).integers(-24, 25, (len(index), len(index), 1))
+    return np.clip(np.where(board, bright, dark) + noise, 0, 255).astype(np.uint8)

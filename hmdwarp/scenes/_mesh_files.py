@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import io
 import logging
+import struct
 import warnings
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import InputError, SceneError
-from ..options.named_files import SCENE, opened
+from ..options.named_files import BESIDE, SCENE, content_of, keep_inside, opened, text_in
 from ..resources import import_extra
-from ._draft import Draft, Look, normals_of
+from ._draft import MOST_TRIANGLES, Draft, Look, Notes, normals_of, read_beside, rgba_of
 from ._mesh import Material, Texture
-from ._notes import Notes, read_beside, rgba_of
 
 Array = NDArray[np.float64]
 GREY = 0.5
@@ -40,21 +42,15 @@ def mesh_parts(path: Path, notes: Notes) -> list[Any]:
         # trimesh passes on what a damaged file says, vertices of two numbers for instance.
         for name, array in (("vertices", part.vertices), ("faces", part.faces)):
             if np.ndim(array) != 2 or np.shape(array)[1] != 3:
-                raise SceneError(
-                    f"{path}: {name} of shape {np.shape(array)}; expected three numbers each; export the file again"
-                )
+                what = f"{path}: {name} of shape {np.shape(array)}"
+                raise SceneError(f"{what}; expected three numbers each; export the file again")
         bad, most = ~np.isfinite(part.vertices).all(axis=1), int(part.faces.max())
         if bad.any():
-            raise SceneError(
-                f"{path}: position {int(np.argmax(bad))} is not a finite number; export the file again without it"
-            )
+            at = int(np.argmax(bad))
+            raise SceneError(f"{path}: position {at} is not a finite number; export the file again without it")
         if most >= len(part.vertices) or int(part.faces.min()) < 0:
             raise SceneError(f"{path}: a triangle uses vertex {most} of {len(part.vertices)}; the file is damaged")
     return parts
-
-
-def _trimesh() -> Any:
-    return import_extra("trimesh", "trimesh", "scenes")
 
 
 @contextmanager
@@ -80,7 +76,7 @@ def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
 
 def _parts_of(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file (trimesh.Trimesh)."""
-    trimesh = _trimesh()
+    trimesh = import_extra("trimesh", "trimesh", "scenes")
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
     beside = _Beside(path.parent)
     try:
@@ -147,19 +143,26 @@ def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[st
             elif key in ("l", "p", "curv", "surf"):
                 notes.add("points, lines and curved surfaces are left out")
         except (ValueError, IndexError):
-            raise SceneError(
-                f"{path}, line {number}: '{line.strip()[:60]}'; expected numbers; export it again"
-            ) from None
+            what = f"{path}, line {number}: '{line.strip()[:60]}'"
+            raise SceneError(f"{what}; expected numbers; export it again") from None
     return rows, faces, materials
 
 
 def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]:
     """Return a part for each material. Errors: SceneError."""
-    from trimesh.visual import TextureVisuals
+    from trimesh import Trimesh
+    from trimesh.visual import ColorVisuals, TextureVisuals
     from trimesh.visual.material import SimpleMaterial
 
     rows, faces, materials = _read_obj(path, text, beside, notes)
-    known = [_numbers(path, key, rows[key]) for key in _ROWS]
+    known = []  # (n, 6) numbers of each, 0 where a row has fewer
+    for key, least in _ROWS.items():
+        counts = np.array([row.count(" ") + 1 for row in rows[key]], int)
+        found = np.fromstring(" ".join(rows[key]), sep=" ")
+        if len(found) != counts.sum() or (counts < least - (key == "vt")).any():
+            raise SceneError(f"{path}: a line of {key} is not {least} numbers; export the file again")
+        at = np.cumsum(counts)[:, None] - counts[:, None] + np.arange(6)
+        known.append(np.where(np.arange(6) < counts[:, None], np.append(found, np.zeros(6))[at], 0))
     coloured = all(row.count(" ") == 5 for row in rows["v"])
     parts = []
     for name, groups in faces.items():
@@ -175,25 +178,15 @@ def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]
         key = triangles[..., 0].ravel() * triangles.size + key.ravel()
         _, first, at = np.unique(key, return_index=True, return_inverse=True)
         used = triangles.reshape(-1, 3)[first]
-        part = _trimesh().Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
+        part = Trimesh(known[0][used[:, 0], :3], at.reshape(-1, 3), process=False)
         if material is not None or (used[:, 1] >= 0).any():
             uv = np.vstack([known[1], np.zeros(6)])[used[:, 1], :2] if (used[:, 1] >= 0).any() else None
             kind = SimpleMaterial(**material) if material else None  # type: ignore[no-untyped-call]
             part.visual = TextureVisuals(uv=uv, material=kind)  # type: ignore[no-untyped-call]
         if coloured and "image" not in (material or {}):
-            part.visual = _trimesh().visual.ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
+            part.visual = ColorVisuals(vertex_colors=known[0][used[:, 0], 3:])
         parts.append(part)
     return parts
-
-
-def _numbers(path: Path, key: str, rows: list[str]) -> Array:
-    """Return (n, 6) numbers, 0 where a row has fewer. Errors: SceneError."""
-    counts = np.array([row.count(" ") + 1 for row in rows], int)
-    found = np.fromstring(" ".join(rows), sep=" ")
-    if len(found) != counts.sum() or (counts < _ROWS[key] - (key == "vt")).any():
-        raise SceneError(f"{path}: a line of {key} is not {_ROWS[key]} numbers; export the file again")
-    at = np.cumsum(counts)[:, None] - counts[:, None] + np.arange(6)
-    return np.where(np.arange(6) < counts[:, None], np.append(found, np.zeros(6))[at], 0)
 
 
 def _corners(path: Path, count: int, form: int, lines: list[str], known: list[Array]) -> NDArray[np.int64]:
@@ -266,9 +259,7 @@ def _cut_polygons_of_ply(part: Any, notes: Notes) -> None:
     """Cut polygons that are not convex by their ears: trimesh has cut them as fans."""
     raw = getattr(part, "metadata", {}).get("_ply_raw", {})
     data: Any = raw.get("face", {}).get("data")
-    names: Any = (
-        getattr(data, "keys", list)() if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names
-    )
+    names: Any = data.keys() if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names
     name = next((one for one in names or () if one.startswith("vertex_ind")), None)
     if name is None or not len(part.faces):
         return
@@ -306,31 +297,27 @@ class _Beside:
 
         try:
             data = read_beside(self.folder, key)
-            try:
-                if not key.lower().endswith(".mtl"):
-                    Image.open(io.BytesIO(data)).close()
-            except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-                self.missing[key] = "cannot be read"
-            return data
         except InputError as error:
             self.refused.append(error)
             raise
         except OSError:
             self.missing[key] = "is missing"
             raise
+        try:
+            if not key.lower().endswith(".mtl"):
+                Image.open(io.BytesIO(data)).close()
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
+            self.missing[key] = "cannot be read"
+        return data
 
 
-def _pictures_of_ply(path: Path) -> list[str]:
-    """Return the pictures named in a PLY's header, as MeshLab and others write them."""
-    names = []
+def _pictures_of_ply(path: Path) -> Iterator[str]:
+    """Yield the pictures named in a PLY's header, as MeshLab and others write them."""
     with opened(path, SCENE) as file:
-        while line := file.readline(_LONGEST_LINE):
+        while (line := file.readline(_LONGEST_LINE)) and line.split(maxsplit=1)[:1] != [b"end_header"]:
             words = line.decode("utf-8", "replace").split(maxsplit=2)
-            if words[:1] == ["end_header"]:
-                break
             if words[:2] == ["comment", "TextureFile"] and len(words) == 3:
-                names.append(words[2].strip())
-    return names
+                yield words[2].strip()
 
 
 def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: Notes) -> Draft:
@@ -370,3 +357,166 @@ def _draft(part: Any, name: str, units: Array, textures: list[Texture], notes: N
     look = Look(np.ones(3), texture, see_through, not closed)
     colour = np.broadcast_to(np.asarray(colour, np.float64), vertices.shape)
     return Draft(name, vertices, look, faces, normals_of(vertices, faces), uv, colour)
+
+
+Part = tuple[Array, Array, NDArray[np.uint32]]  # positions (n, 3), uv (n, 2), triangles (m, 3)
+_SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float64)
+_TWO = np.array([(0, 1, 2), (0, 2, 3)], np.uint32)
+_COLOURS = ("reflectance", "diffusereflectance", "specularreflectance")
+_GLASS = ("dielectric", "thindielectric", "roughdielectric")
+# Of a serialized mesh: what follows its positions, and their type.
+_NORMALS, _UV, _DOUBLE = 1, 2, 0x2000
+_LIGHT = 1.0
+
+
+def mitsuba_drafts(path: Path, units: Array, notes: Notes, textures: list[Texture]) -> list[Draft]:
+    """Return the shapes of a scene; pictures go to `textures`. units: 4x4 to metres, +y up.
+
+    Lights shine in their own colour and light nothing; metal is matt; glass is left out.
+    """
+    root = ElementTree.fromstring(text_in(path, BESIDE))
+    named = {one.get("id", ""): one for one in root.iter() if one.tag in ("bsdf", "texture")}
+    looks, drafts = _Looks(path.parent, named, textures, notes), []
+    for number, shape in enumerate(root.iter("shape")):
+        look = looks.of(shape)
+        if look is None:
+            continue
+        world = units @ _matrix(path, shape)
+        for positions, uv, triangles in _parts(path, shape, notes):
+            placed = positions @ world[:3, :3].T + world[:3, 3]
+            name, colour = f"{path.stem}-{number}", np.tile(look.colour, (len(placed), 1))
+            drafts.append(Draft(name, placed, look, triangles, normals_of(placed, triangles), uv, colour))
+    return drafts
+
+
+def _value(element: ElementTree.Element, name: str) -> str:
+    """Return the value of a named child, "" for none; version 3 writes names with underscores."""
+    return next((one.get("value", "") for one in element if _name(one) == name), "")
+
+
+def _name(element: ElementTree.Element) -> str:
+    return element.get("name", "").replace("_", "").lower()
+
+
+def _matrix(path: Path, shape: ElementTree.Element) -> Array:
+    """Return the 4x4 that takes a shape to the world. Errors: SceneError for other transforms."""
+    placed = np.eye(4)
+    for step in (one for each in shape.iter("transform") if _name(each) == "toworld" for one in each):
+        numbers = step.get("value", "").replace(",", " ").split()
+        if step.tag != "matrix" or len(numbers) != 16:
+            raise SceneError(f"{path}: a shape is placed by <{step.tag}>; expected <matrix> of 16 numbers")
+        placed = np.array(numbers, np.float64).reshape(4, 4) @ placed
+    return placed
+
+
+def _parts(path: Path, shape: ElementTree.Element, notes: Notes) -> Iterator[Part]:
+    kind, name = shape.get("type", ""), _value(shape, "filename")
+    if kind == "rectangle":
+        yield _SQUARE, (_SQUARE[:, :2] + 1) / 2, _TWO
+    elif kind in ("obj", "ply"):
+        for part in mesh_parts(keep_inside(path.parent / name, path.parent), notes):
+            uv = getattr(part.visual, "uv", None)
+            uv = np.zeros((len(part.vertices), 2)) if uv is None else np.asarray(uv, np.float64)
+            yield np.asarray(part.vertices, np.float64), uv, np.asarray(part.faces).astype(np.uint32)
+    elif kind == "serialized":
+        try:
+            yield serialized(content_of(path.parent / name, BESIDE, path.parent), int(_value(shape, "shapeindex") or 0))
+        except (ValueError, IndexError, struct.error, zlib.error) as error:
+            raise SceneError(f"{path.parent / name}: not a readable mesh ({error}); export it again") from error
+    else:
+        notes.add("shapes that are no mesh are left out", kind)
+
+
+def serialized(data: bytes, index: int) -> Part:
+    """Return a mesh of Mitsuba's own file of meshes. Errors: those of its unpacking.
+
+    Source: Mitsuba 0.6 documentation, 8.1.7 (shape `serialized`).
+    """
+    (version,), (count,) = struct.unpack_from("<H", data, 2), struct.unpack_from("<I", data, len(data) - 4)
+    wide = "Q" if version >= 4 else "I"
+    begins = struct.unpack_from(f"<{count}{wide}", data, len(data) - 4 - count * struct.calcsize(wide))[index]
+    stream = _Inflated(data[begins + 4 :])
+    (flags,) = struct.unpack("<I", stream.read(4))
+    while version >= 4 and stream.read(1) not in (b"\0", b""):  # its name
+        pass
+    vertices, triangles = struct.unpack("<QQ", stream.read(16))
+    if max(vertices, triangles) > MOST_TRIANGLES:
+        raise ValueError(f"{vertices} vertices and {triangles} triangles; at most {MOST_TRIANGLES} are read")
+
+    def numbers(rows: int, columns: int, kind: str) -> NDArray[Any]:
+        size = rows * columns * np.dtype(kind).itemsize
+        return np.frombuffer(stream.read(size), kind).reshape(rows, columns)
+
+    real = "<f8" if flags & _DOUBLE else "<f4"
+    positions = numbers(vertices, 3, real).astype(np.float64)
+    if flags & _NORMALS:
+        numbers(vertices, 3, real)
+    uv = numbers(vertices, 2, real).astype(np.float64) if flags & _UV else np.zeros((vertices, 2))
+    faces = numbers(triangles, 3, "<u4").astype(np.uint32)
+    return positions, np.column_stack([uv[:, 0], 1 - uv[:, 1]]), faces
+
+
+class _Inflated:
+    """Packed bytes, of which no more is unpacked than is read: a few may unpack to gigabytes."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._unpacker, self._packed = zlib.decompressobj(), packed
+
+    def read(self, size: int) -> bytes:
+        found = self._unpacker.decompress(self._packed, size) if size else b""
+        self._packed = self._unpacker.unconsumed_tail
+        return found
+
+
+class _Looks:
+    """What surfaces look like, each once."""
+
+    def __init__(self, folder: Path, named: dict[str, Any], textures: list[Texture], notes: Notes) -> None:
+        self._folder, self._named, self._textures, self._notes = folder, named, textures, notes
+        self._pictures: dict[str, int] = {}
+
+    def of(self, shape: ElementTree.Element) -> Look | None:
+        """Return the look of a shape; None for one that is left out."""
+        if shape.find("emitter") is not None:
+            return Look(np.full(3, _LIGHT), -1, Material(), double_sided=True, unlit=True)
+        surface = self._surface(shape)
+        if surface is not None and surface.get("type") in _GLASS:
+            self._notes.add("glass is left out", surface.get("type", ""))
+            return None
+        colour, picture = (np.full(3, GREY), -1) if surface is None else self._colour(surface)
+        return Look(colour, picture, Material(), double_sided=True)
+
+    def _surface(self, element: ElementTree.Element) -> ElementTree.Element | None:
+        """Return the innermost surface: of a shape, or within `twosided` and its like."""
+        for one in element:
+            found = self._named.get(one.get("id", "")) if one.tag == "ref" else one
+            if found is not None and found.tag == "bsdf":
+                inner = self._surface(found)
+                return found if inner is None else inner
+        return None
+
+    def _colour(self, surface: ElementTree.Element) -> tuple[Array, int]:
+        """Return linear colour (3,) and the index of its picture, -1 for none."""
+        for one in sorted(surface, key=_name):
+            if _name(one) not in _COLOURS:
+                continue
+            found = self._named.get(one.get("id", ""), one) if one.tag == "ref" else one
+            if found.tag == "texture":
+                return np.ones(3), self._picture(_value(found, "filename"))
+            numbers = found.get("value", "").replace(",", " ").split()
+            if found.tag in ("rgb", "spectrum", "float") and len(numbers) in (1, 3):
+                return np.broadcast_to(np.array(numbers, np.float64), 3), -1
+        return np.full(3, GREY), -1
+
+    def _picture(self, name: str) -> int:
+        if name not in self._pictures:
+            from PIL import Image
+
+            try:
+                with Image.open(io.BytesIO(read_beside(self._folder, name))) as image:
+                    self._textures.append(Texture(name, rgba_of(image)[..., :3]))
+                self._pictures[name] = len(self._textures) - 1
+            except (OSError, ValueError):
+                self._notes.add("a file that it names is missing or cannot be read, drawn white", f"texture '{name}'")
+                self._pictures[name] = -1
+        return self._pictures[name]

@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError, in_brief
 from ..geometry import Mirror, Pose, View, is_a, real
 from ..geometry.view import MOST_MIRRORS
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Quad, Texture
 from .input_events import InputLog
-from .shapes import Quad
 
 MOST_PANELS = 15  # a headset's runtime composes 16 layers at least, of which one is the picture
 MOST_LAMPS = 4
@@ -26,28 +25,21 @@ NEAREST_M = 0.01  # a surface nearer than this to a lamp gets no more light
 
 @attrs.frozen(eq=False)
 class Lamp:
-    """A light that may move: a point, or a sun.
-
-    colour: linear RGB that a white, matt surface shows which faces it: 1 m away from a point, at
-    any distance from a sun. A point shines from its motion's place, a sun from infinitely far along
-    the -z of its motion's pose.
-    cone: of a spot, radians about that -z: a point's whole light up to the first, none from the
-    second on.
-    """
+    """A light that may move: a point where its motion is, or a sun far along the -z of its pose."""
 
     motion: Motion
-    colour: tuple[float, float, float]
+    colour: Rgb  # linear, that a white, matt surface shows which faces it: 1 m from a point, anywhere under a sun
     is_sun: bool = False
-    cone: tuple[float, float] | None = None
-    # The share of its colour that it sends; None for all of it at all times.
-    brightness: Brightness | None = None
+    cone: tuple[float, float] | None = (
+        None  # of a spot, radians about -z: all light up to the first, none at the second
+    )
+    brightness: Brightness | None = None  # the share of its colour that it sends; None for all of it
 
     def light(self, time_ns: int) -> Rgb:
         """Return the colour that it sends at an instant."""
-        if self.brightness is None:
-            return self.colour
-        red, green, blue = (self.brightness.share(time_ns) * np.array(self.colour)).tolist()
-        return red, green, blue
+        share = 1.0 if self.brightness is None else self.brightness.share(time_ns)
+        red, green, blue = self.colour
+        return share * red, share * green, share * blue
 
     def place(self, time_ns: int) -> NDArray[np.float64]:
         """Return (x, y, z, 1) of a point in the world, or (x, y, z, 0) towards a sun."""
@@ -59,7 +51,7 @@ class Lamp:
     def fading(self, time_ns: int) -> NDArray[np.float64]:
         """Return (x, y, z, w): along a unit way d a spot sends clamp(d . xyz + w, 0, 1)^2 of all.
 
-        (0, 0, 0, 1) for what shines all round. Source: Khronos 2018, KHR_lights_punctual.
+        Source: Khronos 2018, KHR_lights_punctual.
         """
         if self.cone is None:
             return np.array([0.0, 0.0, 0.0, 1.0])
@@ -117,7 +109,13 @@ def _shape(meshes: list[Mesh], origin_m: NDArray[np.float64]) -> Mirror:
             raise SceneError(f"mesh '{meshes[0].name}': a curved mirror of no size; expected a ball or similar")
         return Mirror(centre + origin_m, radius_m=radius, reflectivity=reflectivity)
     normal = _plane_of(meshes[0])[:3]
-    right = _along_u(meshes[0], normal)
+    # Along which u grows, a normal map's x; any without.
+    places = np.column_stack([meshes[0].uv, np.ones(len(meshes[0].uv))]).astype(np.float64)
+    right = np.linalg.lstsq(places, meshes[0].positions.astype(np.float64), rcond=None)[0][0]
+    right -= normal * (right @ normal)
+    if np.linalg.norm(right) < 1e-9:
+        right = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+    right = right / np.linalg.norm(right)
     up = np.cross(normal, right)
     low, high = (np.array([extreme(positions @ axis) for axis in (right, up)]) for extreme in (np.min, np.max))
     across, along = (high - low) / 2
@@ -126,28 +124,18 @@ def _shape(meshes: list[Mesh], origin_m: NDArray[np.float64]) -> Mirror:
     return Mirror(centre + origin_m, right * max(across, 1e-6), up * max(along, 1e-6), reflectivity=reflectivity)
 
 
-def _along_u(mesh: Mesh, normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the unit vector in the plane along which u grows, a normal map's x; any without."""
-    places = np.column_stack([mesh.uv, np.ones(len(mesh.uv))]).astype(np.float64)
-    along = np.linalg.lstsq(places, mesh.positions.astype(np.float64), rcond=None)[0][0]
-    along -= normal * (along @ normal)
-    if np.linalg.norm(along) < 1e-9:
-        along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
-    return np.asarray(along / np.linalg.norm(along))
-
-
 def _tuple(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
+
+
+def _array(value: ArrayLike) -> NDArray[np.float64]:
+    return np.array(value, np.float64)
 
 
 def _vector(value: ArrayLike) -> NDArray[np.float64]:
     array = np.array(value, dtype=np.float64).reshape(3)
     array.flags.writeable = False
     return array
-
-
-def _bounds(value: ArrayLike) -> NDArray[np.float64]:
-    return np.array(value, np.float64)
 
 
 @attrs.frozen
@@ -185,29 +173,20 @@ def _size(value: Any) -> tuple[float, float]:
 
 @attrs.frozen(eq=False)
 class Panel:
-    """A picture in the world or fixed to the head, seen from its front: +z of its pose.
-
-    Errors: SceneError for pictures of another shape or type, and for a size that is not above 0.
-    """
+    """A picture in the world or fixed to the head, seen from +z of its pose. Errors: SceneError."""
 
     # (h, w, 3 or 4) uint8 sRGB, the top row first; or several, which take turns.
     pictures: tuple[Texture, ...] = attrs.field(converter=_pictures)
-    # Of its middle: world_from_panel, or head_from_panel.
-    pose: Pose = attrs.field(validator=is_a(Pose))
-    # Width along the pose's x, height along its y, in metres.
-    size_m: tuple[float, float] = attrs.field(converter=_size)
+    pose: Pose = attrs.field(validator=is_a(Pose))  # of its middle: world_from_panel, or head_from_panel
+    size_m: tuple[float, float] = attrs.field(converter=_size)  # along the pose's x and y
     head_locked: bool = False
-    # Whether what is nearer in the picture hides it.
-    occluded: bool = False
-    # How long each picture stays.
-    seconds: float = attrs.field(default=1.0, converter=real)
+    occluded: bool = False  # what is nearer in the picture hides it
+    seconds: float = attrs.field(default=1.0, converter=real)  # how long each picture stays
 
     def __attrs_post_init__(self) -> None:
         if not self.pictures or not 0 < self.seconds < np.inf:
-            raise SceneError(
-                f"a panel of {len(self.pictures)} pictures for {self.seconds:g} s each: expected one or more, and a "
-                "finite time above 0"
-            )
+            found = f"a panel of {len(self.pictures)} pictures for {self.seconds:g} s each"
+            raise SceneError(f"{found}: expected one or more, and a finite time above 0")
 
     def showing(self, time_ns: int) -> int:
         """Return which of its pictures it shows at an instant."""
@@ -230,66 +209,54 @@ class Panel:
 
 @attrs.define(eq=False, frozen=True, slots=False)
 class Scene:
-    """Everything the server needs to draw, and where a viewer may stand.
-
-    Errors: SceneError for a mesh with an unknown texture or body, and for mirrors that cannot be
-    drawn (see `mirrors`).
-    """
+    """Everything the server needs to draw, and where a viewer may stand. Errors: SceneError."""
 
     name: str
     summary: str
     meshes: tuple[Mesh, ...] = attrs.field(converter=_tuple)
     textures: tuple[Texture, ...] = attrs.field(default=(), converter=_tuple)
     background: Background = Background()
-    # Meshes belong to a body by its number, which starts at 1.
-    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_tuple)
-    # Float64 (3,) in the world. Meshes are relative to it: float32 keeps its digits 1e6 m away.
+    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_tuple)  # meshes have their numbers, from 1
+    # (3,) in the world. Meshes are relative to it: float32 keeps its digits 1e6 m away.
     origin_m: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
     viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))  # world_from_head of a viewer at rest
     # (2, 3) lowest and highest corner of the world box that a head may move in.
-    walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_bounds)
-    # Survivable faults of a foreign file, one line each.
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)
-    # Light that moves; without lamps all light is baked.
-    lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)
+    walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_array)
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)  # faults of a foreign file, one line each
+    lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)  # without them all light is baked
     panels: tuple[Panel, ...] = attrs.field(default=(), converter=_tuple)
-    # What people do in it; None for a scene that does not react.
-    inputs: InputLog | None = None
+    inputs: InputLog | None = None  # what people do in it; None for a scene that does not react
     light_ns: int | None = None  # of which instant the lamps' light is, whatever moves; None for that which is drawn
 
     def __attrs_post_init__(self) -> None:
-        for mesh in self.meshes:
-            count, normal_map = len(self.textures), mesh.material.normal_map
-            if not -1 <= mesh.texture < count:
-                raise SceneError(f"mesh '{mesh.name}' uses texture {mesh.texture}, the scene has {count}")
-            if not -1 <= normal_map < count:
-                raise SceneError(
-                    f"mesh '{mesh.name}' uses texture {normal_map} as its normal map, the scene has {count}"
-                )
-            if not 0 <= mesh.body <= len(self.bodies):
-                raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+        textures, bodies = len(self.textures), len(self.bodies)
         shining = next((texture.name for texture in self.textures if texture.emission is not None), None)
+        for mesh in self.meshes:
+            name, normal_map = f"mesh '{mesh.name}'", mesh.material.normal_map
+            if not -1 <= mesh.texture < textures:
+                raise SceneError(f"{name} uses texture {mesh.texture}, the scene has {textures}")
+            if not -1 <= normal_map < textures:
+                raise SceneError(f"{name} uses texture {normal_map} as its normal map, the scene has {textures}")
+            if not 0 <= mesh.body <= bodies:
+                raise SceneError(f"{name} belongs to body {mesh.body}, the scene has {bodies}")
         if self.lamps and shining is not None:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
-        if len(self.panels) > MOST_PANELS:
-            raise SceneError(f"{len(self.panels)} panels: expected at most {MOST_PANELS}")
-        if len(self.lamps) > MOST_LAMPS:
-            raise SceneError(f"{len(self.lamps)} lamps: expected at most {MOST_LAMPS}")
+        for found, most, what in ((self.panels, MOST_PANELS, "panels"), (self.lamps, MOST_LAMPS, "lamps")):
+            if len(found) > most:
+                raise SceneError(f"{len(found)} {what}: expected at most {most}")
         for mesh in self.meshes:
+            name = f"mesh '{mesh.name}'"
             if mesh.light_uv is not None and mesh.deformation is not None:
-                raise SceneError(
-                    f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
-                )
+                raise SceneError(f"{name} has a place in the light atlas and deforms: expected one that is rigid")
             if self.lamps and mesh.material.reflectivity:
-                raise SceneError(f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces")
+                raise SceneError(f"{name} mirrors: in a scene with lamps, expected matt surfaces")
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
 
     @cached_property
     def mirrors(self) -> tuple[SceneMirror, ...]:
         """Mirrors, plane ones first; each curved mesh is its own, the ball around its vertices.
 
-        Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror
-        that moves, and for more than MOST_MIRRORS.
+        Errors: SceneError for a plane mirror that is not flat, one that moves, and too many.
         """
         groups: dict[tuple[Any, ...], list[Mesh]] = {}
         for index, mesh in enumerate(self.meshes):
@@ -332,10 +299,7 @@ class Scene:
 
 
 def is_cutout(scene: Scene, mesh: Mesh) -> bool:
-    """Return whether a see-through sheet is opaque or fully transparent but for its edges.
-
-    Such a sheet, a fence for instance, has a depth of its own in the picture.
-    """
+    """Return whether a see-through sheet, such as a fence, is opaque or empty but for its edges."""
     material = mesh.material
     if not material.see_through or mesh.texture < 0 or material.opacity < 1 or material.transmission:
         return False

@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._notes import Notes
+from ._draft import Notes
 
 Array = NDArray[np.float64]
 
@@ -73,10 +73,8 @@ class Triangles:
 
     def _hits(self, origin: Array, directions: Array) -> tuple[Array, NDArray[np.bool_]]:
         # Differences in float64, then float32: twice as quick, and metres keep their micrometres.
-        first, second, to_origin, normal, rays = (
-            array.astype(np.float32)
-            for array in (self.b - self.a, self.c - self.a, origin - self.a, self.crosses, directions)
-        )
+        arrays = (self.b - self.a, self.c - self.a, origin - self.a, self.crosses, directions)
+        first, second, to_origin, normal, rays = (array.astype(np.float32) for array in arrays)
         facing = rays @ normal.T
         with np.errstate(all="ignore"):
             scale = -1 / facing
@@ -138,9 +136,9 @@ class Place:
 def free_place(triangles: Triangles, low: Array, high: Array) -> Place:
     """Return a place in a scene from corner `low` to `high`.
 
-    In a scene of a room's size (3 m or more across both ways and 2 m high) with a floor, the viewer
-    stands on it near its middle. Anything else is an object, seen from the +z side at the height of
-    its middle, at a distance where it fills about 50 degrees.
+    In a scene of a room's size (3 m or more across, 2 m high) with a floor, the viewer stands on it
+    near its middle. Anything else is an object, seen from +z at the height of its middle, where it
+    fills about 50 degrees.
     """
     size = high - low
     if size[0] >= 3 and size[2] >= 3 and size[1] >= 2:
@@ -210,14 +208,11 @@ def _floor_at(triangles: Triangles, x: float, z: float, low: Array, high: Array)
 
 
 def _is_free(triangles: Triangles, place: Array) -> bool:
-    eye, floor = place[:3], place[3]
-    near = triangles.near(eye - 0.5, eye + 0.5)
-    if (near.first_hits(eye, _RING)[0] < _ARM_M).any():
-        return False
-    body = np.array([eye[0], (eye[1] + floor) / 2, eye[2]])
-    near = triangles.near(body - 0.5, body + 0.5)
-    if (near.first_hits(body, _RING)[0] < _BODY_M).any():
-        return False
+    eye = place[:3]
+    body = np.array([eye[0], (eye[1] + place[3]) / 2, eye[2]])
+    for middle, least in ((eye, _ARM_M), (body, _BODY_M)):
+        if (triangles.near(middle - 0.5, middle + 0.5).first_hits(middle, _RING)[0] < least).any():
+            return False
     distance, behind = triangles.first_hits(eye, _AROUND)
     return bool(float(behind.sum()) <= _FEW_BEHIND * np.isfinite(distance).sum())
 
@@ -246,21 +241,17 @@ _GROUND_SHARE, _THIN, _LEAST_THICK = 0.3, 0.02, 0.05
 def add_hints(triangles: Triangles, low: Array, high: Array, scale: float, up: str, notes: Notes) -> None:
     """Note an extent that is rarely meant in metres, and a ground below the z axis.
 
-    low, high: corners of the scene in metres with +y up. scale, up: as the options have them.
+    low, high: corners of the scene in metres, +y up. scale, up: as the options have them.
     """
     size = float((high - low).max())
     if scale == 1 and size > _LARGE_M:
         fits = [unit for unit in _UNITS if _LIKELY_M[0] <= unit[1] * size <= _LIKELY_M[1]] or _UNITS[-1:]
-        units = " or ".join(
-            f"{name}, --scene-scale {metres:g} makes it {_metres(metres * size)}" for name, metres in fits
-        )
-        notes.add(f"{_metres(size)} across; if its unit is {units}")
+        units = (f"{name}, --scene-scale {metres:g} makes it {_metres(metres * size)}" for name, metres in fits)
+        notes.add(f"{_metres(size)} across; if its unit is {' or '.join(units)}")
     if scale == 1 and size < _SMALL_M:
         larger = min(10 ** round(-np.log10(size)), _LARGEST_SCALE)
-        notes.add(
-            f"{_metres(size)} across, and a head moves farther;"
-            f" --scene-scale {larger:g} makes it {_metres(larger * size)}"
-        )
+        remedy = f"--scene-scale {larger:g} makes it {_metres(larger * size)}"
+        notes.add(f"{_metres(size)} across, and a head moves farther; {remedy}")
     if up == "y" and _stands_on_z(triangles, low, high):
         notes.add("its ground lies below the z axis, not the y axis; if z is up, use --scene-up z")
 

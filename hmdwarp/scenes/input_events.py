@@ -35,14 +35,11 @@ Triple = tuple[float, float, float]
 
 @attrs.frozen
 class InputEvent:
-    """One input: what is done, to what, and the ray of the hand that does it, in the world.
-
-    target: name of a thing that reacts; "" for the one that the ray means.
-    """
+    """One input: what is done, to what, and the ray of the hand that does it, in the world."""
 
     time_ns: int
     action: str
-    target: str = ""
+    target: str = ""  # name of a thing that reacts; "" for the one that the ray means
     origin_m: Triple = (0.0, 0.0, 0.0)
     direction: Triple = (0.0, 0.0, -1.0)
 
@@ -51,10 +48,9 @@ class InputEvent:
             raise unknown_name("action", self.action, list(ACTIONS))
         numbers = (*self.origin_m, *self.direction)
         if not all(map(math.isfinite, numbers)) or not LEAST_WAY <= math.hypot(*self.direction) <= 1 / LEAST_WAY:
-            raise InputError(
-                f"a hand at {self.origin_m} that points along {self.direction}: expected finite numbers, and a "
-                f"direction of a length from {LEAST_WAY:g} to {1 / LEAST_WAY:g}"
-            )
+            found = f"a hand at {self.origin_m} that points along {self.direction}"
+            lengths = f"a length from {LEAST_WAY:g} to {1 / LEAST_WAY:g}"
+            raise InputError(f"{found}: expected finite numbers, and a direction of {lengths}")
 
     @property
     def ray(self) -> tuple[Triple, Triple]:
@@ -75,8 +71,7 @@ class Thing(Protocol):
     """Something in a scene that reacts to inputs that name it."""
 
     name: str
-    # Actions that it reacts to.
-    takes: tuple[str, ...]
+    takes: tuple[str, ...]  # actions that it reacts to
 
     def handle(self, time_ns: int) -> NDArray[np.float64]:
         """Return the (3,) place in the world that a hand aims at."""
@@ -97,16 +92,11 @@ class InputBook:
 
 
 class InputLog:
-    """The inputs of one scene, in the order of their instants.
-
-    An input that comes later than others with a later instant counts from its own instant on: what
-    things do follows from what is in the log, however it came there.
-    """
+    """The inputs of one scene, in the order of their instants, however they came."""
 
     def __init__(self) -> None:
         self.things: dict[str, Thing] = {}
-        # That of whom the scene is drawn for; another one is another history.
-        self.book = InputBook()
+        self.book = InputBook()  # of whom the scene is drawn for; another one is another history
 
     def react(self, thing: Thing) -> None:
         """Let a thing react to inputs that name it."""
@@ -124,9 +114,8 @@ class InputLog:
         if target not in self.things:
             raise unknown_name("thing that reacts", target, list(self.things))
         if event.action not in self.things[target].takes:
-            raise InputError(
-                f"{event.action} '{target}': expected {' or '.join(self.things[target].takes)} of what it takes"
-            )
+            wanted = " or ".join(self.things[target].takes)
+            raise InputError(f"{event.action} '{target}': expected {wanted} of what it takes")
         event, events = attrs.evolve(event, target=target), self.book.events[target]
         if event in events[bisect_right(events, event.time_ns - 1, key=_TIME) :]:
             return event
@@ -168,8 +157,8 @@ class InputLog:
 def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: int) -> int:
     """Add the inputs of `seed:N`, or those in a file; return how many mean nothing that takes them.
 
-    span_ns: first and last instant of a seed's inputs. epoch_ns: instant 0 of the run on the clock
-    of the file. Errors: InputError that names the file, and the line or the input.
+    span_ns: first and last instant of a seed's. epoch_ns: instant 0 of the run on the clock of the
+    file. Errors: InputError that names the file, and the line or the input.
     """
     if spec.startswith(SEED):
         found: Iterable[InputEvent] = _by_seed(seed_of(spec), list(log.things.values()), *span_ns)
@@ -186,10 +175,7 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
 
 
 def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
-    """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level.
-
-    Python's own generator, whose numbers are the same in every version.
-    """
+    """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level."""
     chance, now_s = random.Random(seed), 0.0
     while things:
         now_s -= EVERY_S * math.log(1.0 - chance.random())

@@ -24,13 +24,9 @@ KNOWS = {
 
 @attrs.frozen
 class SceneOptions(Declared):
-    """How a scene file is read; the scenes of the library take none of it.
-
-    Errors: InputError for values that are wrong whatever the file holds.
-    """
+    """How a scene file is read; the scenes of the library take none of it. Errors: InputError."""
 
     heading = "Scene files"
-    # Metres per unit.
     scale: float = option(
         1.0,
         "Metres per unit of a scene file, like 0.001 for millimetres.",

@@ -29,8 +29,8 @@ from aiohttp import web
 
 from ..errors import InputError, are_digits
 from ..gpu.shaders import VERSION, flatten
-from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
+from ..sources.feed.options import KeyPair
 from ..sources.feed.sockets import Places, is_local, set_options
 from .certificate import certified, hosts_at, is_number
 from .visitors import OneLine, Visitor, Visitors

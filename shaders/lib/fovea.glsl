@@ -6,7 +6,7 @@ uniform ivec2 before;                   // columns of the rim left of it, rows b
 uniform int rim;                        // pixels on each axis that one of the rim holds
 uniform float of_rim;                   // 1 / rim: a division of integers takes llvmpipe longer than all else
 
-// Two inverse depths of one surface: a plane changes by 3 % a pixel at most (client/warp_kinds/
+// Two inverse depths of one surface: a plane changes by 3 % a pixel at most (client/warps/
 // gather.py), and one of the rim holds a few. What differs by more is never averaged.
 const float ONE_SURFACE = 0.1, DEPTH_FLOOR = 0.02;
 

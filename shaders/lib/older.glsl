@@ -46,7 +46,7 @@ void prepare_older() {
 
 // The colour of frame k at p: parabolas through the nearest texel and those beside it, along its row and
 // its column, no brighter or darker than the three nearest. Five loads: beside a newest frame that is
-// sampled by lib/catmull_rom.glsl that is as good as its eight. Alpha is 0 where one is not covered.
+// sampled by lib/catmull_rom.glsl that is as good as its twelve. Alpha is 0 where one is not covered.
 vec4 sampled(int k, vec2 p) {
     ivec2 n = ivec2(p), last = extent - 1;
     vec2 off = p - vec2(n) - 0.5, t = abs(off);

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from hmdwarp.cli import _checks as doctor
 from hmdwarp.cli._checks import MISSING, OK, OPTIONAL, Finding
-from hmdwarp.cli.listing import doctor as command
+from hmdwarp.cli.catalogue import doctor as command
 from hmdwarp.resources import EXTRAS
 
 

@@ -10,7 +10,7 @@ from together import together
 from worlds import World, assert_equals_twin, every_choice, has_twin
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
-from hmdwarp.client.warp_kinds.mesh import MOST_SIDE
+from hmdwarp.client.warps.mesh import MOST_SIDE
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import GuardBand
 

@@ -12,7 +12,7 @@ from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.client.fills import fills
-from hmdwarp.client.fills.composite import OFFSETS, frame_seed, random_offsets
+from hmdwarp.client.fills.model import OFFSETS, frame_seed, random_offsets
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, allocate

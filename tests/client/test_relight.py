@@ -9,7 +9,7 @@ import pytest
 from worlds import read
 
 from hmdwarp.client import ClientScene, ReducedModel
-from hmdwarp.client.fill_parts import sample_offsets
+from hmdwarp.client.fills.model import sample_offsets
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
 from hmdwarp.geometry import Pose, View
 from hmdwarp.scenes import Body, Mesh, Quad, Scene, load_scene

@@ -12,8 +12,7 @@ from worlds import World, read
 
 from hmdwarp.client import ShownPicture
 from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects.overlay import OverlayPass
-from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
+from hmdwarp.client.effects.compositing import NEARER, OverlayPass, TransparencyPass
 from hmdwarp.client.warps.iterative import OF_A_PART
 from hmdwarp.errors import InputError
 from hmdwarp.frames import EyeImage, Needs, Surface, Transparent

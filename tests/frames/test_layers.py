@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.client.effects import effects
-from hmdwarp.client.expand import ExpandPass
+from hmdwarp.client.effects._base import ExpandPass
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError
@@ -44,7 +44,7 @@ def test_formats_and_bytes_are_those_of_the_textures(gpu, name):
     needs = Needs() if layer.always else Needs(**{name: EVERYTHING[name]})
     server = Server(gpu, load_scene("planes"))
     frame = server.draw_frame([View(Pose(), FOV)], 0, SIZE, needs=needs)
-    (data,) = [data for each, data in frame.contents() if each is layer]
+    (data,) = [data for each, data in frame.eyes[0].contents() if each is layer]
     textures = list(layer.textures(data))
     found = [GL_FORMAT[texture.components, texture.dtype] for texture in textures]
     assert found == list(layer.formats) * (len(found) // len(layer.formats))

@@ -12,7 +12,7 @@ from hmdwarp.client import PassInputs, parse_fills, parse_warp
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, allocate
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.image.auto import LEVELS, AutoCompensator, plans_of_levels
+from hmdwarp.image.usable import LEVELS, AutoCompensator, plans_of_levels
 
 SIZE = (48, 32)
 FOV = Fov.symmetric(1.2, 0.95)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from hmdwarp.link import Bandwidth, GilbertElliott, Link, LinkOptions
-from hmdwarp.link.delays.models import NormalJitter, UniformJitter
+from hmdwarp.link.delays import NormalJitter, UniformJitter
 
 STEPS_NS = st.one_of(st.just(0), st.integers(1, 3), st.integers(0, 50_000_000))
 DELAYS_NS = st.one_of(st.sampled_from([0, 1, 2]), st.integers(0, 200_000_000))

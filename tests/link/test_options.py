@@ -22,8 +22,7 @@ from hmdwarp.link import (
     delay_models,
     response_figures,
 )
-from hmdwarp.link.delays.models import ConstantDelay, NormalJitter, UniformJitter
-from hmdwarp.link.delays.trace import DelayTrace, read_delays
+from hmdwarp.link.delays import ConstantDelay, DelayTrace, NormalJitter, UniformJitter, read_delays
 
 MS = 1_000_000
 

@@ -26,10 +26,8 @@ def run(mbit: list[float], full_bytes: int, queue_ms: float = 250.0) -> Run:
     """mbit: of each period. A frame's bytes are in proportion to its pixels."""
     overload, found = Overload(PERIOD_NS, round(queue_ms * 1e6)), Run()
     link: Link[int] = Link(iter(lambda: 0, None), None, Bandwidth(mbit[0], queue_ms))
-    bottleneck = link._bottleneck  # its rate changes while the link runs
-    assert bottleneck is not None
     for number, rate in enumerate(mbit):
-        bottleneck.bandwidth = Bandwidth(rate, queue_ms)
+        link._bandwidth = Bandwidth(rate, queue_ms)  # it changes while the link runs
         size = round(full_bytes * overload.scale**2)
         transit = link.send(number, number * PERIOD_NS, size)
         found.scales.append(overload.scale)
@@ -75,11 +73,11 @@ def test_beyond_the_lowest_resolution_frames_are_dropped_as_ever():
 def test_a_busy_server_gets_the_time_to_finish_before_the_next_step():
     overload = Overload(PERIOD_NS, 250_000_000)
     overload.sent(0, 0, 3 * PERIOD_NS)
-    overload.busy(1 * PERIOD_NS, 3 * PERIOD_NS)
-    overload.busy(2 * PERIOD_NS, 3 * PERIOD_NS)  # the same frame
+    overload.lower(1 * PERIOD_NS, 2 * PERIOD_NS)
+    overload.lower(2 * PERIOD_NS, 1 * PERIOD_NS)  # the same frame
     assert (overload.scale, overload.changes) == (SCALES[1], 1)
     overload.sent(3 * PERIOD_NS, 0, 2 * PERIOD_NS)
-    overload.busy(4 * PERIOD_NS, 5 * PERIOD_NS)
+    overload.lower(4 * PERIOD_NS, 1 * PERIOD_NS)
     assert overload.scale == SCALES[2]
 
 

@@ -144,7 +144,9 @@ def test_after_lost_frames_no_layer_shows_anything_broken():
             drawn.add(refresh.frame.drawn_ns)
             views = [eye.view for eye in refresh.frame.eyes]
             again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.sizes.shown, 1.0, needs)
-            for (layer, before), (_, after) in zip(again.contents(), refresh.frame.contents(), strict=True):
+            for (layer, before), (_, after) in zip(
+                again.eyes[0].contents(), refresh.frame.eyes[0].contents(), strict=True
+            ):
                 for (old, coding), (new, _) in zip(layer.coded(before), layer.coded(after), strict=True):
                     if coding == VIDEO:
                         wrong = picture_from_linear(download(old)).astype(float) - picture_from_linear(download(new))

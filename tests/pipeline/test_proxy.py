@@ -20,8 +20,8 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
+from hmdwarp.pipeline.options import ProxyOptions
 from hmdwarp.pipeline.proxy import GuardedEyes
-from hmdwarp.pipeline.proxy_options import ProxyOptions
 from hmdwarp.poses import angle_between
 from hmdwarp.report import coding_rows
 

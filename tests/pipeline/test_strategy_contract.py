@@ -160,7 +160,7 @@ def drawn(gpu, scene, time_ns: int, views, needs: Needs):
 
 def pictures_in(frame) -> dict[str, list[np.ndarray]]:
     found: dict[str, list[np.ndarray]] = {}
-    for layer, data in frame.contents():
+    for layer, data in [one for _, eye in frame.pictures() for one in eye.contents()]:
         if layer.name not in ("photons", "points", "ids", "velocity", "panels"):
             found.setdefault(layer.name, []).extend(download(one).astype(np.float64) for one in layer.sent(data))
     return found

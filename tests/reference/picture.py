@@ -175,16 +175,15 @@ ON_A_CENTRE = 1 / 1024  # pixels: so near to a texel's centre a cubic look takes
 
 
 def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: float = 0.5) -> ReferencePicture:
-    """As sample_covered, by cubic Hermite curves along the row and the column of texels nearest to
-    the place, where the four texels around it and the four beyond them there are covered.
+    """As sample_covered, by cubic Hermite curves where twelve texels around, all of 4 x 4 but the
+    corners, are covered; between the four outer ones linear.
 
-    A curve has at each texel the slope between its neighbours. What each of the two adds to the
-    line is added to the bilinear look, and the sum stays within the four texels around. A look `e`
-    beside along both axes differs by less than 2 e times the contrast by the bilinear part (one
-    each) and 1.5 e by what the curves add (0.75 each), so by less than 4 e. Half way between texels
-    another row and column count: both curves, which add at most 0.15 times the contrast, may then
-    be others at once, 4 x 0.15 in all. 64 units of the brightest texel nearby cover the rounding of
-    two sums of four products.
+    A curve has at each texel the slope between its neighbours, and stays between the two texels
+    that it joins; first along rows, then across them. It is nowhere steeper than 1.5 times the
+    contrast of its four texels, which one across the rows amplifies by the 1.25 that its weights'
+    absolute values sum to: so a look `e` beside along both axes differs by less than 1.25 * 1.5 +
+    1.5 < 4 e times the contrast, continuously from texel to texel. 64 units of the brightest texel
+    nearby cover the rounding of two sums of four products.
     """
     high, wide = colour.shape[:2]
     near = ON_A_CENTRE + 4 * FLOAT32_UNIT * max(high, wide)
@@ -197,30 +196,24 @@ def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: flo
     x, y = (np.clip(low[..., k, None] + np.arange(-1, 3), 0, n - 1) for k, n in enumerate((wide, high)))
     around = colour[y[..., :, None], x[..., None, :]]  # (.., 4 rows, 4 columns, 4)
     part = place - low
-    nearest = 1 + (part > 0.5)
-    row, column = (
-        np.take_along_axis(four, nearest[..., k, None, None, None], axis=-3)[..., 0, :, :]
-        for k, four in ((1, around), (0, np.swapaxes(around, -3, -2)))
-    )
-    inner = around[..., 1:3, 1:3, :]
-    sides = inner[..., 0, :] * (1 - part[..., 0, None, None]) + inner[..., 1, :] * part[..., 0, None, None]
-    curved = sides[..., 0, :] * (1 - part[..., 1, None]) + sides[..., 1, :] * part[..., 1, None]
-    curved = curved + _beside_line(row, part[..., 0, None]) + _beside_line(column, part[..., 1, None])
-    curved = np.clip(curved, inner.min(axis=(-2, -3)), inner.max(axis=(-2, -3)))
+    across = part[..., 0, None]
+    inner = _hermite(np.moveaxis(around[..., 1:3, :, :], -2, 0), across[..., None])
+    outer = around[..., ::3, 1, :] * (1 - across[..., None]) + around[..., ::3, 2, :] * across[..., None]
+    rows = np.stack([outer[..., 0, :], inner[..., 0, :], inner[..., 1, :], outer[..., 1, :]], axis=-2)
+    curved = _hermite(np.moveaxis(rows, -2, 0), part[..., 1, None])
 
     error = np.minimum(position_error + near, _ANYWHERE)
     covered = ndimage.minimum_filter(colour[..., 3], size=5, mode="nearest")
     coords = [place[..., 1], place[..., 0]]
     in_middle = _near(covered, coords) >= 1
-    least_covered = np.minimum(inner[..., 3].min(axis=(-1, -2)), np.minimum(row, column)[..., 3].min(axis=-1))
+    least_covered = np.minimum(around[..., 1:3, :, 3].min(axis=(-1, -2)), around[..., :, 1:3, 3].min(axis=(-1, -2)))
     sharp = (least_covered >= 1) & (plain.colour[..., 3] > 0)
     brightest = _near(ndimage.maximum_filter(np.abs(colour).max(axis=-1), size=5, mode="nearest"), coords)
-    half_way = (np.abs(off_centre - 0.5) <= error[..., None]).any(axis=-1)
-    tolerance = (4 * error + 0.6 * half_way) * _contrast_near(colour, coords)[..., :3].max(axis=-1)
+    tolerance = 4 * error * _contrast_near(colour, coords)[..., :3].max(axis=-1)
     tolerance += (HALF_UNIT + 64 * FLOAT32_UNIT) * brightest + HALF_SMALLEST
-    # Beyond a line of texel centres, and half way between them, other texels count: with a hole
-    # only there, the look turns bilinear at once.
-    on_a_line = (np.abs(off_centre - ON_A_CENTRE) <= (error - ON_A_CENTRE)[..., None]).any(axis=-1) | half_way
+    # Beyond a line of texel centres other twelve texels count: with a hole only there, the look
+    # turns bilinear at once.
+    on_a_line = (np.abs(off_centre - ON_A_CENTRE) <= (error - ON_A_CENTRE)[..., None]).any(axis=-1)
     return ReferencePicture(
         np.where(
             sharp[..., None], np.concatenate([curved[..., :3], np.ones((*sharp.shape, 1))], axis=-1), plain.colour
@@ -230,12 +223,13 @@ def sample_cubic(colour: Array, pixels: Array, position_error: Array, least: flo
     )
 
 
-def _beside_line(four: Array, t: Array) -> Array:
-    """What the curve from the second to the third of four texels (.., 4, 4) adds to the line."""
-    before, start, end, after = np.moveaxis(four, -2, 0)
-    slopes, back = ((end - before) / 2, (after - start) / 2), 1 - t
+def _hermite(four: Array, t: Array) -> Array:
+    """The curve from the second to the third of four values, along the first axis."""
+    before, start, end, after = four
+    slopes = (end - before) / 2, (after - start) / 2
+    back = 1 - t
     curve = (1 + 2 * t) * back**2 * start + t * back**2 * slopes[0] + t**2 * (3 - 2 * t) * end - t**2 * back * slopes[1]
-    return curve - (back * start + t * end)
+    return np.clip(curve, np.minimum(start, end), np.maximum(start, end))
 
 
 def near_edge(pixels: Array, size: tuple[int, int], error: Array) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from hmdwarp.display import MOVED, Command
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
-from hmdwarp.pipeline.proxy_options import ProxyOptions
+from hmdwarp.pipeline.options import ProxyOptions
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import LiveOptions
 from hmdwarp.scenes import load_scene, read_inputs

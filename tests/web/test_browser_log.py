@@ -21,7 +21,7 @@ from serving import Serving
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov
 from hmdwarp.headsets import Headset, HeadsetEye, headset_toml
-from hmdwarp.link.delays.trace import read_delays
+from hmdwarp.link.delays import read_delays
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import ServeOptions, browser_log
 from hmdwarp.run.browser_log import DISPLAY, FULL, MOST_REFRESHES, NAME, SessionLog

@@ -12,6 +12,7 @@ _MODULES = {
     ),
     **dict.fromkeys(("rigid_motion", "soft_motion"), "motion"),
     **dict.fromkeys(("panels", "occluded_panels"), "text"),
+    **dict.fromkeys(("overlay", "transparency", "light_only"), "compositing"),
 }
 effects = EffectRegistry("effect", __name__, columns="pass=made_by.name without source", modules=_MODULES)
 

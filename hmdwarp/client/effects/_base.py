@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterable
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 
 from ...errors import InputError, unknown_name
-from ...frames import Needs
+from ...frames import EyeImage, Needs
+from ...frames.layers import readable
 from ...gpu.context import Gpu
-from ...gpu.textures import Canvas
+from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images
 from ...registry import Registry
 from ...scenes import Mesh, Scene
 from ..carry import Carry
@@ -70,7 +71,7 @@ class Tools:
     hands_panels_on: bool = False
 
 
-class EffectPass(ABC):
+class EffectPass(Owner, ABC):
     """One pass of the compensator, for one or more effects.
 
     The object owns its programs and textures for one pair of sizes. It serves both eyes in turn, so
@@ -99,9 +100,6 @@ class EffectPass(ABC):
     @abstractmethod
     def prepare(self) -> None:
         """Compile the programs and allocate the textures; run() does neither."""
-
-    def close(self) -> None:  # noqa: B027 (some own nothing)
-        """Free the textures and buffers."""
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
@@ -192,3 +190,46 @@ class EffectRegistry(Registry[Effect]):
 def _occurs(effect: Effect, scene: Scene | None) -> bool:
     """Return whether some mesh has the effect; True where the scene is not known."""
     return scene is None or effect.in_scene(scene) or any(effect.applies(scene, mesh) for mesh in scene.meshes)
+
+
+# By the layer: the picture that it stands for, and its kind of texture.
+_PICTURES = {"foveated": ("colour", COLOUR), "foveated_depth": ("inverse_depth", SCALAR)}
+EXPANDED = {layer: readable(picture) for layer, (picture, _) in _PICTURES.items()}
+
+
+class ExpandPass(RenderedPass):
+    """Expand each rendered picture that came foveated; parts: the layers that it comes in.
+
+    Warps, fills and effects read the result as if it had come whole, so that each works as it is.
+    """
+
+    name = "expand"
+    needs_compute = False
+    reads = ("rendered.foveated", "rendered.foveated_depth")
+
+    def prepare(self) -> None:
+        self._programs, self._pictures = {}, {}
+        for number, (layer, (_, kind)) in enumerate(_PICTURES.items()):
+            if layer in self.parts:
+                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number)
+                textures = (allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images))
+                self._pictures[layer] = [self.own(texture) for texture in textures]
+
+    def run(self, inputs: PassInputs) -> PassInputs:
+        return inputs.having(self._expanded(image, number) for number, image in enumerate(inputs.images))
+
+    def _expanded(self, image: EyeImage, number: int) -> EyeImage:
+        """Return the image with its whole picture; the same object where it came whole."""
+        found = {layer: image[layer] for layer in self._programs if layer in image}
+        if not found:
+            return image
+        pictures: dict[str, Any] = {}
+        for layer, picture in found.items():
+            program, into = self._programs[layer], self._pictures[layer][number]
+            units = bind_images({"foveated": picture.texture}, {"picture": into})
+            program.uniforms.set(**units, **picture.grid.uniforms)
+            program.run(*picture.grid.small)
+            pictures[_PICTURES[layer][0]] = into
+        self.gpu.barrier()
+        came = {EXPANDED[layer] for layer in found}
+        return attrs.evolve(image, **pictures, left_out=image.left_out - came)

@@ -7,7 +7,7 @@ fills: Registry[type[Fill]] = Registry(
     "fill",
     __name__,
     modules={
-        **dict.fromkeys(("model", "relight"), "model"),
+        **dict.fromkeys(("model", "relight", "composite"), "model"),
         **dict.fromkeys(("none", "constant", "interpolate", "stretch"), "plain"),
         **dict.fromkeys(("memory", "wide"), "memory"),
     },

@@ -1,19 +1,24 @@
-"""The base class of fills."""
+"""The base class of fills, and the list of the pieces of a picture that have holes."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
+import moderngl
+import numpy as np
+
+from ...errors import InputError
 from ...frames import Needs
 from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ...options import NoSettings
-from ..client_scene import ClientScene
-from ..drawn_scenes import DrawnModel, ReducedModel
+from ..client_scene import ClientScene, DrawnModel, ReducedModel
 from ..inputs import PassInputs, ShownPicture
 
 
-class Fill(ABC):
+class Fill(Owner, ABC):
     """Give pixels of coverage 0 a plausible colour, and leave all others as they are.
 
     Fills chain: each fills what those before it left empty.
@@ -67,19 +72,23 @@ class Fill(ABC):
         of `picture`.
         """
 
+    def picture(self) -> ShownPicture:
+        """Return a picture of the shown size with depth, for what the client draws."""
+        gl = self.gpu.gl
+        return ShownPicture(self.own(Canvas(gl, self.shown_size)), self.own(allocate(gl, self.shown_size, SCALAR)))
+
     def model(self, share: float, *, lit: bool, texture: float = 1.0) -> DrawnModel:
         """Return the client's model of the scene, for fills that read client.model."""
         assert self.geometry is not None
-        return self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
+        drawn = self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
+        drawn.reserve(self.shown_size)
+        return drawn
 
     def learn(self, inputs: PassInputs) -> None:  # noqa: B027 (most remember nothing)
         """Remember what run() would of the picture as it was drawn, and show nothing."""
 
     def renew(self) -> None:  # noqa: B027 (most remember nothing)
         """Take the next frame for a new one, even if it is the last one again: for timing."""
-
-    def close(self) -> None:  # noqa: B027 (some own nothing)
-        """Free the textures and buffers."""
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
@@ -95,3 +104,64 @@ class Fill(ABC):
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         """Return the bytes of the pictures that it may keep."""
         return 0
+
+
+PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
+_HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces
+
+
+class HolePieces(Owner):
+    """The list of pieces with holes of the newest picture; owns its buffers.
+
+    with_depth: copies the inverse depth too. coarse: also lists the pieces of the picture at half
+    the resolution that see a hole.
+    """
+
+    def __init__(
+        self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, coarse: bool = False
+    ) -> None:
+        self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
+        defines = {"WITH_DEPTH": int(with_depth), "COARSE": int(coarse)}
+        self._program = gpu.shaders.compute("fills/holes.comp", grid="shown", **defines)
+        count, at_half = (-(-w // PIECE[0]) * -(-h // PIECE[1]) for w, h in (size, tiles(size, 2)))
+        if count * PIECE[0] > 64 * gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]:
+            raise InputError(
+                f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
+                "smaller one"
+            )
+        room = [len(_HEADER) + 4 * count, 8 * count, *([len(_HEADER) + 4 * at_half, 4 * at_half] if coarse else [])]
+        # The list and the stamps of pieces, then both of those at half the resolution.
+        self._buffers = [self.own(gpu.gl.buffer(bytes(count))) for count in room]
+        self._run_find = self._program.over(*size)
+
+    def find(self, picture: ShownPicture, into: ShownPicture) -> int:
+        """Copy the picture, and list its pieces with holes.
+
+        Return the stamp that marks its pieces with covered pixels.
+        """
+        self._stamp = self._stamp % (2**32 - 1) + 1
+        read, write = {"warped": picture.colour.texture}, {"filled": into.colour.texture}
+        if self._with_depth and picture.inverse_depth is not None:
+            read["warped_depth"], write["filled_depth"] = picture.inverse_depth, into.depth
+        for binding, buffer in enumerate(self._buffers):
+            if binding % 2 == 0:
+                buffer.write(_HEADER)
+            buffer.bind_to_storage_buffer(binding)
+        self._program.uniforms.set(shown_size=self._size, stamp=self._stamp, **bind_images(read, write))
+        self._run_find()
+        self._gpu.barrier()
+        return self._stamp
+
+    def run(self, program: Compute) -> None:
+        """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
+        self._run_over(program, *self._buffers[:2])
+
+    def run_coarse(self, program: Compute) -> None:
+        """Run it over the pieces at half the resolution; its shown_size is that resolution."""
+        self._run_over(program, self._buffers[2])
+
+    def _run_over(self, program: Compute, *buffers: moderngl.Buffer) -> None:
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        program.program.run_indirect(buffers[0])
+        self._gpu.barrier()

@@ -10,11 +10,12 @@ warps: Registry[type[Warp]] = Registry(
     "warp",
     __name__,
     modules={
-        **dict.fromkeys(("none", "rotation", "planar", "similarity", "shift"), "planes"),
+        **dict.fromkeys(("none", "rotation", "planar", "similarity", "shift"), "gather"),
+        **dict.fromkeys(("environment", "backward", "search"), "gather"),
         **dict.fromkeys(("mesh", "mesh_adaptive"), "mesh"),
         **dict.fromkeys(("layered", "multi"), "multi"),
         **dict.fromkeys(("forward", "forward_ordered", "forward_raster", "splat"), "forward"),
-        **dict.fromkeys(("backward", "search"), "backward"),
+        **dict.fromkeys(("model", "difference"), "model"),
     },
     columns="kind reads settings=Settings fused_with_the_lens=fuses follows_scanout=scans_out exact_when gets_wrong",
 )

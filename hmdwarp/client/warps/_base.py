@@ -1,20 +1,25 @@
-"""The base class of warps."""
+"""The base class of warps, and that of warps in Python."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, ClassVar, Literal
 
 import attrs
 import moderngl
+import numpy as np
+from numpy.typing import ArrayLike
 
+from ...colour import linear_from_srgb
+from ...errors import InputError
 from ...frames import Needs
-from ...geometry import Fovea
+from ...frames.layers import PICTURE
+from ...geometry import Fovea, View
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import SCALAR, Canvas, allocate
+from ...gpu.textures import SCALAR, Canvas, Owner, allocate, download, upload
 from ...options import NoSettings
 from ...scenes import Scene
 from ..client_scene import ClientScene
@@ -40,7 +45,12 @@ class Output:
     foveated: Fovea | None = None
 
 
-class Warp(ABC):
+def pixel_of(size: tuple[int, int]) -> tuple[float, float]:
+    """Return (w, h) of a pixel in texture coordinates."""
+    return 1 / size[0], 1 / size[1]
+
+
+class Warp(Owner, ABC):
     """Warp one eye's rendered picture to the shown view; coverage is 0 where nothing is known.
 
     The object owns its programs and buffers for one pair of sizes. It serves both eyes in turn.
@@ -95,14 +105,10 @@ class Warp(ABC):
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
         self.geometry = geometry
-        rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
-        self._size_uniforms: dict[str, object] = {
-            "rendered_size": tuple(rendered_size),
-            "rendered_pixel": rendered_pixel,
-            "shown_size": tuple(shown_size),
-        }
+        sizes = {"rendered_size": tuple(rendered_size), "shown_size": tuple(shown_size)}
+        self._size_uniforms: dict[str, object] = {**sizes, "rendered_pixel": pixel_of(rendered_size)}
         # Where the inverse depth of this run goes.
-        self.depth_into = self._run_depth = self.own_depth()
+        self.depth_into = self._run_depth = self.own(self.own_depth())
         self.prepare()
 
     def own_depth(self) -> moderngl.Texture | None:
@@ -130,11 +136,6 @@ class Warp(ABC):
         """Return what times run() as stage `warp`."""
         return self.gpu.timer.stage("warp", barrier=True)
 
-    def close(self) -> None:
-        """Free what the warp owns."""
-        if self._run_depth is not None:
-            self._run_depth.release()
-
     @classmethod
     def needs(cls, settings: Any) -> Needs:
         """Return the layers that frames must carry, and the frames that the client must keep."""
@@ -153,3 +154,58 @@ class Warp(ABC):
     def set_sizes(self, program: Compute) -> None:
         """Set the uniforms that depend on the sizes alone."""
         program.uniforms.settle(self._size_uniforms)
+
+
+class ArrayWarp(Warp):
+    """A warp whose subclass defines warp(): arrays in, arrays out, row 0 at the top.
+
+    Its stage `warp` times warp() alone, not the copies from and to the GPU.
+    """
+
+    kind = "scatter"
+    reads = PICTURE
+    _is_timed = False
+
+    def prepare(self) -> None:
+        """Do nothing: a subclass may load a model here."""
+
+    @abstractmethod
+    def warp(self, colour: Any, depth_m: Any, rendered: View, shown: View, /) -> tuple[ArrayLike, ArrayLike]:
+        """Return colour and coverage of the view `shown`, of self.shown_size (w, h).
+
+        colour: (h, w, 3) float32 linear light; depth_m: (h, w) float32 metres along -z, inf
+        infinitely far, NaN a hole. Both are the warp's own to change. Return colour as floats of
+        linear light or as uint8 sRGB, (h, w, 3), and coverage (h, w), 0 in holes.
+        """
+
+    def arrays(self, inputs: PassInputs) -> tuple[Any, ...]:
+        """Return the arguments of warp()."""
+        rendered = inputs.rendered
+        colour, inverse = np.array(download(rendered.colour), np.float32), download(rendered.inverse_depth)
+        with np.errstate(divide="ignore", over="ignore"):
+            depth_m = np.float32(1) / np.where((inverse >= 0) & (colour[..., 3] > 0), np.abs(inverse), np.nan)
+        return colour[..., :3].copy(), depth_m, rendered.view, inputs.shown
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        given, shape = self.arrays(inputs), into.size[::-1]
+        with self.gpu.timer.cpu_stage("warp") if self._is_timed else nullcontext():
+            colour, coverage = map(np.asarray, self.warp(*given))
+        if colour.shape != (*shape, 3) or coverage.shape != shape:
+            raise InputError(
+                f"warp '{self.name}' returned colour {colour.shape} and coverage {coverage.shape}: "
+                f"expected {(*shape, 3)} and {shape}"
+            )
+        light: Any = linear_from_srgb(colour) if colour.dtype == np.uint8 else colour
+        covered = (coverage != 0) & np.isfinite(light).all(axis=2)
+        most = np.finfo(np.float16).max
+        upload(into.texture, np.dstack([np.where(covered[..., None], light.clip(-most, most), 0), covered]))
+
+    def __enter__(self) -> None:
+        self._is_timed = True
+
+    def __exit__(self, *_: object) -> None:
+        self._is_timed = False
+
+    def stage(self) -> ArrayWarp:
+        """Return itself: what times its call alone."""
+        return self

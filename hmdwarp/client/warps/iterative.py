@@ -2,19 +2,141 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any, Literal
 
 import attrs
 import moderngl
+import numpy as np
 
+from ...errors import InputError
 from ...frames import EyeImage, Needs, Others
-from ...geometry import Fov, Hidden, WarpMap
+from ...geometry import Fov, Hidden, WarpMap, view_map
+from ...gpu.context import Gpu
 from ...gpu.hidden import Grid
-from ...gpu.textures import SCALAR, Canvas, allocate, release_all
+from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
-from ..warp_kinds.older import MOST_OLDER, OlderFrames
+from ..settings import limited
 from . import warps
+from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits, last_centre
+
+BLOCK = 4  # pixels on each axis, rendered and shown; as in shaders/lib/seeds.glsl
+BLOCK_BYTES, CELL_BYTES = 16, 4
+MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
+
+
+class Seeds(Owner):
+    """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
+
+    def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+        self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
+        bits = tuple((n - 1).bit_length() for n in rendered_size)
+        self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
+        most = min(gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
+        if sum(bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
+            raise InputError(
+                f"a rendered picture of {rendered_size[0]}x{rendered_size[1]}: the forward seed takes about {most} "
+                "pixels at most; use seed=rotation"
+            )
+        compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
+        # The last one visits every cell, whose key may be of the other eye.
+        programs = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
+        sizes = {"blocks": self._blocks, "cells": self.cells, "index_bits": bits}
+        grids = (rendered_size, self._blocks), (rendered_size, self._blocks), (shown_size, self.cells)
+        self._passes = [
+            (program, program.over(*size, BLOCK), {"grid": grid, **sizes})
+            for program, (size, grid) in zip(programs, grids, strict=True)
+        ]
+        of_cells = bytes(CELL_BYTES * self.cells[0] * self.cells[1])
+        nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
+        self._buffers = [self.own(each) for each in (gpu.gl.buffer(of_cells), nearest, gpu.gl.buffer(of_cells))]
+
+    def find(self, inputs: PassInputs, surface: dict[str, object]) -> None:
+        """Compute the guesses and leave them bound for the gather.
+
+        surface: the uniforms of lib/rendered_surface.glsl; the rendered depth is bound.
+        """
+        shown = inputs.middle
+        forward = view_map(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
+        back = view_map(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
+        for binding, buffer in enumerate(self._buffers):  # the seeds, the nearest of blocks, the keys
+            buffer.bind_to_storage_buffer(binding)
+        for (program, run, sizes), warp in zip(self._passes, (forward, forward, back), strict=True):
+            program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
+            run()
+            self._gpu.barrier()
+
+
+_MEAN_BLOCK = 8  # pixels on each side, as SIDE and ROWS in the shaders
+MOST_OLDER = 3
+# Image units; one for each older frame. The texture unit of a colour is that of its image.
+_SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + MOST_OLDER
+
+
+class OlderFrames(Owner):
+    """Passes that look each shown pixel up in older frames, where they saw the same surface.
+
+    The place follows from the depth that the warp has found, so nothing is searched again. Noise,
+    codec errors and the blur of sampling differ from frame to frame and average out. Of an older
+    frame only detail counts: in blocks of 8 x 8 pixels its mean becomes the newest frame's. It
+    counts less the more light has changed there, and the farther off it lies.
+    """
+
+    def __init__(
+        self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int], most: int, *, scanout: bool
+    ) -> None:
+        """Compile for at most `most` older frames."""
+        self._gpu = gpu
+        wide, high = blocks = tiles(shown_size, _MEAN_BLOCK)
+        ways = {name: 1 for name, asked in {"SCANOUT": scanout, "TEXELS": gpu.is_software}.items() if asked}
+        agree = gpu.shaders.compute("warps/older_agree.comp")
+        # For each number of frames the passes in order, the constants of each, and what runs it.
+        self._passes = []
+        for count in range(1, most + 1):
+            compare, join = (
+                gpu.shaders.compute(f"warps/older_{name}.comp", OLDER=count, **ways) for name in ("compare", "join")
+            )
+            every: dict[str, object] = {"shown_colour": _SHOWN, "shown_inverse_depth": _SHOWN_DEPTH, "sums": _SUMS}
+            every |= {"told": _TOLD, "blocks": blocks, "shown_size": shown_size, "rendered_size": rendered_size}
+            every["frames"] = count
+            for name, first in (("older_inverse_depth", _DEPTHS), ("older_colour", _COLOURS)):
+                every[name] = tuple(range(first, first + count)) if count > 1 else first
+            runs = compare.over(*blocks), agree.over(wide, count * high), join.over(wide, shown_size[1])
+            self._passes.append((every, tuple(zip((compare, agree, join), runs, strict=True))))
+        self._told = self.own(allocate(gpu.gl, (wide, most * high), COLOUR))
+        self._sums = self.own(allocate(gpu.gl, (wide, 4 * most * high), (4, "f4")))
+
+    def add(
+        self,
+        older: Sequence[EyeImage],
+        depths: Sequence[moderngl.Texture],
+        maps: Sequence[Mapping[str, np.ndarray]],
+        into: Canvas,
+        inverse_depth: moderngl.Texture,
+        limits: Mapping[str, object],
+    ) -> None:
+        """Average `into`, whose pixels lie at `inverse_depth` (r32f), with the older frames.
+
+        depths: their inverse depths. maps: H and e to each of them, as uniforms. limits:
+        depth_tolerance and depth_floor.
+        """
+        for k, (image, depth) in enumerate(zip(older, depths, strict=True)):
+            depth.bind_to_image(_DEPTHS + k, read=True, write=False)
+            image.colour.bind_to_image(_COLOURS + k, read=True, write=False)
+            image.colour.use(_COLOURS + k)
+        bind_images({"shown_inverse_depth": inverse_depth}, first=_SHOWN_DEPTH)
+        bind_images(change={"shown_colour": into}, first=_SHOWN)
+        bind_images(change={"sums": self._sums, "told": self._told}, first=_SUMS)
+        places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
+        every, passes = self._passes[len(older) - 1]
+        for program, run in passes:
+            self._gpu.barrier()
+            program.uniforms.settle(every)
+            if program.uniforms.declares("older_H"):
+                program.uniforms.set(**places, **limits)
+            run()
+
 
 MOST_STEPS = 64
 
@@ -29,34 +151,28 @@ class IterativeSettings(GatherSettings):
 
     # Source of the first guess: a forward splat of depth at a quarter of the resolution, or the map
     # at infinity.
-    seed: Literal["forward", "rotation"] = attrs.field(
-        default="forward", validator=attrs.validators.in_(("forward", "rotation"))
-    )
+    seed: Literal["forward", "rotation"] = "forward"
     steps: int = 3  # Samples of the rendered depth.
     # How many of the last steps use the slope of the surface; each costs three plain ones and helps
     # most for near objects that pass by.
     slanted: int = 1
-    tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR  # 1/m
-    converged: float = 0.75  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
+    tolerance: float = limited(DEPTH_TOLERANCE)
+    floor: float = limited(DEPTH_FLOOR)  # 1/m
+    converged: float = limited(0.75)  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
     # Pixels by which neighbours on two surfaces may part and still be joined by a stretched sheet:
     # narrower than a pixel it looks like the mixed colours of an antialiased silhouette.
-    sheet: float = 1.0
+    sheet: float = limited(1.0)
     resample: Literal["bilinear", "catmull-rom"] = "catmull-rom"
     # Late frames that are averaged: the newest, and older ones where they saw the same surface.
-    frames: int = 3
+    frames: int = limited(3, 1, MOST_OLDER + 1)
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
-    fringe: Literal["front", "own"] = attrs.field(default="front", validator=attrs.validators.in_(("front", "own")))
+    fringe: Literal["front", "own"] = "front"
 
     def __attrs_post_init__(self) -> None:
-        if not 1 <= self.frames <= MOST_OLDER + 1:
-            raise ValueError(f"frames={self.frames}: expected 1 to {MOST_OLDER + 1}")
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
             raise ValueError(
                 f"steps={self.steps}, slanted={self.slanted}: expected 1 <= slanted <= steps <= {MOST_STEPS}"
             )
-        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged, self.sheet)):
-            raise ValueError("tolerance, floor, converged and sheet must be 0 or more")
 
 
 # As it is where it draws a part of the picture for another pass.
@@ -101,9 +217,8 @@ class Iterative(GatherWarp):
         chosen = self.settings
         self._older: OlderFrames | None = None
         if self._averages:
-            self._older = OlderFrames(
-                self.gpu, self.rendered_size, self.shown_size, chosen.frames - 1, scanout=self.output.scanout
-            )
+            most, scanout = chosen.frames - 1, self.output.scanout
+            self._older = self.own(OlderFrames(self.gpu, self.rendered_size, self.shown_size, most, scanout=scanout))
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
@@ -114,16 +229,18 @@ class Iterative(GatherWarp):
         counts = [chosen.frames] * 2 if self._averages else [1] * len(set(self._fringes))
         # Of each eye: pictures whose fringes were moved, and what of them the lens hides.
         self._fringed: list[dict[object, tuple[moderngl.Texture, tuple[Hidden | None, Fov] | None]]] = [
-            {k: (allocate(self.gpu.gl, self.rendered_size, SCALAR), None) for k in range(count)} for count in counts
+            {k: (self.own(allocate(self.gpu.gl, self.rendered_size, SCALAR)), None) for k in range(count)}
+            for count in counts
         ]
-        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
+        self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size)) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
+        limits = depth_limits(self.settings, inputs.rendered)
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, **limits}
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
-        surface |= {"last_centre": (self.rendered_size[0] - 0.5, self.rendered_size[1] - 0.5)}
+        surface |= last_centre(self.rendered_size)
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
             surface["cells"] = self._seeds.cells
@@ -135,7 +252,6 @@ class Iterative(GatherWarp):
         # A picture that is shown as it was drawn keeps its last bits.
         if not all(map(WarpMap.moves_whole_pixels, maps)):
             back = [self.coefficients(self.maps(inputs, image.view)) for image in older]
-            limits = depth_limits(self.settings, inputs.rendered)
             depths = [image.inverse_depth for image in older]
             if self._fringes:
                 held = self._fringed[inputs.eye]
@@ -150,19 +266,9 @@ class Iterative(GatherWarp):
         now = image.view.hidden, image.view.fov
         held[image] = texture, now
         which = image is inputs.rendered and seen == now  # strips are those of its view
-        image.inverse_depth.bind_to_image(1, read=True, write=False)
-        texture.bind_to_image(2, read=False, write=True)
-        of_it = depth_limits(self.settings, image)
-        surface = {"rendered_inverse_depth": 1, "fringed_inverse_depth": 2, "rendered_size": self.rendered_size}
-        self._fringes[which].uniforms.set(**surface, **of_it)
+        read, write = {"rendered_inverse_depth": image.inverse_depth}, {"fringed_inverse_depth": texture}
+        named = bind_images(read, write, first=1) | depth_limits(self.settings, image)
+        self._fringes[which].uniforms.set(rendered_size=self.rendered_size, **named)
         self._run_fringe[which]()
         self.gpu.barrier()
         return texture
-
-    def close(self) -> None:
-        super().close()
-        release_all(*(texture for held in self._fringed for texture, _ in held.values()))
-        if self._older is not None:
-            self._older.close()
-        if self._seeds is not None:
-            self._seeds.close()

@@ -1,20 +1,59 @@
-"""The client has the scene and draws it: nothing of it is late."""
+"""Warps that draw the scene which the client has, in place of warping a picture."""
 
 from __future__ import annotations
 
-from typing import Literal
+from abc import abstractmethod
+from typing import ClassVar, Literal
 
 import attrs
 import moderngl
 
+from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.scene_parts import Delivery, Simplified
-from ...gpu.textures import Canvas
-from ..client_scene import ClientScene
-from ..drawn_scenes import ArrivingScene, WholeScene, share_of
+from ...geometry import View, view_map
+from ...gpu.textures import SCALAR, Canvas, allocate, bind_images
+from ...scenes import Scene
+from ...sources.server import BYTES_BINDING, display_bytes
+from ..client_scene import ArrivingScene, ClientScene, WholeScene
 from ..inputs import PassInputs, ShownPicture
-from ..warp_kinds import ClientDrawing
+from ..settings import limited, share_of
 from . import warps
+from ._base import Warp
+from .gather import USUAL_LIMITS
+
+
+class ClientDrawing(Warp):
+    """Draw for the shown view and instant, with a depth buffer of its own where none is given.
+
+    A subclass draws in run_with_depth().
+    """
+
+    kind = "draw"
+    needs_compute = False
+    depth_reads = ()
+    carries = False
+    # Whether it is only for scenes whose light moves.
+    for_moving_light: ClassVar[bool] = False
+
+    @classmethod
+    def unsuited(cls, scene: Scene) -> str:
+        still = cls.for_moving_light and not scene.lamps
+        return "its light stands still, so that 'model' with baked light is exact" if still else ""
+
+    def prepare(self) -> None:
+        if self.geometry is None:
+            raise PlanError(f"warp '{self.name}' needs the scene on the client; for frames without one use 'iterative'")
+        # Target for depth that is not read; it keeps near surfaces before far ones.
+        self._own_depth = self.own(allocate(self.gpu.gl, self.shown_size, SCALAR))
+        self.prepare_scene(self.geometry)
+
+    @abstractmethod
+    def prepare_scene(self, geometry: ClientScene) -> None:
+        """Take what is drawn from the client."""
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        self.run_with_depth(inputs, into, self._own_depth)
 
 
 @attrs.frozen
@@ -30,7 +69,7 @@ class ModelSettings:
     # the head sees or is about to see first; stand-ins are shown until then.
     arrives: Literal["whole", "progressive"] = "whole"
     # Bytes of each frame, at most, where it comes in pieces.
-    budget: int = attrs.field(default=20_000, validator=attrs.validators.ge(1))
+    budget: int = limited(20_000, 1)
 
 
 @warps.register
@@ -78,3 +117,86 @@ class Model(ClientDrawing):
 
 def _delivery(settings: ModelSettings) -> Delivery:
     return Delivery(settings.share, settings.texture, settings.light == "baked", settings.budget)
+
+
+@attrs.frozen
+class DifferenceSettings:
+    """The simplified scene, and what is done with the difference."""
+
+    # Share of the triangles, 0 to 1, and scale of the textures' resolution on both axes.
+    share: float = share_of(0.2)
+    texture: float = share_of(1.0)
+    # off: the bare albedo, for a client that does not shade.
+    light: Literal["baked", "off"] = "baked"
+    # off: the picture as it was drawn, like an imposter: the source's own form.
+    warped: Literal["on", "off"] = "on"
+
+
+@warps.register
+class Difference(Warp):
+    """Draw the simplified scene, and add what the late picture had more than it."""
+
+    name = "difference"
+    summary = "the client draws a simplified scene at the newest pose and adds what the server's picture had more"
+    kind = "draw"
+    reads = ("rendered.difference", "client.model")
+    exact_when = (
+        "the head is still and no codec runs: the picture is the server's to the last byte; with all triangles and "
+        "texels always"
+    )
+    gets_wrong = (
+        "detail that the late picture did not see stays that of the simplified scene; highlights and what moves are "
+        "added where they were; takes a scene on the client"
+    )
+    source = "Levoy 1995, Polygon-Assisted JPEG and MPEG Compression of Synthetic Images; warped: our own"
+    Settings = DifferenceSettings
+    variants = ("warped=off",)
+    depth_reads = ()
+    carries = False
+
+    @classmethod
+    def needs(cls, settings: DifferenceSettings) -> Needs:
+        return Needs(difference=frozenset({_simplified(settings)}))
+
+    def prepare(self) -> None:
+        if self.geometry is None:
+            raise PlanError("warp 'difference' needs a scene on the client; for frames without one use 'iterative'")
+        self._scene = self.geometry.store(WholeScene, _simplified(self.settings))
+        self._warped = self.settings.warped == "on"
+        defines = {"WARPED": int(self._warped), **({"WRITES_DEPTH": 1} if self.output.depth else {})}
+        self._program = self.gpu.shaders.compute("warps/difference.comp", **defines)
+        self._bytes = self.own(display_bytes(self.gpu.gl))
+        self._then = self._picture(self.rendered_size)
+        self._now = self._picture(self.shown_size) if self._warped else self._then
+
+    def _picture(self, size: tuple[int, int]) -> ShownPicture:
+        gl = self.gpu.gl
+        return ShownPicture(self.own(Canvas(gl, size)), self.own(allocate(gl, size, SCALAR)))
+
+    def run(self, inputs: PassInputs, into: Canvas) -> None:
+        difference = inputs.rendered.get("difference", {}).get(_simplified(self.settings))
+        if difference is None:
+            raise PlanError("warp 'difference' needs the layer 'difference', which this frame lacks")
+        rendered, shown, program = inputs.rendered.view, inputs.middle, self._program
+        self._scene.draw(rendered, self._then, inputs.rendered.drawn_ns)
+        read = {"difference": difference, "rendered_model_depth": self._then.depth}
+        if self._warped:
+            self._scene.draw(shown, self._now, inputs.shown_ns)
+            to_rendered = view_map(shown, self.shown_size, rendered, self.rendered_size)
+            read |= {"shown_model": self._now.colour.texture, "shown_model_depth": self._now.depth}
+            program.uniforms.set(e=to_rendered.e, **USUAL_LIMITS)
+        else:  # as if the head had not moved: at its place in the field of view
+            here = View(rendered.pose, shown.fov)
+            to_rendered = view_map(here, self.shown_size, rendered, self.rendered_size)
+            read["rendered_model"] = self._then.colour.texture
+            program.uniforms.set(whole_pixels=to_rendered.moves_whole_pixels())
+        self.gpu.barrier()
+        depth = {} if self.depth_into is None else {"shown_inverse_depth": self.depth_into}
+        units = bind_images(read, {"written": into, **depth})
+        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
+        program.uniforms.set(H=to_rendered.H, shown_size=self.shown_size, rendered_size=self.rendered_size, **units)
+        program.run(*self.shown_size)
+
+
+def _simplified(settings: DifferenceSettings) -> Simplified:
+    return Simplified(settings.share, settings.texture, settings.light == "baked")

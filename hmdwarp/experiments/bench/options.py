@@ -26,7 +26,6 @@ from ...options import (
     names_in,
     one_of,
     option,
-    options_of,
     out_field,
     path_of,
     same_as,
@@ -151,7 +150,7 @@ class BenchOptions(RecordedOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
-        said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
+        said = with_suite(said)
         check_one_guard(said)
         values = super().values_of(said)
         return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
@@ -245,7 +244,7 @@ class CompareOptions(RecordedOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
-        said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)}, compares=True)
+        said = with_suite(said, compares=True)
         values = super().values_of(said)
         # A second into a recording that may last less is not begun unless it is asked for.
         if values.get("frames") is not None and values.get("start_s", START_S) == START_S:

@@ -67,10 +67,10 @@ def suites() -> dict[str, Suite]:
     return found
 
 
-def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any], *, compares: bool = False) -> Mapping[str, Any]:
+def with_suite(said: Mapping[str, Any], *, compares: bool = False) -> Mapping[str, Any]:
     """Return the set options with those of the suite that they name, if any.
 
-    usual: the default of each option. compares: whether they are those of a comparison.
+    compares: whether they are those of a comparison.
     Errors: InputError for an unknown suite, and for an option that the suite sets.
     """
     if not said.get("suite"):
@@ -82,7 +82,7 @@ def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any], *, compares: b
     suite = suites()[said["suite"]]
     sets = suite.compare if compares else suite.sets
     for name in (*sets, "frames", "trace", *(sets["links"][-1] if compares else ())):
-        if said.get(name) not in (None, [], (), usual.get(name)):
+        if said.get(name) not in (None, [], ()):
             flag = "a trace" if name in ("traces", "trace") else f"--{name.replace('_', '-')}"
             raise InputError(f"{flag} with --suite {suite.name}: the suite says what is run; leave one of them out")
     return {**said, **{name: value for name, value in sets.items() if not compares or name not in ("scene", "links")}}

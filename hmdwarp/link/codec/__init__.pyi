@@ -1,8 +1,6 @@
 from .codecs import Codec as Codec
 from .codecs import check_codec as check_codec
 from .codecs import codecs as codecs
-from .coder import Decoder as Decoder
-from .coder import Encoder as Encoder
 from .coding import AS_VIDEO as AS_VIDEO
 from .coding import AS_VIDEO8 as AS_VIDEO8
 from .coding import DEPTH_CODES as DEPTH_CODES
@@ -22,6 +20,8 @@ from .depth_codec import VectorEncoder as VectorEncoder
 from .stream import STOPS as STOPS
 from .stream import ColourDecoder as ColourDecoder
 from .stream import ColourEncoder as ColourEncoder
+from .stream import Decoder as Decoder
+from .stream import Encoder as Encoder
 from .stream import Packet as Packet
 from .stream import Undecodable as Undecodable
 from .stream import bytes_from_light as bytes_from_light

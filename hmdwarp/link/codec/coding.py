@@ -27,7 +27,6 @@ def depth_step(pixels_per_tangent: float, age_s: float) -> float:
     return min(COARSEST, max(FINEST, 2 * PARALLAX_PIXELS / way_px if way_px > 0 else COARSEST))
 
 
-_CRFS = (0, 51)
 # Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video of 10
 # or of 8 bits.
 EXACT, SIXTEENTH, AS_VIDEO, AS_VIDEO8 = DEPTH_CODES = ("exact", "sixteenth", "video", "video8")
@@ -71,16 +70,10 @@ class Coding(Declared):
                 f"--depth-code {self.depth} without a codec: nothing is encoded; choose one with --codec, or leave "
                 "it out"
             )
-        check_quality(self.crf, self.bitrate_mbit)
-
-
-def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    """Check the numbers. Errors: InputError for both together, or one out of bounds."""
-    if crf is not None and bitrate_mbit is not None:
-        raise InputError(
-            f"--crf {crf} beside --bitrate {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both"
-        )
-    if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
-        raise InputError(f"--crf {crf}: expected {_CRFS[0]} (best) to {_CRFS[1]}")
-    if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
-        raise InputError(f"--bitrate {bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")
+        if self.crf is not None and self.bitrate_mbit is not None:
+            found = f"--crf {self.crf} beside --bitrate {self.bitrate_mbit:g} Mbit/s"
+            raise InputError(f"{found}: expected a quality or a rate, not both")
+        if self.crf is not None and not 0 <= self.crf <= 51:
+            raise InputError(f"--crf {self.crf}: expected 0 (best) to 51")
+        if self.bitrate_mbit is not None and not 0.01 <= self.bitrate_mbit <= 1000:
+            raise InputError(f"--bitrate {self.bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")

@@ -6,7 +6,6 @@ import functools
 import math
 import struct
 import zlib
-from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -18,49 +17,72 @@ from ...errors import MachineError
 from ...resources import pyav
 from .codecs import Codec, require
 from .coding import AS_VIDEO, AS_VIDEO8
-from .stream import Packet, Undecodable, VideoDecoder, VideoEncoder, covered, from_two_parts, padded, two_parts
+from .stream import (
+    Packet,
+    Size,
+    Undecodable,
+    VideoDecoder,
+    VideoEncoder,
+    covered,
+    from_two_parts,
+    one_packet,
+    padded,
+    two_parts,
+)
 
 # 1/m: up to 64 per metre, which is 16 mm from the eye.
 STEP = 2.0**-10
-NO_DEPTH = 65535
-_MOST_CODE = NO_DEPTH - 1
+_NO_DEPTH = 65535
 
 
 class DepthEncoder:
     """Packs the inverse depth of one eye's frames, of `size` (w, h).
 
     step: 1/m; the power of 2 at or below it is taken.
-
     Errors: MachineError if this PyAV lacks FFV1.
     """
 
-    def __init__(self, size: tuple[int, int], step: float = STEP) -> None:
-        self._grey, self._exponent = GreyEncoder(size, "depth"), math.frexp(step)[1] - 1
+    def __init__(self, size: Size, step: float = STEP) -> None:
+        self._grey, self._exponent = _GreyEncoder(size, "depth"), math.frexp(step)[1] - 1
 
     def encode(self, inverse_depth: NDArray[np.float32]) -> bytes:
         """Pack (h, w) float32 in 1/m; below 0 is no depth.
 
         The rows may run either way. Errors: ValueError for NaN or infinity.
         """
-        return self._grey.encode(*codes_of(inverse_depth, self._exponent))
+        values, largest = _checked(inverse_depth)
+        exponent = self._exponent
+        while largest > (_NO_DEPTH - 1) * 2.0**exponent:
+            exponent += 1
+        # A power of 2: nothing is rounded.
+        codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
+        if exponent > self._exponent:
+            # A value too small for float32 next to an extremely near one.
+            codes[(values > 0) & (codes == 0)] = 1
+        codes[values < 0] = _NO_DEPTH
+        return self._grey.encode(codes, exponent)
 
 
 class DepthDecoder:
     """Unpacks the bytes of a DepthEncoder of the same size."""
 
-    def __init__(self, size: tuple[int, int]) -> None:
-        self._grey = GreyDecoder(size, "depth")
+    def __init__(self, size: Size) -> None:
+        self._grey = _GreyDecoder(size, "depth")
 
     def decode(self, data: bytes) -> NDArray[np.float32]:
         """Return (h, w) float32 within half a step; no depth is -1.
 
         Errors: Undecodable for bytes that are damaged or of another size.
         """
-        return inverse_depth_of(*self._grey.decode(data))
+        codes, exponent = self._grey.decode(data)
+        values = (codes.astype(np.float32) - np.float32(0.5)) * np.float32(2.0**exponent)
+        values[codes == 0] = 0
+        values[codes == _NO_DEPTH] = -1
+        return values
 
 
-def checked(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
-    """Return the inverse depths and the largest. Errors: as DepthEncoder.encode."""
+def _checked(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.float32], float]:
+    """Return the inverse depths and the largest."""
     values = np.asarray(inverse_depth, np.float32)
     largest = float(values.max(initial=0))
     if not np.isfinite(largest):
@@ -68,33 +90,7 @@ def checked(inverse_depth: NDArray[np.float32]) -> tuple[NDArray[np.float32], fl
     return values, largest
 
 
-def codes_of(inverse_depth: NDArray[np.float32], least: int) -> tuple[NDArray[np.uint16], int]:
-    """Return the code of each pixel and the exponent of the step, no smaller than `least`.
-
-    Errors: as DepthEncoder.encode.
-    """
-    values, largest = checked(inverse_depth)
-    exponent = least
-    while largest > _MOST_CODE * 2.0**exponent:
-        exponent += 1
-    # A power of 2: nothing is rounded.
-    codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
-    if exponent > least:
-        # A value too small for float32 next to an extremely near one.
-        codes[(values > 0) & (codes == 0)] = 1
-    codes[values < 0] = NO_DEPTH
-    return codes, exponent
-
-
-def inverse_depth_of(codes: NDArray[np.uint16], exponent: int) -> NDArray[np.float32]:
-    """Return 1/m of each code, -1 for no depth."""
-    values = (codes.astype(np.float32) - np.float32(0.5)) * np.float32(2.0**exponent)
-    values[codes == 0] = 0
-    values[codes == NO_DEPTH] = -1
-    return values
-
-
-@attrs.frozen
+@attrs.frozen(eq=False)
 class DepthVideo:
     """How codes of depth become a picture of a video."""
 
@@ -104,14 +100,58 @@ class DepthVideo:
     # By how much the nearest step may exceed the farthest, where not all fit as they are.
     most_bend: float = math.inf
 
-    def picture(self, codes: NDArray[np.uint16], size: tuple[int, int]) -> Any:
+    def picture(self, codes: NDArray[np.uint16], size: Size) -> Any:
         """Return a frame of PyAV, of `size`."""
-        av = pyav()
-        grey = padded(codes, size)
+        grey, frame = padded(codes, size), pyav().VideoFrame
         if self.format == "gray10le":
-            return av.VideoFrame.from_ndarray(grey, format=self.format)
+            return frame.from_ndarray(grey, format=self.format)
         neutral = np.full((size[1] // 2, size[0]), 128, np.uint8)
-        return av.VideoFrame.from_ndarray(np.vstack([grey.astype(np.uint8), neutral]), format=self.format)
+        return frame.from_ndarray(np.vstack([grey.astype(np.uint8), neutral]), format=self.format)
+
+    def codes_in(self, frame: Any, size: Size) -> NDArray[np.integer[Any]]:
+        """Return the codes; FFmpeg's decoder gives grey with or without empty chroma."""
+        plane, kind = frame.planes[0], np.dtype(np.uint8 if self.most < 256 else np.uint16)
+        rows = np.frombuffer(plane, kind).reshape(plane.height, plane.line_size // kind.itemsize)
+        return np.minimum(rows[: size[1], : size[0]], self.most)
+
+    def codes_of(self, values: NDArray[np.float32], step: float, nearest: float) -> NDArray[np.uint16]:
+        """Return the code of each inverse depth from 0 to `nearest`."""
+        bend = self.bend(nearest / step)
+        steps = values.astype(np.float64) / step
+        codes = steps if bend is None else bend * np.log1p(steps / bend)
+        return np.minimum(np.rint(codes), self.most).astype(np.uint16)
+
+    def least_step(self, nearest: float) -> float:
+        """Return the step from which on steps grow by `most_bend` up to the nearest code.
+
+        K log(1 + n / K) is the last code where the last step is 1 + n / K of the first.
+        """
+        most_bend = self.most_bend
+        return nearest * math.log(most_bend) / ((most_bend - 1) * self.most) if 1 < most_bend < math.inf else 0.0
+
+    @functools.lru_cache(maxsize=64)  # noqa: B019 (there are two of them)
+    def values(self, step: float, nearest: float) -> NDArray[np.float32]:
+        """Return the inverse depth of each code.
+
+        0 stands for what is farther than half a step, without what is infinitely far.
+        """
+        bend, codes = self.bend(nearest / step), np.arange(self.most + 1, dtype=np.float64)
+        codes[0] = 0.25
+        return (step * (codes if bend is None else bend * np.expm1(codes / bend))).astype(np.float32)
+
+    @functools.lru_cache(maxsize=64)  # noqa: B019 (there are two of them)
+    def bend(self, steps: float) -> float | None:
+        """Return K, at which K log(1 + steps / K) is the last code; None where all fit as they are.
+
+        By halving: it grows with K, towards the number of steps.
+        """
+        if steps <= self.most:
+            return None
+        low, high = 1e-3, 1e12
+        for _ in range(200):
+            middle = math.sqrt(low * high)
+            low, high = (middle, high) if middle * math.log1p(steps / middle) < self.most else (low, middle)
+        return low
 
 
 def _codec(bits: str, qp: int) -> Codec:
@@ -123,13 +163,13 @@ def _codec(bits: str, qp: int) -> Codec:
 # Of 63: the stream weighs about as much as colour at its codec's own quality. On average
 # a pixel is off by half a step (walk, 320x400) to nine tenths of one (look-around, 640x800); 3 to
 # 10 in a hundred are by more than two.
-TEN_BITS = DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
+_TEN_BITS = DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
 # What headsets and browsers decode in hardware: 8 bits, 4:2:0, all chroma in the middle. At 10 of
 # 51 it weighs what the one of 10 bits does, and warped pictures are within 0.03 dB of those by
 # exact depth (room: walk and sideways, 200 ms, 320x400). A bend of 3 costs `walk` 0.04 dB, of 20
 # only bits; at 14 of 51 it is a quarter lighter for 0.05 dB.
-EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
-DEPTH_VIDEOS = {AS_VIDEO: TEN_BITS, AS_VIDEO8: EIGHT_BITS}
+_EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
+DEPTH_VIDEOS = {AS_VIDEO: _TEN_BITS, AS_VIDEO8: _EIGHT_BITS}
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
 # the video. Beside a picture that is no key frame, the map is XORed with the one before: a
 # headset's hidden area stays.
@@ -145,37 +185,33 @@ class DepthVideoEncoder:
     Errors: MachineError as VideoEncoder.
     """
 
-    def __init__(self, size: tuple[int, int], rate_hz: float, step: float, how: DepthVideo = TEN_BITS) -> None:
+    def __init__(self, size: Size, rate_hz: float, step: float, how: DepthVideo = _TEN_BITS) -> None:
         self._size, self._step, self._how = size, step / _FINER, how
         self._video = VideoEncoder(how.codec, size, rate_hz, how.format, {})
-        self._kinds, self._before = _kinds_of(how, size)[0], np.zeros(size[::-1], np.uint8)
+        self._kinds, self._before = _kinds_encoder(how, size), np.zeros(size[::-1], np.uint8)
         self._number, self._nearest = 0, 0.0
-        self._key_wanted = True
 
-    def request_key(self) -> None:
-        """Make the next picture a key frame, because an earlier one is missing."""
-        self._key_wanted = True
-
-    def encode(self, inverse_depth: NDArray[np.float32]) -> Packet:
-        """Encode (h, w) float32 in 1/m; below 0 is no depth.
+    def encode(self, inverse_depth: NDArray[np.float32], key: bool = False) -> Packet:
+        """Encode (h, w) float32 in 1/m; below 0 is no depth. key: make it a key frame.
 
         Errors: ValueError for NaN or infinity, and for another size.
         """
-        values, largest = checked(inverse_depth)
+        values, largest = _checked(inverse_depth)
         if values.shape != self._size[::-1]:
             raise ValueError(f"inverse depth of shape {values.shape}: expected {self._size[::-1]}")
+        wants_key = key or not self._number
         # In powers of 2, and falling with a key frame only: another scale changes all of a video.
         nearest = 2.0 ** math.ceil(math.log2(largest)) if largest > 0 else 0.0
-        self._nearest = max(nearest, 0.0 if self._key_wanted else self._nearest)
+        self._nearest = max(nearest, 0.0 if wants_key else self._nearest)
         none = values < 0
-        step = max(self._step, _least_step(self._nearest, self._how.most, self._how.most_bend))
-        codes = covered(_codes(np.maximum(values, 0), step, self._nearest, self._how.most)[..., None], none)[..., 0]
-        video, key = self._video.encode(self._how.picture(codes, self._video.size), self._key_wanted)
+        step = max(self._step, self._how.least_step(self._nearest))
+        codes = self._how.codes_of(np.maximum(values, 0), step, self._nearest)
+        picture = self._how.picture(covered(codes[..., None], none)[..., 0], self._video.size)
+        video, is_key = self._video.encode(picture, wants_key)
         kinds = np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint8)
-        told = self._kinds(kinds if key else kinds ^ self._before)
-        self._before = kinds
-        number, self._number, self._key_wanted = self._number, self._number + 1, False
-        return Packet(number, key, two_parts(_HEADER, (step, self._nearest), told, video))
+        told = self._kinds(kinds if is_key else kinds ^ self._before)
+        number, self._number, self._before = self._number, self._number + 1, kinds
+        return Packet(number, is_key, two_parts(_HEADER, (step, self._nearest), told, video))
 
 
 class DepthVideoDecoder:
@@ -184,9 +220,9 @@ class DepthVideoDecoder:
     They must come in the order of encoding; some may be missing.
     """
 
-    def __init__(self, size: tuple[int, int], how: DepthVideo = TEN_BITS) -> None:
+    def __init__(self, size: Size, how: DepthVideo = _TEN_BITS) -> None:
         self._size, self._how = size, how
-        self._video, self._kinds = VideoDecoder(how.codec, size, "depth"), _kinds_of(how, size)[1]
+        self._video, self._kinds = VideoDecoder(how.codec, size, "depth"), _kinds_decoder(how, size)
         self._before = np.zeros(size[::-1], np.uint8)
 
     def decode(self, packet: Packet) -> NDArray[np.float32]:
@@ -199,81 +235,38 @@ class DepthVideoDecoder:
         (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
         if not (2.0**-30 <= step <= 2.0**30 and 0 <= nearest <= 2.0**128):
             raise Undecodable(f"damaged depth (steps of {step:g}, up to {nearest:g})")
-        kinds = self._kinds(told).astype(np.uint8)
+        kinds = self._kinds(told)
         self._before = kinds = kinds if packet.key else kinds ^ self._before
-        codes = _first_plane(self._video.decode(video, packet.number), self._size, self._how.most)
-        out: NDArray[np.float32] = _values(step, nearest, self._how.most)[codes]
+        codes = self._how.codes_in(self._video.decode(video, packet.number), self._size)
+        out: NDArray[np.float32] = self._how.values(step, nearest)[codes]
         out[kinds == _FAR] = 0
         out[kinds == _NONE] = -1
         return out
 
 
-def _kinds_of(
-    how: DepthVideo, size: tuple[int, int]
-) -> tuple[Callable[[NDArray[np.uint8]], bytes], Callable[[bytes], NDArray[Any]]]:
-    """Return what packs and unpacks the map of kinds: FFV1, or what a browser has."""
-    if how is not EIGHT_BITS:
-        packs, unpacks = GreyEncoder(size, "depth"), GreyDecoder(size, "depth")
-        return lambda kinds: packs.encode(kinds.astype(np.uint16)), lambda told: unpacks.decode(told)[0]
+# The map of kinds is packed by FFV1, or by what a browser has.
+
+
+def _kinds_encoder(how: DepthVideo, size: Size) -> Any:
+    if how is _EIGHT_BITS:
+        return lambda kinds: zlib.compress(kinds.tobytes())
+    grey = _GreyEncoder(size, "depth")
+    return lambda kinds: grey.encode(kinds.astype(np.uint16))
+
+
+def _kinds_decoder(how: DepthVideo, size: Size) -> Any:
+    if how is not _EIGHT_BITS:
+        grey = _GreyDecoder(size, "depth")
+        return lambda told: grey.decode(told)[0].astype(np.uint8)
 
     def unpack(told: bytes) -> NDArray[np.uint8]:
-        count = size[0] * size[1]
         try:
-            kinds = zlib.decompressobj().decompress(told, count + 1)
+            kinds = zlib.decompressobj().decompress(told, size[0] * size[1] + 1)
             return np.frombuffer(kinds, np.uint8).reshape(size[::-1])
         except (zlib.error, ValueError) as error:
             raise Undecodable(f"damaged depth ({error})") from error
 
-    return lambda kinds: zlib.compress(kinds.tobytes()), unpack
-
-
-def _first_plane(frame: Any, size: tuple[int, int], most: int) -> NDArray[np.integer[Any]]:
-    """Return the codes; FFmpeg's decoder gives grey with or without empty chroma."""
-    plane, kind = frame.planes[0], np.dtype(np.uint8 if most < 256 else np.uint16)
-    rows = np.frombuffer(plane, kind).reshape(plane.height, plane.line_size // kind.itemsize)
-    return np.minimum(rows[: size[1], : size[0]], most)
-
-
-def _codes(values: NDArray[np.float32], step: float, nearest: float, most: int) -> NDArray[np.uint16]:
-    """Return the code of each inverse depth from 0 to `nearest`."""
-    bend = _bend(nearest / step, most)
-    steps = values.astype(np.float64) / step
-    codes = steps if bend is None else bend * np.log1p(steps / bend)
-    return np.minimum(np.rint(codes), most).astype(np.uint16)
-
-
-def _least_step(nearest: float, most: int, most_bend: float) -> float:
-    """Return the step from which on steps grow by `most_bend` up to the nearest code.
-
-    K log(1 + n / K) is the last code where the last step is 1 + n / K of the first.
-    """
-    return nearest * math.log(most_bend) / ((most_bend - 1) * most) if 1 < most_bend < math.inf else 0.0
-
-
-@functools.lru_cache(maxsize=64)
-def _values(step: float, nearest: float, most: int) -> NDArray[np.float32]:
-    """Return the inverse depth of each code.
-
-    0 stands for what is farther than half a step, without what is infinitely far.
-    """
-    bend, codes = _bend(nearest / step, most), np.arange(most + 1, dtype=np.float64)
-    codes[0] = 0.25
-    return (step * (codes if bend is None else bend * np.expm1(codes / bend))).astype(np.float32)
-
-
-@functools.lru_cache(maxsize=64)
-def _bend(steps: float, most: int) -> float | None:
-    """Return K, at which K log(1 + steps / K) is the last code; None where all fit as they are.
-
-    By halving: it grows with K, towards the number of steps.
-    """
-    if steps <= most:
-        return None
-    low, high = 1e-3, 1e12
-    for _ in range(200):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if middle * math.log1p(steps / middle) < most else (low, middle)
-    return low
+    return unpack
 
 
 # CRC-32 of everything after it, width, height, a number of the user's, the first pixel, bytes of
@@ -284,21 +277,21 @@ _NAME, _GREY_FORMAT = "ffv1", "gray16le"
 # A fixed number of slices: the same bytes on any machine.
 _OPTIONS = {"level": "3", "slices": "4", "slicecrc": "0"}
 _THREADS = 2
-_SMALLEST = 16  # 4 slices of a picture need some rows and columns each
 
 
-class GreyEncoder:
-    """Packs pictures of `size` (w, h). what: what they are, for errors.
+def _grey_size(size: Size) -> Size:
+    """Return the (w, h) that is coded: 4 slices of a picture need some rows and columns each."""
+    return max(size[0], 16), max(size[1], 16)
 
-    Errors: MachineError if this PyAV lacks FFV1.
-    """
 
-    def __init__(self, size: tuple[int, int], what: str) -> None:
+class _GreyEncoder:
+    """Packs pictures of `size` (w, h). what: what they are, for errors."""
+
+    def __init__(self, size: Size, what: str) -> None:
         av = pyav()
-
         require(what, _NAME, "w")
         context: Any = av.CodecContext.create(_NAME, "w")
-        context.width, context.height = (max(side, _SMALLEST) for side in size)
+        context.width, context.height = self._coded = _grey_size(size)
         context.pix_fmt, context.gop_size, context.thread_count = _GREY_FORMAT, 1, _THREADS
         context.framerate, context.time_base = Fraction(60), Fraction(1, 60)  # required, unused
         context.options = dict(_OPTIONS)
@@ -309,83 +302,56 @@ class GreyEncoder:
                 f"encoder '{_NAME}' does not take pictures of {size[0]}x{size[1]} ({error}): use another size"
             ) from error
         self._context = context
-        self._configuration = bytes(context.extradata)
 
     def encode(self, codes: NDArray[np.uint16], beside: int = 0) -> bytes:
         """Pack (h, w) numbers, and one from -128 to 127 that belongs to all of them."""
-        first = codes[0, 0]
-        coded = b"" if (codes == first).all() else self._coded(codes)
-        configuration = self._configuration if coded else b""
-        height, width = codes.shape
+        first, (height, width), packed = codes[0, 0], codes.shape, b""
+        configuration = b"" if (codes == first).all() else bytes(self._context.extradata)
+        if configuration:
+            frame = pyav().VideoFrame.from_ndarray(padded(codes, self._coded), format=_GREY_FORMAT)
+            packed = bytes(one_packet(self._context, _NAME, frame))
         head = _GREY_HEADER.pack(0, width, height, beside, first, len(configuration))
-        data = head[_CHECKED_FROM:] + configuration + coded
+        data = head[_CHECKED_FROM:] + configuration + packed
         return zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
 
-    def _coded(self, codes: NDArray[np.uint16]) -> bytes:
-        av = pyav()
 
-        height, width = codes.shape
-        padded = np.pad(codes, ((0, self._context.height - height), (0, self._context.width - width)), mode="edge")
-        packets = self._context.encode(av.VideoFrame.from_ndarray(padded, format=_GREY_FORMAT))
-        if len(packets) != 1:
-            raise MachineError(
-                f"encoder '{_NAME}' gave {len(packets)} packets for one picture: it cannot run without delay"
-            )
-        return bytes(packets[0])
+class _GreyDecoder:
+    """Unpacks the bytes of a _GreyEncoder of the same size."""
 
-
-class GreyDecoder:
-    """Unpacks the bytes of a GreyEncoder of the same size."""
-
-    def __init__(self, size: tuple[int, int], what: str) -> None:
+    def __init__(self, size: Size, what: str) -> None:
         require(what, _NAME, "r")
-        self.size, self._what = size, what
+        self._size, self._what = size, what
         self._context: Any = None
         self._configuration = b""
 
     def decode(self, data: bytes) -> tuple[NDArray[np.uint16], int]:
-        """Return what GreyEncoder.encode was given.
-
-        Errors: Undecodable for bytes that are damaged or of another size.
-        """
+        """Return what _GreyEncoder.encode was given. Errors: Undecodable."""
         av = pyav()
-
         try:
             checksum, *size, beside, first, length = _GREY_HEADER.unpack_from(data)
-            if tuple(size) != tuple(self.size):
+            if tuple(size) != tuple(self._size):
                 raise ValueError(f"of {size[0]}x{size[1]} pixels")
             if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
                 raise ValueError("its checksum is wrong")
             if not length:
-                return np.full(self.size[::-1], first, np.uint16), beside
+                return np.full(self._size[::-1], first, np.uint16), beside
             start = _GREY_HEADER.size + length
-            frames = self._context_for(data[_GREY_HEADER.size : start]).decode(av.Packet(data[start:]))
+            if data[_GREY_HEADER.size : start] != self._configuration:
+                self._configuration = data[_GREY_HEADER.size : start]
+                self._context = av.CodecContext.create(_NAME, "r")
+                self._context.width, self._context.height = _grey_size(self._size)
+                self._context.thread_type, self._context.thread_count = "SLICE", _THREADS
+                self._context.extradata = self._configuration
+            frames = self._context.decode(av.Packet(data[start:]))
         except (struct.error, OSError, ValueError, av.FFmpegError) as error:
             raise Undecodable(f"damaged {self._what} ({error})") from error
-        width, height = (max(side, _SMALLEST) for side in self.size)
-        if len(frames) != 1 or (frames[0].width, frames[0].height, frames[0].format.name) != (
-            width,
-            height,
-            _GREY_FORMAT,
-        ):
+        expected = (*_grey_size(self._size), _GREY_FORMAT)
+        if [(frame.width, frame.height, frame.format.name) for frame in frames] != [expected]:
             raise Undecodable(f"damaged {self._what} (not one picture of the stream's size)")
-        return frames[0].to_ndarray()[: self.size[1], : self.size[0]], beside
-
-    def _context_for(self, configuration: bytes) -> Any:
-        av = pyav()
-
-        if self._context is None or configuration != self._configuration:
-            context: Any = av.CodecContext.create(_NAME, "r")
-            context.width, context.height = (max(side, _SMALLEST) for side in self.size)
-            context.thread_type, context.thread_count = "SLICE", _THREADS
-            context.extradata = configuration
-            self._context, self._configuration = context, configuration
-        return self._context
+        return frames[0].to_ndarray()[: self._size[1], : self._size[0]], beside
 
 
-_EXPONENT = -10
-_ZERO = 2**15
-_LARGEST = _ZERO - 1
+_EXPONENT, _ZERO = -10, 2**15
 
 
 class VectorEncoder:
@@ -394,8 +360,8 @@ class VectorEncoder:
     Errors: MachineError if this PyAV lacks FFV1.
     """
 
-    def __init__(self, size: tuple[int, int], channels: int) -> None:
-        self._grey, self._channels = GreyEncoder(size, "vectors"), channels
+    def __init__(self, size: Size, channels: int) -> None:
+        self._grey, self._channels = _GreyEncoder(size, "vectors"), channels
 
     def encode(self, vectors: NDArray[np.floating]) -> bytes:
         """Pack (h, w, channels). Errors: ValueError for NaN or infinity."""
@@ -404,7 +370,7 @@ class VectorEncoder:
         if not np.isfinite(largest):
             raise ValueError(f"a vector of {largest}: expected finite numbers")
         exponent = _EXPONENT
-        while largest > _LARGEST * 2.0**exponent:
+        while largest > (_ZERO - 1) * 2.0**exponent:
             exponent += 1
         codes = (np.rint(values * np.float32(2.0**-exponent)) + _ZERO).astype(np.uint16)
         parts = [self._grey.encode(codes[..., channel], exponent) for channel in range(self._channels)]
@@ -414,8 +380,8 @@ class VectorEncoder:
 class VectorDecoder:
     """Unpacks the bytes of a VectorEncoder of the same size and channels."""
 
-    def __init__(self, size: tuple[int, int], channels: int) -> None:
-        self._grey, self._channels = GreyDecoder(size, "vectors"), channels
+    def __init__(self, size: Size, channels: int) -> None:
+        self._grey, self._channels = _GreyDecoder(size, "vectors"), channels
 
     def decode(self, data: bytes) -> NDArray[np.float32]:
         """Return (h, w, channels) within half a step.

@@ -11,25 +11,53 @@ from numpy.typing import ArrayLike
 from ...errors import InputError, in_brief
 from ...geometry import real
 from ...gpu import Gpu
-from ..job import Input
-from ..metric import Metric, metrics
+from ..metric import Input, Metric, metrics
 from ..pair_pass import PairPass
 from ..picture_pairs import PSNR_CAP_DB, Alike, db_of, pair_of
 
 
 def ssim(shown: ArrayLike, truth: ArrayLike) -> float:
-    """Return the structural similarity, at most 1: a Gaussian window (sigma 1.5), borders too.
+    """Return the structural similarity: a Gaussian window (sigma 1.5), borders included.
 
-    Parameters and errors: as psnr; floats count as the nearest byte. Source: Wang et al. 2004.
+    Source: Wang et al. 2004.
+
+    Parameters
+    ----------
+    shown, truth : (h, w, 3) array_like
+        As psnr; floats count as the nearest byte.
+
+    Returns
+    -------
+    float
+        At most 1, which is identical.
+
+    Raises
+    ------
+    InputError
+        As psnr.
     """
     return _alike(shown, truth, 1.0).ssim
 
 
 def flip(shown: ArrayLike, truth: ArrayLike, pixels_per_degree: float = 20.0) -> float:
-    """Return the mean LDR-FLIP error, from 0 (identical) to 1.
+    """Return the mean LDR-FLIP error. Source: Andersson et al. 2020.
 
-    Parameters and errors: as psnr; floats count as the nearest byte. pixels_per_degree: of the
-    display, about 20 for a headset and 67 for a monitor. Source: Andersson et al. 2020.
+    Parameters
+    ----------
+    shown, truth : (h, w, 3) array_like
+        As psnr; floats count as the nearest byte.
+    pixels_per_degree : float
+        Of the display, 0.1 to 1000: about 20 for a headset, 67 for a monitor.
+
+    Returns
+    -------
+    float
+        From 0 (identical) to 1.
+
+    Raises
+    ------
+    InputError
+        As psnr, and for pixels per degree out of range.
     """
     if not 0.1 <= real(pixels_per_degree) <= 1000:
         raise InputError(f"pixels_per_degree is {in_brief(pixels_per_degree)}: expected 0.1 to 1000, such as 20")
@@ -82,13 +110,18 @@ metrics.register(
 
 
 def psnr(shown: ArrayLike, truth: ArrayLike) -> float:
-    """Return the ratio in dB over all pixels and channels, at most 100 (identical pictures too).
+    """Return the peak signal-to-noise ratio over all pixels and channels.
 
     Parameters
     ----------
     shown, truth : (h, w, 3) array_like
         sRGB, both uint8 or both floats from 0 to 1. The squared error of uint8 is summed in
         integers, so the figure is exact.
+
+    Returns
+    -------
+    float
+        In dB, at most 100 (identical pictures too).
 
     Raises
     ------

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
-from ..job import Input
-from ..metric import Metric, metrics
+from ..metric import Input, Metric, metrics
 from ..picture_pairs import pixel_centres, row_blocks
 
 
@@ -53,29 +52,17 @@ def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previ
         if previous_view.hidden is not None:
             before = flip_rows(previous_view.seen((previous_width, previous_height)))
             both = both[before[np.rint(y[both]).astype(int), np.rint(x[both]).astype(int)]]
-        sampled = _Bilinear(x[both], y[both], (previous_width, previous_height))
+        left, low = x[both].astype(np.int64), y[both].astype(np.int64)
+        beside, above, corner = x[both] - left, y[both] - low, low * previous_width + left
+        # On the last column or row the sample is the pixel itself.
+        right = corner + (left < previous_width - 1)
+        up = np.where(low < previous_height - 1, previous_width, 0)
         for now, before in zip(present, previous, strict=True):
-            total += float(np.abs(now[rows].take(both) - sampled(before)).sum())
+            a, b, c, d = (before.take(at).astype(np.float64) for at in (corner, right, corner + up, right + up))
+            lower, upper = a + beside * (b - a), c + beside * (d - c)
+            total += float(np.abs(now[rows].take(both) - (lower + above * (upper - lower))).sum())
         count += len(both) * channels
     return float(total / count) if count else None
-
-
-class _Bilinear:
-    """Bilinear samples at x, y inside pictures of (w, h), in float64; the places computed once."""
-
-    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], size: tuple[int, int]) -> None:
-        left, low = x.astype(np.int64), y.astype(np.int64)
-        self._x, self._y = x - left, y - low
-        corner = low * size[0] + left
-        right = corner + (left < size[0] - 1)  # on the last column or row the sample is the pixel itself
-        up = np.where(low < size[1] - 1, size[0], 0)
-        self._corners = corner, right, corner + up, right + up
-
-    def __call__(self, picture: NDArray[Any]) -> NDArray[np.float64]:
-        """Sample one (h, w) picture."""
-        a, b, c, d = (picture.take(corner).astype(np.float64) for corner in self._corners)
-        lower, upper = a + self._x * (b - a), c + self._x * (d - c)
-        return lower + self._y * (upper - lower)
 
 
 metrics.register(

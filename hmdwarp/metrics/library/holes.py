@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..job import Input
-from ..metric import Metric, metrics
+from ..metric import Input, Metric, metrics
 
 
 def hole_share(coverage: NDArray[Any]) -> float:

@@ -1,22 +1,24 @@
-"""Trace formats: a table each, recognised by what a file holds."""
+"""Trace formats: a table each, recognised by what a file holds; and a trace read by one of them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 from typing import IO, Any
 
 import attrs
 
-from ...errors import TraceError
+from ...errors import TraceError, unknown_name
 from ...registry import Registry
+from ...resources import folder, recording_names
 from ..assumptions import DIRECTION, Assumption, By, Defect, Fact, Layout
 from ..options import TraceOptions
 from ..reading import layouts
 from ..reading.axes import OPENXR, parse_axes
-from ..reading.cleaning import Cleaner, LoadedTrace
+from ..reading.cleaning import LoadedTrace, clean
 from ..reading.header import is_number
-from ..reading.text_table import Head, RowReader
-from ..reading.times import UNIT_NAMES
+from ..reading.text_table import UNIT_NAMES, Head, RowReader, read_head
 from ..track import PoseTrack
 from ..writing import WRITERS
 
@@ -95,7 +97,7 @@ class TraceFormat:
         layout = layouts.with_clock(head, self.layout(head, options), options)
         if (axes := layouts.axes_stated(head)) is not None:
             layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
-        loaded = Cleaner(RowReader(head, layout, options).read()).clean(self.name)
+        loaded = clean(RowReader(head, layout, options).read(), self.name)
         if self.read_as == "frames" and options.quat_order is None and options.format != self.name:
             layouts.refuse_hanging(head, loaded.track)
         return loaded
@@ -124,3 +126,47 @@ formats: Registry[TraceFormat] = Registry(
     "trace format", __package__, of_table=_of_table, holds_objects=True, columns="can_write=writes"
 )
 STATED = _of_table("columns", {"read_as": "stated"})  # by --columns
+
+
+def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
+    """Read a head trace: its `track` has the poses, `notes` what was repaired or assumed.
+
+    name_or_path: a file, or a bare name (no folder, no ending), which is looked up among the
+    shipped recordings first. options: overrides facts of the file, or adds missing ones. Errors:
+    TraceError naming file and line; UnknownNameError with the nearest known recording or format.
+    """
+    options = TraceOptions.checked(options, optional=True)
+    text = str(name_or_path)
+    if not text or "\x00" in text:
+        raise TraceError(f"{text!r} is no file name")
+    path, names = Path(text), []
+    with suppress(FileNotFoundError):
+        names = recording_names()
+    if not (isinstance(name_or_path, Path) or path.name != text or path.suffix):
+        if text in names:
+            path = folder("recordings") / f"{text}.csv"
+        elif names and not path.exists():
+            raise unknown_name("recording", text, names)
+    elif not path.exists() and path.stem in names:
+        recording = f"the shipped recording is called '{path.stem}', with no folder or ending"
+        raise TraceError(f"{path}: no such file; {recording}")
+    head = read_head(path)
+    return find_format(head, options).read(head, options)
+
+
+def find_format(head: Head, options: TraceOptions) -> TraceFormat:
+    """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
+    if options.columns is not None:
+        return STATED
+    if options.format is not None:
+        return formats.get(options.format)
+    scores = {f.name: f.sniff(head, options) for f in formats}
+    best = max(scores, key=scores.__getitem__)
+    if scores[best] > 0:
+        return formats.get(best)
+    if head.names is None and head.width >= 5:
+        turn, of = ("q=5+6+7+8", "q: x y z w") if head.width > 7 else ("e=5+6+7", "e: angles, with --euler")
+        what = f"nothing in the file says what its columns are ({head.describe()})"
+        raise TraceError(f"{head.path}: {what}: say --columns t=1,p=2+3+4,{turn} with their numbers ({of})")
+    how = f"name the columns in a header line, or say --format ({', '.join(formats.names())})"
+    raise TraceError(f"{head.path} is in no known trace format ({head.describe()}): {how}")

@@ -1,19 +1,35 @@
-"""From a file's axes to OpenXR's: +x right, +y up, -z forward."""
+"""From a file's axes to OpenXR's (+x right, +y up, -z forward), weighed against its motion.
+
+Is that a person's, upright, forward, at human sizes? What contradicts the reading is named, with
+the reading that fits; --axes auto takes that.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
+import operator
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, unknown_name
-from ...options.tables import Table
+from ...errors import InputError, TraceError, unknown_name
+from ...options import Table
 from .. import quaternions
+from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
+from ..options import DIRECT, INVERSE
+
+if TYPE_CHECKING:
+    from ..track import PoseSample
+    from .text_table import Recording
+
+Array = NDArray[np.float64]
 
 OPENXR = "openxr"
 AUTO = "auto"  # --axes auto: those that fit the motion, where that is clear
@@ -30,14 +46,13 @@ _PARTS = re.compile(r"\b(world|head)\s*=\s*([^\s;]+)")
 class Axes:
     """Axes of a file, relative to OpenXR's, of the world and of the head.
 
-    A rotation carries points of the head into the world in both, so both have the same handedness:
-    orientation_openxr = world @ orientation_file @ head.T, where both are matrices.
+    Both have the same hand: orientation_openxr = world @ orientation_file @ head.T, as matrices.
     """
 
-    world: NDArray[np.float64]  # (3, 3), rows are OpenXR's right, up and back in the file's world axes
-    head: NDArray[np.float64]  # (3, 3), the same in the axes of the file's head
+    world: Array  # (3, 3), rows are OpenXR's right, up and back in the file's world axes
+    head: Array  # (3, 3), the same in the axes of the file's head
     # xyzw, a turn of the world alone that follows (gravity set upright; the head's own axes stay)
-    tilt: NDArray[np.float64] | None = None
+    tilt: Array | None = None
     name: str = ""  # the preset they come from
     metres_per_unit: float | None = None  # of files with these axes, if they state it
 
@@ -60,18 +75,11 @@ class Axes:
         """Return the world's up as an axis of the file, for instance "z"."""
         return axis_word(self.world[1])
 
-    def in_openxr(self, orientation: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return converted quaternions (n, 4)."""
-        converted = orientation.copy()
-        self.apply(None, converted)
-        return converted
-
-    def apply(self, position: NDArray[np.float64] | None, orientation: NDArray[np.float64]) -> None:
+    def apply(self, position: Array | None, orientation: Array) -> None:
         """Convert positions (n, 3) and quaternions (n, 4), in place.
 
-        Under a change of basis B a rotation about v by an angle becomes one about B v by det(B)
-        times the angle; a left-handed file (det -1) needs no other treatment. Where the head's
-        basis is another one, a fixed turn of the head follows.
+        Under a change of basis B a rotation about v becomes one about B v by det(B) times the
+        angle; where the head's basis is another one, a fixed turn of the head follows.
         """
         if not np.array_equal(self.world, np.eye(3)):
             orientation[:, :3] = orientation[:, :3] @ (round(np.linalg.det(self.world)) * self.world).T
@@ -89,7 +97,6 @@ class Axes:
 
 
 def preset_names() -> list[str]:
-    """Return the names of the presets, sorted."""
     return sorted(p.stem for p in _PRESETS.glob("*.toml"))
 
 
@@ -118,7 +125,7 @@ def load_preset(name: str) -> Preset:
 def parse_axes(text: str) -> Axes:
     """Parse `--axes`: a preset, or "world=right,up,forward head=right,up,forward".
 
-    One of world and head, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
+    One of the two, or three axes alone, hold for both. Errors: InputError, UnknownNameError.
     """
     text = text.strip().lower()
     found: dict[str, str] = dict(_PARTS.findall(text))
@@ -137,11 +144,9 @@ def parse_axes(text: str) -> Axes:
 def parse_up(text: str) -> Axes:
     """Parse `--up`: an axis (y, z, -z, ..), three axes "right,up,forward", or three numbers.
 
-    An axis: world and head are both turned so that it becomes +y; for z that is (x, y, z) -> (x, z,
-    -y). Three axes: all of them stated, left-handed ones included. Three numbers: the direction
-    that is really up in a y-up file whose gravity is tilted; only the world is turned, by the
-    smallest angle.
-    Errors: InputError.
+    An axis: world and head are both turned so that it becomes +y. Three numbers: what is really up
+    in a y-up file of tilted gravity; only the world is turned, by the smallest angle. Errors:
+    InputError.
     """
     text = text.strip().lower().removeprefix("+")
     if text in _LIFTS:
@@ -157,7 +162,7 @@ def parse_up(text: str) -> Axes:
     return Axes(np.eye(3), np.eye(3), tilt=upright(direction))
 
 
-def _basis(words: str) -> NDArray[np.float64]:
+def _basis(words: str) -> Array:
     rows = []
     for word in words.split(","):
         sign, letter = (-1.0, word[1:]) if word.startswith("-") else (1.0, word.removeprefix("+"))
@@ -171,13 +176,13 @@ def _basis(words: str) -> NDArray[np.float64]:
     return basis
 
 
-def axis_word(direction: NDArray[np.float64]) -> str:
-    """Return the axis that a direction (3,) points along most, for instance "-z"."""
+def axis_word(direction: Array) -> str:
+    """Return the axis that a direction (3,) points along most, such as "-z"."""
     k = int(np.abs(direction).argmax())
     return ("-" if direction[k] < 0 else "") + "xyz"[k]
 
 
-def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
+def upright(up: Array) -> Array:
     """Return the smallest turn, xyzw, that carries a direction (3,) to +y. Errors: InputError."""
     length = float(np.linalg.norm(up))
     if not (math.isfinite(length) and length > 1e-6):
@@ -186,3 +191,499 @@ def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
     return np.asarray(half / np.linalg.norm(half))
+
+
+# People keep their heads within about 30 degrees of upright, so the crown's mean is within 45.
+UPRIGHT = 0.7
+ON_ITS_SIDE = 0.5  # cosine: the crown is over 60 degrees from up in the mean
+# A head that turns about one axis with this share of its rotation turns about up (people turn more
+# than they nod, and nod more than they roll), and is not read right if up has less than the other.
+TURNS_MOSTLY = 0.6
+TURNS_HARDLY = 0.2
+_LEAST_TURNED_RAD = 2.0  # below that a few nods decide
+# Walking: faster than a sway, over a second in total. People rarely walk backwards or sideways.
+WALKING_M_S = 0.3
+WALKED_S = 1.5
+_FASTEST_M_S = 5.0
+_COHERENT = 0.4  # length of the mean direction of travel in the head's axes
+# The eyes lie about 8 cm before and above the neck they turn about: accelerations of the tracked
+# point tell where it lies in the head. Measured: the share of them that this explains is 0.2 in
+# real recordings of seated people, and 1 in synthetic ones.
+_EXPLAINED = 0.15
+_NECK_M = (0.015, 0.3)
+_TIPPED = 0.005  # mean square: 4 degrees
+_WELL_UPRIGHT = 0.85
+_STEP_NS = 100_000_000
+_MOST_STEPS = 20_000
+_LEAST_STEPS = 8
+_HEIGHTS_M = (0.4, 2.4)  # of eyes over a floor, sitting children to standing adults
+CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
+SURE = 0.8  # where nothing else contradicts a reading
+# The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too
+# large to be noise.
+JUMP_SPEED_RAD_S = np.radians(2000)
+JUMP_ANGLE_RAD = np.radians(20)
+JUMP_SPEED_M_S = 15.0
+JUMP_DISTANCE_M = 0.25
+_BLOCK = 1_000_000
+# Readings, what axes mean for a head: up of the world, up and forward of the head, as signed unit
+# vectors of the file, (3, 3). Right follows, and directions on the ground are free.
+_SIGNED = np.concatenate([np.eye(3), -np.eye(3)])
+_READINGS = [np.array(three) for three in itertools.product(_SIGNED, repeat=3) if not three[1] @ three[2]]
+
+
+@attrs.frozen(eq=False)
+class Evidence:
+    """What the poses of a file, in its own axes, say about which way is up and forward."""
+
+    upright: Array  # (3, 3), mean cosine between axis i of the world and axis j of the head
+    tips: Array  # (3, 3), mean square of that cosine
+    world_turns: Array  # (3,), share of the rotation about each axis of the world; zeros: too little
+    head_turns: Array  # (3,), the same about the head's axes
+    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: no walk
+    climb: Array  # (3,), share of the way along each axis of the world; zeros: no walk
+    neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
+    height_m: Array  # (3,), mean position where it is steady along an axis, else 0
+    gravity: Array  # (3,), up by the file's gravity columns; zeros: none
+    path_m: float = 0.0  # the way that the head goes; 0 without positions
+
+    def score(self, reading: Array) -> float:
+        """Return points of a reading; one a criterion, gravity two."""
+        up, crown, gaze = reading
+        points = 2.0 * float(up @ self.gravity) + float(up @ self.upright @ crown)
+        points += float(np.abs(up) @ self.world_turns) + float(np.abs(crown) @ self.head_turns)
+        points += float(gaze @ self.travel) - float(np.abs(up) @ self.climb) + float(gaze @ self.neck)
+        nods, rolls = self._nods_and_rolls(reading)
+        points += 0.5 * (nods - rolls) / (nods + rolls) if nods + rolls > _TIPPED else 0.0
+        height = float(up @ self.height_m)
+        return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
+
+    def faults(self, reading: Array) -> list[str]:
+        """Return what contradicts a reading, in words."""
+        up, crown, gaze = reading
+        found = []
+        if self.gravity.any() and up @ self.gravity < UPRIGHT:
+            found.append("the file's gravity columns point another way")
+        cosine = float(up @ self.upright @ crown)
+        if cosine < ON_ITS_SIDE and np.abs(self.upright).max() >= UPRIGHT:
+            found.append("the head is upside down" if cosine < -UPRIGHT else "the head lies on its side")
+        for turns, axis in ((self.world_turns, up), (self.head_turns, crown)):
+            if turns.max() > TURNS_MOSTLY and np.abs(axis) @ turns < TURNS_HARDLY and not found:
+                found.append("the head hardly turns about its upright axis, but about another")
+        if self.climb.max() > TURNS_MOSTLY and np.abs(up) @ self.climb > TURNS_MOSTLY:
+            found.append("the head climbs instead of walking")
+        if np.linalg.norm(self.travel) > _COHERENT and not found:
+            ahead = float(gaze @ self.travel) / float(np.linalg.norm(self.travel))
+            if ahead < 0.3:
+                found.append("the head walks backwards" if ahead < -UPRIGHT else "the head walks sideways")
+        ahead = float(gaze @ self.neck)
+        if self.neck.any() and ahead < 0.3 and not found:
+            found.append(f"the face is {'behind' if ahead < -UPRIGHT else 'beside'} the neck that it turns about")
+        nods, rolls = self._nods_and_rolls(reading)
+        if cosine > _WELL_UPRIGHT and rolls > max(3 * nods, _TIPPED) and not found:
+            found.append("the head rolls from side to side more than it nods")
+        height = float(up @ self.height_m)
+        if -_HEIGHTS_M[1] <= height <= -_HEIGHTS_M[0] and not found:
+            found.append(f"the head is {-height:.2f} m below the floor")
+        return found
+
+    def _nods_and_rolls(self, reading: Array) -> tuple[float, float]:
+        """Return the mean squares of how far gaze and ears leave the horizon."""
+        up, crown, gaze = reading
+        vertical = np.abs(up) @ self.tips
+        return float(vertical @ np.abs(gaze)), float(vertical @ np.abs(np.cross(crown, gaze)))
+
+    def best_points(self) -> float:
+        return max(map(self.score, _READINGS))
+
+
+@attrs.frozen(eq=False)
+class Verdict:
+    """What the motion says about axes."""
+
+    faults: list[str]  # what contradicts them; empty: nothing
+    better: Axes | None  # what fits best; None: nothing fits better
+    also: list[str]  # presets that fit as well as `better` and differ in what motion cannot show
+    clear: bool  # nothing else fits nearly as well
+    points: tuple[float, float]  # of the axes and of the better ones
+    world_alone: bool = False  # the better ones turn the world alone: the head's are right
+    leaves_open: str = ""  # what the motion does not show, in words; empty: it confirms the axes
+    upright: Axes | None = None  # that set the head upright where only its gaze is unclear
+
+
+def judge(evidence: Evidence, axes: Axes) -> Verdict:
+    """Compare axes with all others: 6 ups of the world, 24 directions of the head.
+
+    Motion shows neither the hand of a file nor directions on the ground: a mirrored walk is a walk.
+    """
+    here = _reading_of(axes)
+    faults = evidence.faults(here)
+    ranked = sorted(((evidence.score(r), r) for r in _READINGS), key=operator.itemgetter(0), reverse=True)
+    own, (top, best) = evidence.score(here), ranked[0]
+    if not faults or np.array_equal(best, here) or top - own < CLEAR / 2:
+        others = [r for score, r in ranked if score > own - CLEAR and not np.array_equal(r, here)]
+        near = [r for r in others if not evidence.faults(r)]
+        which = "which way the head looks" if near else ""
+        which = which if all(np.array_equal(r[:2], here[:2]) for r in near) else "which way is up"
+        return Verdict(faults, None, [], False, (own, own), leaves_open=which)
+    known = [load_preset(name).axes for name in preset_names()]
+    fitting = [axes for axes in known if np.array_equal(_reading_of(axes), best)]
+    up, crown, gaze = best
+    ahead = np.roll(np.abs(up), 1)  # on the ground, the next axis after up; all right-handed
+    sides = ((np.cross(ahead, up), up, ahead), (np.cross(gaze, crown), crown, gaze))
+    world, head = (",".join(map(axis_word, side)) for side in sides)
+    better = fitting[0] if fitting else parse_axes(f"world={world} head={head}")
+    clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
+    near = [reading for score, reading in ranked if score > top - CLEAR]
+    standing, agree = None, all(np.array_equal(r[:2], best[:2]) for r in near)
+    stands = float(up @ evidence.upright @ crown) >= UPRIGHT and not (
+        evidence.gravity.any() and up @ evidence.gravity < UPRIGHT
+    )
+    if agree and stands and not np.array_equal(best[:2], here[:2]):
+        standing = next((axes for axes in known if any(np.array_equal(_reading_of(axes), r) for r in near)), better)
+    return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone, upright=standing)
+
+
+def _reading_of(axes: Axes) -> Array:
+    return np.array([axes.world[1], axes.head[1], -axes.head[2]])
+
+
+# What heads do: how far from the origin of a tracked place, how fast.
+_FARTHEST_M = 50.0
+_FASTEST_WALK_M_S = 12.0
+_LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
+
+
+def place_fault(time_ns: NDArray[np.int64], position_m: Array, height_m: float) -> tuple[str, str]:
+    """Return what is odd about places, and a scale that helps, or "" twice. height_m: or 0."""
+    at = every(time_ns)
+    p, t = position_m[at], time_ns[at] * 1e-9
+    far = float(np.median(np.linalg.norm(p, axis=1)))
+    speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
+    fast = float(np.quantile(speed, 0.9))
+    odd = far > _FARTHEST_M or fast > _FASTEST_WALK_M_S
+    what = f"the head is {far:.4g} m from the origin" if far > _FARTHEST_M else f"the head moves at {fast:.4g} m/s"
+    for name, metres in _LENGTHS.items():
+        if odd and far * metres < 5 and fast * metres <= 3:
+            found = f"{far * metres:.3g} m, {fast * metres:.2g} m/s"
+            return what, f"--scale {metres:g} takes the positions as {name}: {found}"
+        if not odd and height_m > _HEIGHTS_M[1] and _HEIGHTS_M[0] <= height_m * metres <= _HEIGHTS_M[1]:
+            remedy = f"if the floor is there, --scale {metres:g} takes it as {name}: {height_m * metres:.3g} m"
+            return f"the head is {height_m:.3g} m above the origin", remedy
+    return (what, "--scale gives metres per unit") if odd else ("", "")
+
+
+def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Array | None, gravity: Array) -> Evidence:
+    """Collect the evidence of unit quaternions (n, 4) and positions (n, 3) in the file's axes.
+
+    gravity: (3,), zeros: unknown. Steps of 0.1 s are compared, none over a gap or teleport.
+    """
+    at = every(time_ns)
+    q, t = orientation[at], time_ns[at] * 1e-9
+    axes = np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # (n, 3, 3) matrices
+    near = np.diff(t) < 5e-9 * _STEP_NS
+    upright, path = axes.mean(axis=0), 0.0
+    world_turns = head_turns = travel = climb = height = neck = np.zeros(3)
+    turn = quaternions.multiply(q[1:], quaternions.conjugate(q[:-1]))[near]
+    vectors = quaternions.to_rotation_vector(turn)
+    length = np.linalg.norm(vectors, axis=1)
+    vectors = vectors[length < 1.0]  # over 10 rad/s: a teleport
+    if len(vectors) >= _LEAST_STEPS and length[length < 1.0].sum() > _LEAST_TURNED_RAD:
+        in_head = np.einsum("nij,ni->nj", axes[:-1][near][length < 1.0], vectors)
+        world_turns, head_turns = _shares(vectors), _shares(in_head)
+    if position_m is not None:
+        p = position_m[at]
+        velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
+        speed = np.linalg.norm(velocity, axis=1)
+        path = float((speed * np.diff(t)[near]).sum())
+        walks = (speed > WALKING_M_S) & (speed < _FASTEST_M_S)
+        if np.count_nonzero(walks) * 1e-9 * _STEP_NS > WALKED_S:
+            unit = velocity[walks] / speed[walks][:, None]
+            travel = np.einsum("nij,ni->nj", axes[:-1][near][walks], unit).mean(axis=0)
+            climb = _shares(velocity[walks])
+        neck = _neck(axes, p, near)
+        steady = p.std(axis=0) < 0.25
+        height = np.where(steady, p.mean(axis=0), 0.0)
+    down = float(np.linalg.norm(gravity))
+    up = -gravity / down if down else gravity
+    return Evidence(upright, (axes**2).mean(axis=0), world_turns, head_turns, travel, climb, neck, height, up, path)
+
+
+def inverted(orientation: Array, position_m: Array | None) -> tuple[Array, Array | None]:
+    """Return (n, 4) quaternions of any length and (n, 3) positions of the inverse poses."""
+    turned = quaternions.conjugate(orientation)
+    if position_m is None:
+        return turned, None
+    return turned, -quaternions.rotate(turned / np.linalg.norm(turned, axis=1, keepdims=True), position_m)
+
+
+def _neck(axes: Array, position_m: Array, near: NDArray[np.bool_]) -> Array:
+    """Fit accelerations of the tracked point by a fixed lever in the head: p'' = R'' lever."""
+    both = near[1:] & near[:-1]
+    moved = (position_m[:-2] - 2 * position_m[1:-1] + position_m[2:])[both]
+    turned = (axes[:-2] - 2 * axes[1:-1] + axes[2:])[both]
+    calm = np.linalg.norm(moved, axis=1) < 0.5
+    a, b = turned[calm].reshape(-1, 3), moved[calm].reshape(-1)
+    if calm.sum() < _LEAST_STEPS or not b.any():
+        return np.zeros(3)
+    lever = np.linalg.lstsq(a, b, rcond=None)[0]
+    explained = 1 - float(((a @ lever - b) ** 2).sum() / (b**2).sum())
+    length = float(np.linalg.norm(lever))
+    return lever / length if explained > _EXPLAINED and _NECK_M[0] < length < _NECK_M[1] else np.zeros(3)
+
+
+def every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Return indices of rows about 0.1 s apart, at most 20,000."""
+    span = int(time_ns[-1] - time_ns[0])
+    step = max(_STEP_NS, span // _MOST_STEPS)
+    wanted = time_ns[0] + np.arange(0, span + 1, step)
+    return np.unique(np.searchsorted(time_ns, wanted))
+
+
+def _shares(vectors: Array) -> Array:
+    squares = (vectors**2).sum(axis=0)
+    total = float(squares.sum())
+    return squares / total if total else np.zeros(3)
+
+
+def find_jumps(
+    time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
+) -> NDArray[np.int64]:
+    """Return indices i whose step to row i + 1 is too far and too fast, in angle or place."""
+    found = []
+    for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
+        b = min(a + _BLOCK, len(time_ns) - 1)
+        seconds = np.diff(time_ns[a : b + 1]) * 1e-9
+        angle = quaternions.angle_between(orientation[a:b], orientation[a + 1 : b + 1])
+        jump = (angle > JUMP_ANGLE_RAD) & (angle > JUMP_SPEED_RAD_S * seconds)
+        if position is not None:
+            distance = np.linalg.norm(np.diff(position[a : b + 1], axis=0), axis=1)
+            jump |= (distance > JUMP_DISTANCE_M) & (distance > JUMP_SPEED_M_S * seconds)
+        found.append(np.flatnonzero(jump) + a)
+    return np.concatenate(found) if found else np.empty(0, np.int64)
+
+
+def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
+    """Return indices i whose step to sample i + 1 is one of `find_jumps`, or to another space."""
+    times = np.array([sample.time_ns for sample in samples], np.int64)
+    turned = np.array([sample.pose.orientation_xyzw for sample in samples])
+    found = find_jumps(times, turned, np.array([sample.pose.position_m for sample in samples]))
+    changed = np.flatnonzero(np.diff([sample.space for sample in samples]))
+    return [int(i) for i in np.union1d(found, changed)]
+
+
+def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return the direction in the world, (3,), that is up for the head; None if that is not clear.
+
+    The axis through the ears stays level, as people turn and nod far more than they tilt: up is
+    where it has the smallest component, which is small (5 %, an rms roll of 13 degrees), and the
+    next five times as much, 5 % at least (the head has turned).
+    """
+    q = orientation[:: max(1, len(orientation) // 100_000)]  # of so many rows at most
+    if len(q) < 100:
+        return None
+    right = quaternions.rotate(q, np.array([[1.0, 0, 0]]))
+    share, axes = np.linalg.eigh(right.T @ right / len(q))
+    if not share[0] < 0.05 < share[1] or share[1] < 5 * share[0]:
+        return None
+    axis = axes[:, 0]
+    crown = quaternions.rotate(q, np.array([[0, 1.0, 0]])).mean(axis=0)
+    return axis if axis @ crown >= 0 else -axis
+
+
+_GAZE = "which way it looks is not clear"
+_TILT_SHOWN_DEG = 10.0
+_TILT_STATED_DEG = 0.5  # by gravity columns
+# How an unstated order was read, the other one, and the options that state them.
+_BY_ROWS = "by rows, its matrices", "by columns", "--matrix columns, or rows"
+_W_LAST = "with w last, as in TUM files, its quaternions", "with w first", "--quat-order wxyz, or xyzw"
+
+
+class JudgedAxes:
+    """What turns a file's poses into OpenXR's axes, and who says so."""
+
+    def __init__(self, r: Recording) -> None:
+        self.r, self.options = r, r.options
+        stated, by = self.options.pose, r.layout.direction_by
+        self.is_inverse, self._pose_by = (stated == INVERSE, By.USER) if stated else (r.layout.inverse, by)
+        self._wrong = self._gaze_unclear = False
+        self._tilt_deg, self._leaves_open = 0.0, ""
+        self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
+        # The options come before the file and its format.
+        self.axes, self.axes_by = parse_axes(r.layout.axes), r.layout.axes_by
+        up = r.options.up
+        is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers
+        if up is not None and not is_tilt and r.options.axes is not None:
+            raise InputError(
+                "--axes and --up both name axes: say one; beside --axes, --up may be three numbers, a tilt"
+            )
+        if r.options.axes not in (None, AUTO):
+            self.axes, self.axes_by = parse_axes(r.options.axes), By.USER
+        if up is not None and is_tilt:
+            self.axes = attrs.evolve(self.axes, tilt=parse_up(up).tilt)
+        elif up is not None and self.axes.up() != up.strip().lower().removeprefix("+"):
+            self.axes, self.axes_by = parse_up(up), By.USER
+
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """Return every fact by which rows became poses."""
+        layout, options, (scale, scale_by) = self.r.layout, self.options, self.scale
+        if layout.euler is not None:
+            turn, option = f"angles {layout.euler.words()}", "--euler"
+        elif layout.matrix:
+            turn, option = f"matrix {layout.matrix}", "--matrix"
+        else:
+            turn, option = f"quaternion {layout.order}", "--quat-order"
+        tilt = self.axes.tilt is not None and not self._upright
+        up = self._upright or f"{self.axes.up()}{f', tilted to {options.up}' if tilt else ''}"
+        up_by = self._upright_by if self._upright else By.USER if tilt else self.axes_by
+        length = Assumption(Fact.LENGTH, f"{scale:g} m per unit", scale_by, "--scale")
+        clock_by = By.USER if options.rate or options.time_unit else layout.unit_by
+        return (
+            Assumption(Fact.ORIENTATION, turn, layout.order_by, option),
+            Assumption(Fact.POSE, DIRECTION[self.is_inverse], self._pose_by, "--pose"),
+            *([length] if self.r.position is not None else []),
+            Assumption(Fact.AXES, self.axes.label(), self.axes_by, "--axes"),
+            Assumption(Fact.UP, up, up_by, "--up"),
+            Assumption(Fact.CLOCK, self.r.time_unit, clock_by, "--time-unit"),
+            *([Assumption("clock wrap", self.r.wrap, By.DEFAULT)] if self.r.wrap else []),
+        )
+
+    @property
+    def scale(self) -> tuple[float, By]:
+        """Metres of a unit of the file, and who says so."""
+        if self.options.scale is not None:
+            return self.options.scale, By.USER
+        own = self.axes.metres_per_unit
+        return (self.r.layout.scale, self.r.layout.scale_by) if own is None else (own, self.axes_by)
+
+    def weigh(self) -> None:
+        """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
+        r, gravity = self.r, np.array(self.r.layout.gravity_down)
+        metres = None if r.position is None else r.position * self.scale[0]
+        evidence = evidence_of(r.time_ns, r.orientation, metres, gravity)
+        if r.layout.order_by is By.DEFAULT and r.layout.euler is None:
+            self._refuse_other_order(evidence)
+        verdict = judge(evidence, self.axes)
+        if metres is not None:
+            height_m = 0.0 if verdict.faults else float(self.axes.world[1] @ evidence.height_m)
+            what, remedy = place_fault(r.time_ns, metres, height_m)
+            if what:
+                r.note("place-implausible", what, f"kept; {remedy}")
+        self._leaves_open = verdict.leaves_open
+        if self.options.pose is None and self._contradict_pose(evidence, metres, bool(verdict.faults)):
+            return
+        if verdict.world_alone:
+            # Where up lies between the file's axes, `report_tilt` says by how much.
+            axis = self._gravity_axis()
+            oblique = axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
+            verdict = attrs.evolve(verdict, faults=[], better=None, upright=None) if oblique else verdict
+        self._take_or_contradict(verdict)
+        if not self._wrong and self.options.axes == AUTO and self.axes.tilt is None:
+            self._set_upright(gravity)
+
+    def _refuse_other_order(self, evidence: Evidence) -> None:
+        """Refuse an assumed order of numbers where only the other one shows a person."""
+        r, at = self.r, every(self.r.time_ns)
+        turned = r.orientation[at]
+        turned = quaternions.conjugate(turned) if r.layout.matrix else np.roll(turned, -1, axis=1)
+        place = None if r.position is None else r.position[at]
+        other = evidence_of(r.time_ns[at], turned, place, evidence.gravity)
+        if other.best_points() > evidence.best_points() + CLEAR:
+            what, right, wrong = _BY_ROWS if r.layout.matrix else _W_LAST
+            is_right = f"{right} they do: say {wrong} if it is right as it is"
+            raise TraceError(f"{r.where}: read {what} make no person's motion; {is_right}")
+
+    def _take_or_contradict(self, verdict: Verdict) -> None:
+        auto, faults, (own, best) = self.options.axes == AUTO, ", ".join(verdict.faults), verdict.points
+        found, points = verdict.better, f"{best:.1f} points against {own:.1f}"
+        if auto and found is not None and verdict.clear:
+            also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
+            done = f"--axes auto takes {found.label()}: {points}{also}"
+        elif auto and verdict.upright is not None:
+            found, self._gaze_unclear = verdict.upright, True
+            done = f"--axes auto takes {found.label()}, which sets the head upright; {_GAZE}: --axes states it"
+        elif faults:
+            done = "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
+            if found is not None:
+                sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
+                also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
+                kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
+                done = f"{kept}; --axes '{found.name or found.words()}' {sure}{also}: {points}"
+            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {faults}"
+            self.r.note("axes-contradicted", what, done)
+            self._wrong = True
+            return
+        else:
+            return
+        self.r.note("axes-chosen", f"as {self.axes.label()}: {faults}", done)
+        self.axes, self.axes_by = attrs.evolve(found, tilt=self.axes.tilt), By.MOTION
+
+    def _contradict_pose(self, evidence: Evidence, metres: Array | None, contradicted: bool) -> bool:
+        """Suggest the other direction of the poses where only that one makes a person's motion.
+
+        The inverse of a head that turns on the spot swings about the origin: each halving of the
+        way is worth a point. Of 15 recordings the inverse way is 1.2 to 19 times as long.
+        """
+        at = every(self.r.time_ns)  # first, as an inverse copies all poses
+        poses = inverted(self.r.orientation[at], None if metres is None else metres[at])
+        other = evidence_of(self.r.time_ns[at], *poses, evidence.gravity)
+        shorter = math.log2(evidence.path_m / other.path_m) if evidence.path_m and other.path_m else 0.0
+        gain = other.best_points() - evidence.best_points() + min(max(shorter, -1.5), 1.5)
+        if gain <= (CLEAR if contradicted else SURE):
+            return False
+        here, there = DIRECTION[::-1] if self.is_inverse else DIRECTION
+        better, word = judge(other, self.axes).better, DIRECT if self.is_inverse else INVERSE
+        axes = f" --axes '{better.name or better.words()}'" if better is not None else ""
+        what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
+        self.r.note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
+        self._wrong = True
+        return True
+
+    def _gravity_axis(self) -> Array | None:
+        converted = self.r.orientation.copy()
+        self.axes.apply(None, converted)
+        return gravity_axis(converted)
+
+    def _set_upright(self, gravity_down: Array) -> None:
+        """Turn the world as the file's gravity or the head says, for --axes auto."""
+        stated = bool(gravity_down.any())
+        axis = -self.axes.world @ gravity_down if stated else self._gravity_axis()
+        if axis is None:
+            return
+        axis = axis / np.linalg.norm(axis)
+        tilt, shown = _tilt_of(axis), ",".join(f"{a:.2f}" for a in axis)
+        if tilt > (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
+            what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
+            self.r.note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
+            self.axes = attrs.evolve(self.axes, tilt=upright(axis))
+            self._upright, self._upright_by = f"({shown})", By.FILE if stated else By.MOTION
+
+    def words(self) -> str:
+        """Return the axes, who says so, and what the motion shows."""
+        words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
+        if self._wrong:
+            return f"{words}; the motion contradicts them"
+        if self._gaze_unclear:
+            words += f"; {_GAZE}"
+        if self._upright:
+            return f"{words}; {self._upright} set upright by --axes auto"
+        if self._tilt_deg:
+            return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
+        if self.axes_by is not By.DEFAULT:
+            return words
+        if self._leaves_open:
+            return f"{words}; the motion does not show {self._leaves_open}; --axes or --up states it"
+        return f"{words}; the motion agrees"
+
+    def report_tilt(self) -> None:
+        """Report gravity that is not along +y, judged by how the head is held."""
+        axis = None if self._wrong else gravity_axis(self.r.orientation)  # a turn of the world mends no wrong axes
+        if axis is not None and (tilt := _tilt_of(axis)) > _TILT_SHOWN_DEG:
+            self._tilt_deg, shown = tilt, ",".join(f"{a:.2f}" for a in axis)
+            what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
+            self.r.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
+
+
+def _tilt_of(up: Array) -> float:
+    """Return the angle of a direction (3,) from +y, in degrees."""
+    return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))

@@ -1,8 +1,12 @@
-"""From rows to one clean track, by a table of steps, one for each kind of defect."""
+"""From rows to one clean track by six questions; cleaning.toml says how what they find is told.
+
+Which rows are poses of the head; when; which poses are new; are they rotations; in which axes and
+unit; what is missing between them.
+"""
 
 from __future__ import annotations
 
-import tomllib
+import math
 from pathlib import Path
 
 import attrs
@@ -12,22 +16,12 @@ from numpy.typing import NDArray
 from ...errors import TraceError, are_digits, counted
 from .. import quaternions
 from ..assumptions import Assumption, By, Defect, Fact, unstated
+from ..options import FRAMES
 from ..track import PoseTrack, gap_limit_ns
-from . import clocks
+from .axes import JudgedAxes, find_jumps, inverted
 from .header import head_rank
 from .layouts import columns_read
-from .plausibility import JudgedAxes, find_jumps, inverted
-from .text_table import Found, Recording, Segment
-
-_COARSE_NORM = 1e-2
-_WORST_NORM, _LARGEST_NORM = 0.5, 2.0
-# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz.
-_NEARER = 8
-_PAIRED = 0.3  # share of steps
-_LEAST_PAIRS = 20
-_MEDIAN_NORM, _ZERO_NORM = 0.1, 1e-6
-_LEAST_RUN = 3  # rows of one pose at the start
-_WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
+from .text_table import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Recording, Segment, Stamps
 
 
 @attrs.frozen(eq=False)
@@ -63,216 +57,577 @@ class LoadedTrace:
         return self.track.axes
 
 
-# The steps, in the order of six questions: which rows are poses of the head; when; which poses are
-# new; are they rotations; in which axes and unit; what is missing between them. `find` is a
-# function of `clocks` or a method of Cleaner, whose words fill the braces of `text` and `done`.
-_STEPS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))["step"]
+def clean(r: Recording, form: str) -> LoadedTrace:
+    """Answer all questions, each after those that it relies on. form: the name of the format."""
+    judged = r.judged = JudgedAxes(r)
+    for answer in (_which_rows, _when, _which_are_new, _rotations, _axes_and_unit, _what_is_missing):
+        answer(r)
+    origins = (text.removeprefix("origin:").strip() for _, text in r.head.comments if text.startswith("origin:"))
+    track = PoseTrack(
+        r.time_ns - r.time_ns[0], r.position if r.position is not None else np.zeros((len(r), 3)), r.orientation,
+        name=r.head.path.stem, origin=next(origins, ""), axes=judged.words(), notes=[str(d) for d in r.defects],
+        epoch_ns=r.epoch_ns + int(r.time_ns[0]), jumps=r.jumps.tolist(), gaze=r.gaze,
+    )  # fmt: skip
+    columns = columns_read(r.head, r.layout, r.taken)
+    facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
+    assumed, unit = judged.axes_by is By.DEFAULT, r.time_unit
+    return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
 
 
-class Cleaner:
-    """The steps of cleaning that look at poses; `clean` runs all of them."""
+_COARSE_NORM, _ZERO_NORM = 1e-2, 1e-6
 
-    def __init__(self, recording: Recording) -> None:
-        self.r, self.judged = recording, JudgedAxes(recording)
 
-    def clean(self, form: str) -> LoadedTrace:
-        """Run all steps, each after those that it relies on. form: the name of the format."""
-        r, judged = self.r, self.judged
-        for step in _STEPS:
-            of_clocks = getattr(clocks, step["find"], None)
-            found: Found = getattr(self, step["find"])() if of_clocks is None else of_clocks(r)
-            if found is None:
-                continue
-            at, *words = found
-            r.note(step["name"], step.get("text", "{}").format(*words), step["done"].format(*words), at)
-            match step.get("mend"):
-                case "drop":
-                    kept = np.ones(len(r), bool)
-                    kept[at] = False
-                    r.keep(kept)
-                case "reverse":
-                    r.keep(slice(None, None, -1))
-                case "keep_segment":
-                    clocks.keep_segment(r, at)
-        origins = (text.removeprefix("origin:").strip() for _, text in r.head.comments if text.startswith("origin:"))
-        track = PoseTrack(
-            r.time_ns - r.time_ns[0], r.position if r.position is not None else np.zeros((len(r), 3)), r.orientation,
-            name=r.head.path.stem, origin=next(origins, ""), axes=judged.words(), notes=[str(d) for d in r.defects],
-            epoch_ns=r.epoch_ns + int(r.time_ns[0]), jumps=r.jumps.tolist(), gaze=r.gaze,
-        )  # fmt: skip
-        columns = columns_read(r.head, r.layout, r.taken)
-        facts = (Assumption(Fact.COLUMNS, columns, r.layout.columns_by, "--columns"), *judged.assumptions())
-        assumed, unit = judged.axes_by is By.DEFAULT, r.time_unit
-        return LoadedTrace(track, r.head.path, form, r.defects, r.segments, unit, columns, assumed, r.taken, facts)
-
-    def pose_repeats(self) -> NDArray[np.bool_]:
-        """Return of each row but the last whether the next has the same pose, (n - 1,)."""
-        q, p = self.r.orientation, self.r.position
-        same = (q[1:] == q[:-1]).all(axis=1)
-        if p is not None:
-            same &= (p[1:] == p[:-1]).all(axis=1)
-        return np.asarray(same)
-
-    def need_two_rows(self) -> Found:
-        if len(self.r) < 2:
-            known = "; ".join(str(d) for d in self.r.defects[:3])
-            so_far = f" ({known})" if known else ""
-            raise TraceError(f"{self.r.where} holds {len(self.r)} usable row: expected two or more{so_far}")
-        return None
-
-    def cut_row(self) -> Found:
-        """Find a last line without newline that is cut: its norm is off or its time decreases."""
-        r = self.r
-        if not r.is_cut or len(r) < 2:
-            return None
+def _which_rows(r: Recording) -> None:
+    """Drop what is no pose of the head: a cut last row, other devices, zeros."""
+    if r.is_cut and len(r) > 1:
         length = np.linalg.norm(r.orientation[-2:], axis=1)
         off = np.abs(length - 1)
         if off[1] > _COARSE_NORM >= off[0]:
-            return np.array([-1]), f"quaternion of length {length[1]:.2f}"
-        if len(r.stamps) and r.stamps[-2:].steps()[0] <= 0:
-            return np.array([-1]), "its time is not after the one before"
+            r.found("last-row-cut", [-1], f"quaternion of length {length[1]:.2f}")
+        elif len(r.stamps) and r.stamps[-2:].steps()[0] <= 0:
+            r.found("last-row-cut", [-1], "its time is not after the one before")
+    stated = r.options.device
+    if r.device is not None:
+        _take_device(r, r.device, stated)
+    elif stated is not None:
+        raise TraceError(f"{r.where} has no column that names devices: leave --device out")
+    zero = np.flatnonzero(np.abs(r.orientation).max(axis=1) < _ZERO_NORM)
+    if len(zero) == len(r):
+        raise TraceError(f"{r.where}: every quaternion is zero: no tracking, or the wrong columns were read")
+    found = "matrix that is no rotation" if r.layout.matrix else "zero quaternion"
+    r.found("zero-quaternion", zero, counted(len(zero), "row"), found)
+    _need_two_rows(r)
+
+
+def _need_two_rows(r: Recording) -> None:
+    if len(r) < 2:
+        known = "; ".join(str(d) for d in r.defects[:3])
+        so_far = f" ({known})" if known else ""
+        raise TraceError(f"{r.where} holds {len(r)} usable row: expected two or more{so_far}")
+
+
+def _take_device(r: Recording, device: NDArray[np.bytes_], stated: str | None) -> None:
+    """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
+    names, first, counts = np.unique(device, return_index=True, return_counts=True)
+    texts = [n.decode("latin-1") for n in names]
+    if stated is not None and stated not in texts:
+        raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
+    tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
+    lost = [not tracked[device == name].any() for name in names]
+    order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
+    best = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
+    taken = best if stated is None else texts.index(stated)
+    others, r.taken, r.device = np.flatnonzero(device != names[taken]), texts[taken], None
+    if r.head.made is not None and r.taken in r.head.made.nested:
+        r.defects.append(r.head.made.nested[r.taken])
+    if len(names) > 1:
+        several = len(names), ", ".join(texts[:6])
+        r.found("devices-interleaved", others, *several, counts[taken], r.taken, len(others))
+
+
+# Shares of steps back in time: a file with restarts has few, a shuffled one half.
+_SHUFFLED, _REVERSED, _LEAST_STEPS = 0.2, 0.9, 10
+_SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
+# Unix time from 2000 to 2100, and how far apart key frames of a map may be.
+_UNIX_S, _APART_S = (946_684_800, 4_102_444_800), 30.0
+_USUAL_HZ = 75  # the middle of what recorders use
+_RATES_HZ = (10.0, 2000.0)  # of trackers
+_IMPOSSIBLE_HZ = (0.01, 1e6)  # below and above this a clock was misread
+_COUNTED = {3: "milliseconds", 6: "microseconds", 7: "ticks of 100 ns", 9: "nanoseconds"}  # by the digits of a second
+# A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large;
+# those of other sizes only where nothing is lost in between.
+_BITS, _OTHER_BITS, _SCALES = (32, 31), (33, 30, 24, 16), (1, 10**3, 10**6, 10**9)
+_LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top, and begins near 0
+_SHORTEST = 20  # steps a wrap
+_NEAR, _NEAREST = 1000, 5  # steps from the last stamp before a wrap to the first after it
+_SMOOTH = 3.0  # times the largest of the turns around it
+# A leap of the clock: seconds, steps, rows compared on either side, and how far they turn a head.
+_PAUSE_S, _LONG_PAUSE, _AROUND, _TURNS_RAD = 30.0, 1000, 5, 3e-4
+_YEARS_S = 10 * 365.25 * 86400  # no recording pauses so long
+# Rows in succession with a stamp that is none; shares and counts of rows; how near others are, in
+# median steps; how far these, in all other steps together.
+_MOST_ROWS, _MOST_SHARE, _LEAST_ROWS, _IN_LINE, _ABSURD = 3, 0.01, 20, 10.0, 20.0
+# Coarse clocks: how exactly steps are looked at, of how many sizes, the least tick (and of a mean
+# step), how near multiples are (15.6 ms printed as 15 and 16), what share of one size is steady.
+_PRINTED_NS, _MOST_SIZES, _FEW_SIZES, _LEAST_TICK_NS, _LEAST_TICK = 100_000, 400, 7, 2_000_000, 0.2
+_OFF_TICK, _ONE_SIZE, _EVENER, _IN_TICK = 0.08, 0.98, 0.5, 1.15
+
+
+def _when(r: Recording) -> None:
+    """Read the stamps, count on where the clock begins again, take one recording."""
+    if r.options.rate is not None:
+        _count_by_rate(r, r.options.rate)
+    _count_fractions(r)
+    whole = r.stamps.whole
+    over = (np.diff(whole) < -DAY_S // 2) & (whole[1:] < DAY_S) & (whole[:-1] < DAY_S)
+    if r.stamps.clock and over.any():
+        _wrapped(r, "midnight", over, DAY_S * BILLION, "the clock passes midnight {}")
+    _drop_absurd(r)
+    _wraps(r)
+    steps = r.stamps.steps()
+    falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
+    if falls > _REVERSED and not (steps > 0).any():
+        r.found("rows-reversed", np.arange(len(steps)))
+        r.keep(slice(None, None, -1))
+    elif falls > _SHUFFLED:
+        what = f"time falls after {100 * falls:.0f} % of its rows: they are shuffled, or of several recordings"
+        raise TraceError(f"{r.where}: {what}; sort them by time, or name the clock with --time-column")
+    _find_unit(r)
+    _clock_changes(r)
+    _take_segment(r)
+    _read_times(r)
+    if r.options.rate is None:
+        _coarse_clock(r)
+        _judge_rate(r)
+
+
+def _count_by_rate(r: Recording, rate: float) -> None:
+    """Replace the file's clock by --trace-rate."""
+    n, step_ns = len(r), BILLION / rate
+    if (n - 1) * step_ns > LARGEST:
+        raise TraceError(f"{r.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")
+    if r.layout.unit == FRAMES:
+        r.found("clock-by-rate", None, "the file numbers its frames", "these numbers", rate)
+        return
+    r.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
+    r.layout = attrs.evolve(r.layout, unit="ns")
+    aside = "the file's own clock is put aside" if r.layout.clock_ignored else "the file has no time"
+    r.found("clock-by-rate", None, aside, "row numbers", rate)
+
+
+def _count_fractions(r: Recording) -> None:
+    """Find fractions that are counts without leading zeros: 12.5 of nanoseconds is 5 ns after 12.
+
+    Counts never begin with 0, unlike one decimal in ten; as decimals they fall when a digit is
+    added, or end with 0 where others are longer.
+    """
+    stamps, decimals = r.stamps, r.stamps.decimals
+    if decimals is None or decimals.min() == decimals.max() or decimals.max() > 9:
+        return
+    counts = stamps.billionths // 10 ** (9 - decimals.astype(np.int64))
+    falls = int(np.count_nonzero((np.diff(stamps.whole) == 0) & (np.diff(stamps.billionths) < 0)))
+    padded = ((decimals > 1) & (stamps.billionths < BILLION // 10)).any()
+    if padded or not (falls or ((counts > 0) & (counts % 10 == 0) & (decimals < decimals.max())).any()):
+        return
+    found: dict[float, tuple[Stamps, str]] = {}
+    for size, unit in _COUNTED.items():
+        read = Stamps(stamps.whole, counts * 10 ** (9 - size), stamps.clock)
+        steps = read.steps()
+        if size >= decimals.max() and 4 * np.count_nonzero(steps < 0) <= falls and (steps > 0).any():
+            found.setdefault(round(float(np.log(steps.max() / np.median(steps[steps > 0]))), 1), (read, unit))
+    if found:
+        r.stamps, unit = found[min(found)]  # the most even; of such the coarsest
+        r.found("fraction-unpadded", None, unit)
+
+
+def _count_on(r: Recording, rows: NDArray[np.intp], shifts: list[int]) -> None:
+    """Move the stamps from each of these rows on by so many billionths."""
+    moved = np.zeros((len(r), 2), np.int64)
+    moved[rows] = [divmod(one, BILLION) for one in shifts]
+    wholes, parts = np.cumsum(moved, axis=0).T
+    parts += r.stamps.billionths
+    r.stamps = Stamps(r.stamps.whole + wholes + parts // BILLION, parts % BILLION, r.stamps.clock)
+
+
+def _wrapped(r: Recording, kind: str, before: NDArray[np.bool_], length: int, what: str) -> None:
+    """Count on where the clock begins again, after a round of so many billionths."""
+    rows = np.flatnonzero(before) + 1
+    _count_on(r, rows, [length] * len(rows))
+    r.wrap = what.format(counted(len(rows), "time"))
+    r.found(kind, rows, r.wrap)
+
+
+def _drop_absurd(r: Recording) -> None:
+    """Drop rows whose stamp is out of line while those around it go on as if it were not there.
+
+    Only a few: a clock that falls often has restarts or is no clock.
+    """
+    stamps, steps = r.stamps, r.stamps.steps()
+    falls = np.flatnonzero(steps < 0)
+    if len(r) < _LEAST_ROWS or not (steps > 0).any() or len(falls) > max(_MOST_ROWS, _MOST_SHARE * len(r)):
+        return
+    step, found = float(np.median(steps[steps > 0])), set[int]()
+    for fall in falls.tolist():
+        if not {fall, fall + 1} & found:
+            found |= _out_of_line(stamps, fall, step)
+    if found:
+        kept = np.setdiff1d(np.arange(len(r)), sorted(found))
+        bad = np.union1d(sorted(found), kept[list(_far_ends(stamps[kept].steps()))])
+    else:  # no copy of what may be 10^7 rows
+        bad = np.array(_far_ends(steps), dtype=np.intp)
+    r.found("stamp-absurd", bad, counted(len(bad), "row"), stamps[bad[:1]].text() if len(bad) else "")
+
+
+def _out_of_line(stamps: Stamps, fall: int, step: float) -> set[int]:
+    """Return the rows at a step back without which time goes on; empty where it starts anew."""
+    for count in range(1, _MOST_ROWS + 1):
+        for before, after in ((fall - count, fall + 1), (fall, fall + 1 + count)):
+            inside = before >= 0 and after < len(stamps)
+            gap = float(stamps[np.array([before, after])].steps()[0]) if inside else 0.0
+            if 0 < gap <= _IN_LINE * step * (count + 1):
+                return set(range(before + 1, after))
+    return set()
+
+
+def _far_ends(steps: NDArray[np.float64]) -> range:
+    """Return the first or the last few rows where one step away from them dwarfs all others."""
+    far = int(np.argmax(steps))
+    others = float(steps[steps > 0].sum() - steps[far])
+    if not 0 < others * _ABSURD < steps[far]:
+        return range(0)
+    if far < _MOST_ROWS:
+        return range(far + 1)
+    return range(far + 1, len(steps) + 1) if len(steps) - far <= _MOST_ROWS else range(0)
+
+
+def _wraps(r: Recording) -> None:
+    """Find a counter of so many bits that falls from near its top to near 0, or to its bottom.
+
+    Counters of nanoseconds wrap every 4 seconds: there the head must move on smoothly as well, and
+    so with bits that are rare.
+    """
+    stamps, steps = r.stamps, r.stamps.steps()
+    falls = np.flatnonzero(steps < 0)
+    if stamps.clock or not 0 < len(falls) * _SHORTEST <= len(stamps):
+        return
+    step = float(np.median(steps[steps > 0]))
+    scales = _SCALES if stamps.billionths.any() else (1,)
+    for bits, scale in ((bits, scale) for bits in (*_BITS, *_OTHER_BITS) for scale in scales):
+        top = 2**bits / scale
+        if top < _SHORTEST * step:
+            continue
+        long = bits in _BITS and top / step > _LONG
+        after = steps[falls] + top
+        near = (after > 0) & (after <= step * (_NEAR if long else _NEAREST))
+        near &= (stamps.whole[falls] <= top) & (stamps.whole[falls + 1] >= -top / 2 - 1)
+        over = np.zeros(len(steps), bool)
+        over[falls[near]] = True
+        if not long:  # a step that turns the head no more than those around it
+            angle = _turned(r.orientation)
+            padded = np.pad(angle, 3, mode="edge")
+            around = np.max([padded[k : k + len(angle)] for k in (0, 1, 2, 4, 5, 6)], axis=0)
+            over &= angle <= _SMOOTH * around + np.radians(1.0)
+        if over.any():
+            what = f"the clock wraps {{}}, at 2^{bits}{f'/{scale:g}' if scale > 1 else ''}"
+            _wrapped(r, "clock-wrap", over, 2**bits * BILLION // scale, what)
+            return
+
+
+def _turned(orientation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the angle of each step of quaternions of any length, (n - 1,)."""
+    unit = orientation / np.maximum(np.linalg.norm(orientation, axis=1, keepdims=True), 1e-9)
+    return quaternions.angle_between(unit[:-1], unit[1:])
+
+
+def _find_unit(r: Recording) -> None:
+    """Find the unit of the clock; where nothing says it, that whose rate is a tracker's.
+
+    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs), and
+    those with decimals between 2000 and 2100 as Unix time are seconds, also of few key frames.
+    Otherwise it is the unit whose rate is nearest to the usual one, as a ratio; ticks of 100 ns
+    only where no other unit lies within 10..1500 Hz.
+    """
+    stamps, steps, first = r.stamps, r.stamps.steps(), int(r.stamps.whole[0])
+    if r.layout.unit == FRAMES:
+        step_ns = BILLION / (r.options.rate or 1)
+        if step_ns * max(int(stamps.whole.max()), -int(stamps.whole.min())) > LARGEST:
+            what = f"frame {first} is over 146 years from frame 0"
+            raise TraceError(f"{r.where}: {what}: --time-column names the column of frames, --trace-rate their rate")
+        counted_ns = np.rint((stamps.whole - first) * step_ns).astype(np.int64) + round(first * step_ns)
+        r.stamps, r.unit = Stamps(counted_ns, np.zeros(len(r), np.int64)), "ns"
+        return
+    r.unit = "s" if stamps.clock else r.options.time_unit or r.layout.unit or ""
+    if r.unit:
+        return
+    if not (steps > 0).any():
+        raise TraceError(f"{r.where}: time never increases: --trace-rate gives the samples per second instead")
+    step = float(np.median(steps[steps > 0]))
+    if 2 * np.count_nonzero(steps == 0) > len(steps):  # a clock so coarse that most rows share a stamp
+        step = float(steps[steps >= 0].mean())
+    rates = {unit: BILLION / (step * ns) for unit, ns in UNITS_NS.items()}
+    likely = sorted(rates, key=lambda unit: abs(np.log(rates[unit] / _USUAL_HZ)))
+    best = next(unit for unit in likely if unit != "100ns")
+    if 10**17 <= first < 10**18:
+        r.unit = "100ns"
+    elif _UNIX_S[0] <= first < _UNIX_S[1] and stamps.billionths.any() and step < _APART_S:
+        r.unit = "s"
+    else:
+        r.unit = best if 10 <= rates[best] <= 1500 else likely[0]
+    r.layout = attrs.evolve(r.layout, unit=r.unit, unit_by=By.DEFAULT)
+    r.found("unit-guessed", None, UNIT_NAMES[r.unit], BILLION / (step * UNITS_NS[r.unit]))
+
+
+def _clock_changes(r: Recording) -> None:
+    """Count on where the clock leaps while the head moves on, by half a minute or at rest years.
+
+    Errors: TraceError for a clock that counts another unit from some row on.
+    """
+    stamps, steps, size = r.stamps, r.stamps.steps(), UNITS_NS[r.unit] / BILLION
+    at = int(np.argmax(np.abs(steps))) if len(steps) else 0
+    before, after = (part[part > 0] for part in (steps[:at], steps[at + 1 :]))
+    if len(steps) >= 2 * _SHORTEST and min(len(before), len(after)) >= _SHORTEST:
+        ratio = abs(math.log10(float(np.median(after) / np.median(before))))
+        if any(abs(ratio - power) < 0.05 for power in (3, 6, 9)):
+            raise TraceError(f"{r.where}: its clock changes its unit in line {r.line[at + 1]}: cut the file there")
+    step = float(np.median(steps[steps > 0])) if (steps > 0).any() else math.inf
+    far = np.flatnonzero((np.abs(steps) * size > _PAUSE_S) & (np.abs(steps) > _LONG_PAUSE * step))
+    far = far[(far >= _AROUND) & (far < len(r) - _AROUND)]
+    if not 0 < len(far) * _SHORTEST <= len(r):
+        return
+    found = []
+    for leap in far.tolist():
+        turned = _turned(r.orientation[leap - _AROUND : leap + _AROUND + 2])
+        own, others = float(turned[_AROUND]), np.delete(turned, _AROUND)
+        moves = float(np.median(others)) > _TURNS_RAD or abs(steps[leap]) * size > _YEARS_S
+        if moves and own <= _SMOOTH * float(others.max(initial=0.0)):
+            found.append(leap)
+    if not found:
+        return
+    leaps = ", ".join(f"{float(steps[leap]) * UNITS_NS[r.unit] / BILLION:+.6g} s" for leap in found[:3])
+    steady = int(step) * BILLION + round(step % 1 * BILLION)
+    wholes, parts = np.diff(stamps.whole)[found].tolist(), np.diff(stamps.billionths)[found].tolist()
+    rows = np.array(found) + 1
+    _count_on(r, rows, [steady - a * BILLION - b for a, b in zip(wholes, parts, strict=True)])
+    r.found("clock-changes", rows, counted(len(rows), "time"), leaps)
+
+
+def _take_segment(r: Recording) -> None:
+    """Split where time decreases or leaps by years, never sorting; choose the longest part."""
+    stamps, years = r.stamps, _YEARS_S * BILLION / UNITS_NS[r.unit]
+    steps = stamps.steps()
+    falls = np.flatnonzero((steps < 0) | (steps > years)) + 1
+    starts, ends = np.concatenate([[0], falls]), np.concatenate([falls, [len(stamps)]])
+    first, last = stamps[starts], stamps[ends - 1]
+    span = (last.whole - first.whole) + (last.billionths - first.billionths) / BILLION
+    span = span * (UNITS_NS[r.unit] / BILLION)
+    wanted = r.options.segment
+    if wanted is not None and wanted > len(span):
+        raise TraceError(f"{r.where} holds {counted(len(span), 'recording')}: there is no segment {wanted}")
+    taken = int(np.argmax(span)) if wanted is None else wanted - 1
+    listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
+    r.segments = [
+        Segment(i + 1, int(r.line[a]), int(r.line[b - 1]), int(b - a), float(span[i]), i == taken)
+        for i, a, b in ((i, starts[i], ends[i]) for i in listed)
+    ]
+    if len(span) > 1:
+        why, length = "the longest" if wanted is None else "as asked", f"{span[taken]:.3f} s of {span.sum():.3f} s"
+        r.found("clock-restart", falls, counted(len(falls), "time"), len(span), taken + 1, why, length)
+        r.keep(slice(starts[taken], ends[taken]))
+
+
+def _read_times(r: Recording) -> None:
+    """Convert stamps to ns since the segment's first row, subtracted before scaling."""
+    stamps, scale, size = r.stamps, UNITS_NS[r.unit], BILLION // UNITS_NS[r.unit]
+    first, part = int(stamps.whole[0]), int(stamps.billionths[0]) // size
+    span = max(abs(int(stamps.whole.max()) - first), abs(int(stamps.whole.min()) - first)) * scale
+    if span > LARGEST:
+        what = f"the stamps, taken as {UNIT_NAMES[r.unit]}, make a span of {span / 1e9 / 86400 / 365:.3g} years"
+        raise TraceError(f"{r.where}: {what}: this is no head trace")
+    r.epoch_ns = first * scale + part
+    r.time_ns = (stamps.whole - first) * scale + stamps.billionths // size - part  # floored, which keeps their order
+    r.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[r.unit]
+    if r.options.rate is not None:
+        r.time_unit = f"{'frame' if r.layout.unit == FRAMES else 'row'} numbers at {r.options.rate:g} Hz"
+    r.stamps = Stamps(np.zeros(0, np.int64), np.zeros(0, np.int64))
+
+
+def _coarse_clock(r: Recording) -> None:
+    """Find a clock of so few ticks that rows, taken evenly, fit the head better than stamps.
+
+    It stands still between them, though the head does not. Rows are spaced evenly where that fits
+    every stamp.
+    """
+    steps = np.diff(r.time_ns)
+    tick = _tick(steps) if len(steps) >= 2 * _SHORTEST else None
+    if tick is None:
+        return
+    ticks = np.rint(steps / tick)
+    wide = min(2 * math.ceil(2 * tick / steps.mean()) + 5, len(steps))
+    turned = _turned(r.orientation)
+    weight = np.convolve(np.ones(len(steps)), np.ones(wide), "same")
+    near, often = (np.convolve(one, np.ones(wide), "same") / weight for one in (turned, ticks))
+    even, stamped = np.abs(turned - near).sum(), np.abs(turned - near * ticks / np.maximum(often, 1e-9)).sum()
+    if not even < _EVENER * stamped:
+        return
+    common = np.bincount(ticks.astype(np.int64)).argmax()
+    jittering = np.flatnonzero(ticks != common) + 1
+    even_ns = _evenly(r.time_ns, tick)
+    off = np.full(len(r), tick / 2) if even_ns is None else np.abs(even_ns - r.time_ns)
+    speed = near / max(float(steps.mean()), 1.0)
+    error_deg = np.degrees(float(np.quantile(off[1:] * speed, 0.95)))
+    done = "kept: speeds and predictions are off by as much"
+    if even_ns is not None:
+        r.epoch_ns += int(even_ns[0])
+        r.time_ns = even_ns - even_ns[0]
+        rate = BILLION / float(np.median(np.diff(r.time_ns)))
+        done = f"rows taken evenly at {rate:.4g} Hz, which fits every stamp"
+    r.found("clock-coarse", jittering, tick / 1e6, error_deg, done)
+
+
+def _tick(steps: NDArray[np.int64]) -> float | None:
+    """Return the tick of which common steps are several multiples; None for a fine clock."""
+    sizes, counts = np.unique(np.rint(steps / _PRINTED_NS), return_counts=True)
+    if len(sizes) > _MOST_SIZES:
         return None
-
-    def devices(self) -> Found:
-        """Find the head's rows, or the first eye's, where rows of several devices are mixed."""
-        r, stated = self.r, self.r.options.device
-        if r.device is None:
-            if stated is not None:
-                raise TraceError(f"{r.where} has no column that names devices: leave --device out")
+    common = sizes[(counts * 200 > len(steps)) | (len(sizes) < _FEW_SIZES)] * _PRINTED_NS
+    apart = np.abs(common[:, None] - common).ravel()
+    for size in sorted({*common.tolist(), *apart.tolist()}, reverse=True):
+        if size < max(_LEAST_TICK_NS, _LEAST_TICK * steps.mean()):
             return None
-        names, first, counts = np.unique(r.device, return_index=True, return_counts=True)
-        texts = [n.decode("latin-1") for n in names]
-        if stated is not None and stated not in texts:
-            raise TraceError(f"{r.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
-        if stated is None:
-            tracked = np.abs(r.orientation).max(axis=1) > _ZERO_NORM
-            lost = [not tracked[r.device == name].any() for name in names]
-            order = [float(t) for t in texts] if all(map(are_digits, texts)) else first.tolist()
-            taken = min(range(len(texts)), key=lambda i: (lost[i], head_rank(texts[i]), order[i]))
-        else:
-            taken = texts.index(stated)
-        others, r.taken, r.device = np.flatnonzero(r.device != names[taken]), texts[taken], None
-        if r.head.made is not None and r.taken in r.head.made.nested:
-            r.defects.append(r.head.made.nested[r.taken])
-        found = others, len(names), ", ".join(texts[:6]), counts[taken], r.taken, len(others)
-        return found if len(names) > 1 else None
+        ticks = np.rint(steps / size)
+        fits = (np.abs(steps / size - ticks) < _OFF_TICK) & ((ticks > 0) | (steps < _PRINTED_NS))
+        if fits.mean() > 0.98:
+            usual = float(np.count_nonzero(ticks == max(np.median(ticks), 1)))
+            return float(steps[fits].sum() / ticks[fits].sum()) if usual < _ONE_SIZE * len(steps) else None
+    return None
 
-    def zero_quaternions(self) -> Found:
-        zero = np.flatnonzero(np.abs(self.r.orientation).max(axis=1) < _ZERO_NORM)
-        if len(zero) == len(self.r):
-            raise TraceError(f"{self.r.where}: every quaternion is zero: no tracking, or the wrong columns were read")
-        found = "matrix that is no rotation" if self.r.layout.matrix else "zero quaternion"
-        return (zero, counted(len(zero), "row"), found) if len(zero) else None
 
-    def invert(self) -> Found:
-        if self.judged.is_inverse:
-            self.r.orientation, self.r.position = inverted(self.r.orientation, self.r.position)
-        return None
-
-    def default_rows(self) -> Found:
-        """Find rows of no turn, or exactly at the origin, that the head jumps to and from."""
-        q, p = self.r.orientation, self.r.position
-        default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
-        if p is not None:
-            default |= ~p.any(axis=1)
-        run = int(np.append(self.pose_repeats(), False).argmin()) + 1  # what recorders write until tracking starts
-        default[:run] |= run >= _LEAST_RUN
-        if default.all() or not default.any():
+def _evenly(time_ns: NDArray[np.int64], tick: float) -> NDArray[np.int64] | None:
+    """Return times, even over each run without a gap, within half a tick of every stamp."""
+    out = time_ns.copy()
+    limit = 3 * max(tick, float(np.diff(time_ns).mean()))
+    for run in np.split(np.arange(len(time_ns)), np.flatnonzero(np.diff(time_ns) > limit) + 1):
+        late = (time_ns[run] - time_ns[run[0]]).astype(np.float64)
+        ticked = np.flatnonzero(np.diff(late)) + 1  # a tick is about to begin at the rows before
+        if len(ticked) < 3:
             return None
-        jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
-        jumps[[0, -1]] = True
-        jumps[find_jumps(self.r.time_ns, q, None if p is None else p * self.judged.scale[0]) + 1] = True
-        starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
-        lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
-        return (np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time")) if lost else None
-
-    def duplicate_stamps(self) -> Found:
-        at = np.flatnonzero(np.diff(self.r.time_ns) == 0)
-        others = int(np.count_nonzero(~self.pose_repeats()[at])) if len(at) else 0
-        return (at, counted(len(at), "row"), others) if len(at) else None
-
-    def paired_rows(self) -> Found:
-        steps = np.diff(self.r.time_ns)
-        if len(steps) < _LEAST_PAIRS:
+        slope, first = np.polyfit(ticked, late[ticked], 1)
+        line = first + slope * np.arange(len(run))
+        if slope <= 0 or np.ptp(late - line) > _IN_TICK * tick:
             return None
+        out[run] = time_ns[run[0]] + np.rint(line).astype(np.int64)
+    return out if (np.diff(out) > 0).all() else None
+
+
+def _judge_rate(r: Recording) -> None:
+    """Note a rate of no tracker. Errors: TraceError for one that no recording can have."""
+    steps = np.diff(r.time_ns)
+    if len(steps) < 2 or not (steps > 0).any():
+        return
+    rate_hz = BILLION / float(np.median(steps[steps > 0]))
+    others = {u: rate_hz * UNITS_NS[r.unit] / UNITS_NS[u] for u in UNITS_NS}
+    fits = [u for u, hz in others.items() if _RATES_HZ[0] <= hz <= _RATES_HZ[1]]
+    best = min(fits, key=lambda u: abs(np.log(others[u] / _USUAL_HZ)), default="")
+    remedy = f"--time-unit {best} makes {others.get(best, 0):.4g} Hz"
+    remedy = remedy if best else "--trace-rate gives the samples per second instead"
+    if not _IMPOSSIBLE_HZ[0] <= rate_hz <= _IMPOSSIBLE_HZ[1]:
+        what = f"its clock, read as {UNIT_NAMES[r.unit]}, makes {rate_hz:.4g} Hz"
+        raise TraceError(f"{r.where}: {what}, which no recording has: {remedy}")
+    if not _RATES_HZ[0] <= rate_hz <= _RATES_HZ[1]:
+        r.found("rate-implausible", None, UNIT_NAMES[r.unit], rate_hz, remedy)
+
+
+# Glasses write each pose twice, 0.1 ms apart at 30 to 1000 Hz: so much nearer, by share of steps.
+_NEARER, _PAIRED, _LEAST_PAIRS = 8, 0.3, 20
+_LEAST_RUN = 3  # rows of one pose at the start
+
+
+def _which_are_new(r: Recording) -> None:
+    """Drop rows of an instant that has another, and default poses."""
+    if r.judged.is_inverse:
+        r.orientation, r.position = inverted(r.orientation, r.position)
+    at = np.flatnonzero(np.diff(r.time_ns) == 0)
+    others = int(np.count_nonzero(~_pose_repeats(r)[at])) if len(at) else 0
+    r.found("duplicate-stamp", at, counted(len(at), "row"), others)
+    if len(steps := np.diff(r.time_ns)) >= _LEAST_PAIRS:
         near = np.flatnonzero(steps * _NEARER < np.quantile(steps, 0.9))
-        return (near, len(near), np.median(steps[near]) / 1e6) if len(near) >= _PAIRED * len(steps) else None
+        if len(near) >= _PAIRED * len(steps):
+            r.found("paired-rows", near, len(near), np.median(steps[near]) / 1e6)
+    _drop_default_poses(r)
 
-    def normalise(self) -> Found:
-        """Normalise quaternions: slightly off ones silently, bad ones noted; refuse the rest."""
-        q, where = self.r.orientation, self.r.where
-        norm = np.linalg.norm(q, axis=1)
-        hopeless = (norm < _WORST_NORM) | (norm > _LARGEST_NORM)
-        if hopeless.any():
-            row = int(hopeless.argmax())
-            what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
-            why = "were the wrong columns read, or is the row damaged?"
-            raise TraceError(f"{where}: line {self.r.line[row]}: {what}; {why}")
-        median = float(np.median(norm))
-        if abs(median - 1) > _MEDIAN_NORM:
-            what = f"half of the quaternions are longer than {median:.3g}, expected 1"
-            raise TraceError(f"{where}: {what}: were the wrong columns read? --columns names the right ones")
-        off = np.abs(norm - 1)
-        bad, worst = np.flatnonzero(off > _COARSE_NORM), int(off.argmax())
-        q /= np.where(off > 4e-16, norm, 1.0)[:, None]
-        found = bad, counted(len(bad), "quaternion"), _COARSE_NORM, off[worst], self.r.line[worst]
-        return found if len(bad) else None
 
-    def turn_and_scale(self) -> Found:
-        """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
-        self.judged.weigh()
-        self.judged.axes.apply(self.r.position, self.r.orientation)
-        if self.r.position is None:
-            return (None,)
-        if (scale := self.judged.scale[0]) != 1:
-            self.r.position *= scale
-        return None
+def _pose_repeats(r: Recording) -> NDArray[np.bool_]:
+    """Return of each row but the last whether the next has the same pose, (n - 1,)."""
+    same = (r.orientation[1:] == r.orientation[:-1]).all(axis=1)
+    return np.asarray(same if r.position is None else same & (r.position[1:] == r.position[:-1]).all(axis=1))
 
-    def find_gaze(self) -> Found:
-        """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
-        found = self.r.gaze
-        if found is None:
-            return None
-        length = np.linalg.norm(found, axis=1, keepdims=True)
-        lost = length[:, 0] < _WORST_NORM
-        if found.shape[1] == 4:
-            lost |= ~found[:, :3].any(axis=1)  # where the eyes are lost, trackers write no turn at all
-            turns = np.where(lost[:, None], (0.0, 0.0, 0.0, 1.0), found / np.maximum(length, _ZERO_NORM))
-            self.judged.axes.apply(None, turns)
-            world = quaternions.rotate(turns, np.array([[0.0, 0.0, -1.0]]))
-            gaze = quaternions.rotate(self.r.orientation * (-1, -1, -1, 1), world)
-        else:
-            gaze = found @ self.judged.axes.head.T
-        lost |= gaze[:, 2] > -_WIDEST_GAZE
-        gaze[lost] = np.nan
-        self.r.gaze = None if lost.all() else gaze
-        return (np.flatnonzero(lost), counted(int(lost.sum()), "row")) if lost.any() else None
 
-    def sign_flips(self) -> Found:
-        """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
-        flips = quaternions.make_continuous(self.r.orientation)
-        return (flips, counted(len(flips), "time")) if len(flips) else None
+def _drop_default_poses(r: Recording) -> None:
+    """Drop rows of no turn, or exactly at the origin, that the head jumps to and from."""
+    q, p = r.orientation, r.position
+    default = np.abs(q[:, :3]).max(axis=1) < _ZERO_NORM
+    if p is not None:
+        default |= ~p.any(axis=1)
+    run = int(np.append(_pose_repeats(r), False).argmin()) + 1  # what recorders write until tracking starts
+    default[:run] |= run >= _LEAST_RUN
+    if default.all() or not default.any():
+        return
+    jumps = np.zeros(len(q) + 1, bool)  # before each row, and after the last
+    jumps[[0, -1]] = True
+    jumps[find_jumps(r.time_ns, q, None if p is None else p * r.judged.scale[0]) + 1] = True
+    starts, ends = (np.flatnonzero(np.diff(default.astype(np.int8), prepend=0, append=0) == way) for way in (1, -1))
+    lost = [np.arange(a, b) for a, b in zip(starts, ends, strict=True) if jumps[a] and jumps[b]]
+    if lost:
+        r.found("default-pose", np.concatenate(lost), counted(sum(map(len, lost)), "row"), counted(len(lost), "time"))
 
-    def repeats(self) -> Found:
-        at = np.flatnonzero(self.pose_repeats()) + 1
-        return (at, counted(len(at), "row"), 100 * len(at) / len(self.r)) if len(at) else None
 
-    def gaps(self) -> Found:
-        steps, limit = np.diff(self.r.time_ns), gap_limit_ns(self.r.time_ns)
-        gaps = np.flatnonzero(steps > limit) + 1
-        return (gaps, counted(len(gaps), "gap"), limit / 1e6, steps.max() / 1e9) if len(gaps) else None
+_WORST_NORM, _LARGEST_NORM, _MEDIAN_NORM = 0.5, 2.0, 0.1
 
-    def short_steps(self) -> Found:
-        """Find steps too short to divide by."""
-        steps = np.diff(self.r.time_ns)
-        short = np.flatnonzero(steps * 10 < int(np.median(steps))) + 1 if len(steps) else steps
-        return (short, counted(len(short), "step"), steps.min() / 1e6) if len(short) else None
 
-    def find_jumps(self) -> Found:
-        """Find teleports: steps that no head can make."""
-        self.r.jumps = find_jumps(self.r.time_ns, self.r.orientation, self.r.position)
-        return (self.r.jumps + 1, counted(len(self.r.jumps), "jump")) if len(self.r.jumps) else None
+def _rotations(r: Recording) -> None:
+    """Normalise quaternions: slightly off ones silently, bad ones noted; refuse the rest."""
+    q, norm = r.orientation, np.linalg.norm(r.orientation, axis=1)
+    hopeless = (norm < _WORST_NORM) | (norm > _LARGEST_NORM)
+    if hopeless.any():
+        row = int(hopeless.argmax())
+        what = f"a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}"
+        why = "were the wrong columns read, or is the row damaged?"
+        raise TraceError(f"{r.where}: line {r.line[row]}: {what}; {why}")
+    median = float(np.median(norm))
+    if abs(median - 1) > _MEDIAN_NORM:
+        what = f"half of the quaternions are longer than {median:.3g}, expected 1"
+        raise TraceError(f"{r.where}: {what}: were the wrong columns read? --columns names the right ones")
+    off = np.abs(norm - 1)
+    bad, worst = np.flatnonzero(off > _COARSE_NORM), int(off.argmax())
+    q /= np.where(off > 4e-16, norm, 1.0)[:, None]
+    r.found("norm-off", bad, counted(len(bad), "quaternion"), _COARSE_NORM, off[worst], r.line[worst])
 
-    def tilt(self) -> Found:
-        self.judged.report_tilt()
-        return None
+
+_WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
+
+
+def _axes_and_unit(r: Recording) -> None:
+    """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
+    r.judged.weigh()
+    r.judged.axes.apply(r.position, r.orientation)
+    if r.position is None:
+        r.found("no-position", None)
+    elif (scale := r.judged.scale[0]) != 1:
+        r.position *= scale
+    if r.gaze is not None:
+        _turn_gaze(r, r.gaze)
+
+
+def _turn_gaze(r: Recording, found: NDArray[np.float64]) -> None:
+    """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
+    length = np.linalg.norm(found, axis=1, keepdims=True)
+    lost = length[:, 0] < _WORST_NORM
+    if found.shape[1] == 4:
+        lost |= ~found[:, :3].any(axis=1)  # where the eyes are lost, trackers write no turn at all
+        turns = np.where(lost[:, None], (0.0, 0.0, 0.0, 1.0), found / np.maximum(length, _ZERO_NORM))
+        r.judged.axes.apply(None, turns)
+        world = quaternions.rotate(turns, np.array([[0.0, 0.0, -1.0]]))
+        gaze = quaternions.rotate(r.orientation * (-1, -1, -1, 1), world)
+    else:
+        gaze = found @ r.judged.axes.head.T
+    lost |= gaze[:, 2] > -_WIDEST_GAZE
+    gaze[lost] = np.nan
+    r.gaze = None if lost.all() else gaze
+    r.found("gaze-lost", np.flatnonzero(lost), counted(int(lost.sum()), "row"))
+
+
+def _what_is_missing(r: Recording) -> None:
+    """Note what lies between the poses, none of which is mended but signs."""
+    flips = quaternions.make_continuous(r.orientation)  # q and -q are one rotation, but interpolation needs one sign
+    r.found("sign-flip", flips, counted(len(flips), "time"))
+    at = np.flatnonzero(_pose_repeats(r)) + 1
+    r.found("repeated-pose", at, counted(len(at), "row"), 100 * len(at) / len(r))
+    steps, limit = np.diff(r.time_ns), gap_limit_ns(r.time_ns)
+    if len(steps):
+        far, short = (np.flatnonzero(which) + 1 for which in (steps > limit, steps * 10 < int(np.median(steps))))
+        r.found("gap", far, counted(len(far), "gap"), limit / 1e6, steps.max() / 1e9)
+        r.found("short-step", short, counted(len(short), "step"), steps.min() / 1e6)
+    r.jumps = find_jumps(r.time_ns, r.orientation, r.position)  # steps that no head can make
+    r.found("jump", r.jumps + 1, counted(len(r.jumps), "jump"))
+    r.judged.report_tilt()
+    _need_two_rows(r)

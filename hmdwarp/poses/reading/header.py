@@ -37,6 +37,7 @@ _BARE_TURNS = ("rx", "ry", "rz")
 _HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
 UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+Groups = dict[tuple[str, ...], dict[str, int]]  # columns of each axis, by the other words of their names
 _ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
 
 
@@ -63,8 +64,7 @@ class Columns:
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
 
 
-def is_number(field: str) -> bool:
-    """Return whether the field is a number, with decimal point or comma."""
+def is_number(field: str) -> bool:  # with decimal point or comma
     return _NUMBER.match(field) is not None
 
 
@@ -83,7 +83,6 @@ def direction_of(names: list[str]) -> str | None:
 
 
 def names_rotation(name: str) -> bool:
-    """Return whether a name is that of an orientation."""
     return bool(set(words(name)) & _ROTATION)
 
 
@@ -177,7 +176,7 @@ def owner_rank(name: str) -> int:
     return 2 if found & _ANOTHERS else 0 if found & _OWN else 1
 
 
-def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list[str]]) -> tuple[int, ...]:
+def _find_vector(groups: Groups, split: list[list[str]]) -> tuple[int, ...]:
     """Return the columns of a rotation vector, or of an axis and its angle."""
     keys = [key for key, axes in groups.items() if {"x", "y", "z"} <= set(axes) and "w" not in axes]
     free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
@@ -192,23 +191,18 @@ def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list
     return xyz if about is None or angle is None else (*xyz, angle)
 
 
-def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
+def _find_angles(split: list[list[str]], groups: Groups) -> tuple[int, int, int] | None:
     """Return the columns of the angles about x (pitch), y (yaw) and z (roll) of a head."""
     named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
-    found = {
-        axis: named[word]
-        for word, axis in _ANGLES.items()
-        if word in named and not set(split[named[word]]) & _ELSEWHERE
-    }
+    told = {axis: named[word] for word, axis in _ANGLES.items() if word in named}
+    found = {axis: column for axis, column in told.items() if not set(split[column]) & _ELSEWHERE}
     bare = {parts[0][1]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
     key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
     at = found if len(found) == 3 else bare if len(bare) == 3 else {} if key is None else groups[key]
     return (at["x"], at["y"], at["z"]) if at else None
 
 
-def _find_euler(
-    names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]
-) -> tuple[str, ...]:
+def _find_euler(names: list[str], split: list[list[str]], groups: Groups) -> tuple[str, ...]:
     found = [names[i] for i, parts in enumerate(split) if set(parts) & (_EULER | {*_BARE_TURNS})]
     for key, axes in groups.items():
         if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:

@@ -19,17 +19,9 @@ from ..track import PoseTrack
 from . import header
 from .axes import OPENXR, parse_axes
 from .pose_messages import COLUMNS as MESSAGES
-from .text_table import Head
-from .times import BILLION, DATE, UNITS_NS
+from .text_table import BILLION, CAVEATS, DATE, UNITS_NS, Head
 
-_ORDER_ASSUMED = Defect(
-    "order-assumed",
-    "nothing in the file says whether w comes first or last in its quaternions",
-    "w last taken, as in TUM files; --quat-order wxyz takes it first",
-)
-_UNSTAMPED = Defect(
-    "stamp-missing", "its messages have no time stamps of their own", "the times at which they were logged taken"
-)
+_ORDER_ASSUMED, _UNSTAMPED = (Defect(kind, **told) for kind, told in CAVEATS.items())
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
 _CLOCKED = 0.9  # share of the steps in which a clock rises
 _OFF = 0.02  # of a rotation's matrix
@@ -40,21 +32,14 @@ _COUNTS = {"t": (1,), "p": (3,), "q": (4,), "m": (9, 12, 16), "r": (3,), "a": (4
 
 
 def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
-    """Return a layout from the header's names.
-
-    known: facts of the format: unit, axes, device, scale, caveats. Errors: TraceError for Euler
-    angles only, and for a quaternion that is missing or of unknown order.
-    """
+    """Return a layout from the header's names and the facts of the format. Errors: TraceError."""
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = header.find_columns(head.names)
-
     clock, told = _clock(head, found)
-    facts = clock | {
-        **{"unit_by": By.FORMAT if "unit" in known else By.FILE},
-        **{"position": found.position, "device": column_of_devices(head)},
-        **{"scale": found.length_m or 1.0, "scale_by": By.FILE if found.length_m else By.DEFAULT},
-    }
+    facts = clock | {"position": found.position, "device": column_of_devices(head)}
+    facts |= {"unit_by": By.FORMAT if "unit" in known else By.FILE, "scale": found.length_m or 1.0}
+    facts["scale_by"] = By.FILE if found.length_m else By.DEFAULT
     if found.gravity and len(down := head.numbers(found.gravity, commas=False)):
         facts["gravity_down"] = tuple(sum(column) / len(down) for column in zip(*down.tolist(), strict=True))
     gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
@@ -129,25 +114,20 @@ def _turn(head: Head, found: header.Columns, options: TraceOptions, known: dict[
 def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
     """Return the layout of time, position and quaternion in this order, without a header.
 
-    Named as a format, the file has w in that order. Blank-separated it is TUM's, w last, as evo and
-    others write and read it; otherwise the order must be stated.
-    Errors: TraceError for fewer columns, or an unknown order.
+    Named as a format, the file has w as that has it. Blank-separated it is TUM's, w last, as evo
+    and others write it; otherwise the order must be stated. Errors: TraceError.
     """
     if head.width < 8:
         raise TraceError(f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: a time and a pose")
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
     stated = By.FORMAT if options.format == name else By.DEFAULT
-    return Layout(
-        time=0,
-        position=(1, 2, 3),
-        orientation=ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known),
-        columns_by=stated,
-        order_by=By.USER if options.quat_order else stated,
-        unit=unit,
-        unit_by=By.FORMAT,
-        caveats=(_ORDER_ASSUMED,) if assumed else (),
+    turn, order_by = (
+        ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known),
+        By.USER if options.quat_order else stated,
     )
+    said: dict[str, Any] = {"columns_by": stated, "order_by": order_by, "unit": unit, "unit_by": By.FORMAT}
+    return Layout(0, turn, position=(1, 2, 3), caveats=(_ORDER_ASSUMED,) if assumed else (), **said)
 
 
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
@@ -224,22 +204,16 @@ def axes_stated(head: Head) -> str | None:
 
 
 def columns_read(head: Head, layout: Layout, device: str) -> str:
-    """Return which columns were read as what, by name, or by number from 1.
-
-    device: whose rows were taken; "" where the file does not say.
-    """
+    """Return which columns were read as what, by name or number. device: whose rows, or ""."""
     names = head.names or []
-    parts: dict[str, tuple[int | None, ...]] = {
-        **{"time": (layout.time, layout.rest), "device": (layout.device,)},
-        **{"position": layout.position or (), "orientation": layout.orientation, "gaze": layout.gaze},
-    }
-    words = {
-        part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
-        for part, columns in parts.items()
-    }
-    if device:
-        words["device"] += f" = {device}"
-    return "; ".join(f"{part}: {columns}" for part, columns in words.items() if columns)
+    parts: dict[str, tuple[int | None, ...]] = {"time": (layout.time, layout.rest), "device": (layout.device,)}
+    parts |= {"position": layout.position or (), "orientation": layout.orientation, "gaze": layout.gaze}
+    told = []
+    for part, columns in parts.items():
+        words = ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
+        words += f" = {device}" if part == "device" and device else ""
+        told += [f"{part}: {words}"] if words else []
+    return "; ".join(told)
 
 
 def stated_layout(head: Head, options: TraceOptions) -> Layout:
@@ -301,16 +275,12 @@ def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, A
     decided = len(fits) == 1 and len(cells) > 9
     way, grid = next(iter(fits.items()))
     last = ("0,0,0,1 is its last row", "3x4") if way == ROWS else ("0,0,0,1 is its last column", "4x3")
-    return {
-        "orientation": tuple(cells[i] for i in grid[:3, :3].ravel()),
-        "position": tuple(cells[i] for i in grid[:3, 3]) if len(cells) > 9 else None,
-        "matrix": f"by {way}" + (f" ({last[len(cells) == 12]})" if decided else ""),
-        "order_by": By.USER if order else By.FILE if decided else By.DEFAULT,
-    }
+    turn, place = (tuple(cells[i] for i in part.ravel()) for part in (grid[:3, :3], grid[:3, 3:]))
+    matrix, by = f"by {way}" + f" ({last[len(cells) == 12]})" * decided, By.FILE if decided else By.DEFAULT
+    return {"orientation": turn, "position": place or None, "matrix": matrix, "order_by": By.USER if order else by}
 
 
-# What a table of a format names where a header does not tell: how it is recognised (the score of
-# `TraceFormat.sniff`), and how it is read.
+# What a table of a format names where a header does not tell: its score, and how it is read.
 
 
 def _sniff_ticks(head: Head) -> int:
@@ -376,24 +346,17 @@ def _of_multiviewpoint(head: Head, options: TraceOptions, facts: dict[str, Any])
 
 def _of_messages(head: Head, options: TraceOptions, facts: dict[str, Any]) -> Layout:
     stamped = any(int(row[0]) for row in head.rows)
-    return Layout(
-        time=MESSAGES.index("stamp_ns" if stamped else "log_time_ns"),
-        unit_by=By.FORMAT,
-        columns_by=By.FORMAT,
-        device=MESSAGES.index("topic"),
-        position=(3, 4, 5),
-        orientation=(6, 7, 8, 9),
-        caveats=() if stamped else (_UNSTAMPED,),
-        **facts,
-    )
+    time, device = (MESSAGES.index(name) for name in ("stamp_ns" if stamped else "log_time_ns", "topic"))
+    said: dict[str, Any] = {**facts, "unit_by": By.FORMAT, "columns_by": By.FORMAT, "device": device}
+    return Layout(time, (6, 7, 8, 9), position=(3, 4, 5), caveats=() if stamped else (_UNSTAMPED,), **said)
 
 
 def refuse_hanging(head: Head, track: PoseTrack) -> None:
     """Refuse frames whose head hangs upside down, and would be upright had w come last.
 
-    Upside down means a tenth of the time. The vertical part of the head's own up is 1 - 2 (x^2 +
-    y^2) in the file's axes. Read in the wrong order it swings with the heading instead, so only a
-    head that has turned reveals the order. Errors: TraceError.
+    The vertical part of the head's own up is 1 - 2 (x^2 + y^2) in the file's axes. Read in the
+    wrong order it swings with the heading. Upside down means a tenth of the time. Errors:
+    TraceError.
     """
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)

@@ -1,21 +1,23 @@
 """From the text of a trace to columns of numbers: a first look at the file, then its rows.
 
-A fast C parser reads chunk by chunk, and a tolerant reader takes the chunks that it refuses. Memory
-stays at the size of the result plus one chunk. Every row keeps the number of its line, for
-messages.
+A fast C parser reads chunk by chunk, a tolerant reader takes the chunks that it refuses: memory
+stays at the size of the result plus one chunk. Every row keeps its line, for messages.
 """
 
 from __future__ import annotations
 
+import datetime
+import decimal
 import gzip
 import io
 import itertools
 import math
 import os
 import re
+import tomllib
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -27,12 +29,10 @@ from ...errors import TraceError, counted
 from ...options.named_files import LIST, TRACE, most_unpacked, opened
 from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, TraceOptions
-from .colmap import MARK, table_of_colmap
 from .header import COMMENT_SIGNS, Made, is_number
-from .made_rows import cells_reader, export_reader, table_of_json
+from .made_rows import MARK, cells_reader, export_reader, table_of_colmap, table_of_json
 from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS
-from .times import BILLION, UNITS_NS, WIDTH, Stamps, parse_fields, parse_one, stamps_of
 
 Array = NDArray[np.float64]
 LOOK_BYTES = 256 * 1024
@@ -50,6 +50,8 @@ _MATRIX_OFF = 0.05
 _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
+_TOLD: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cleaning.toml").read_text("utf-8"))
+CAVEATS: dict[str, dict[str, str]] = _TOLD.pop("caveats")
 _WORDS = {"nan", "inf", "infinity", "null", "none"}
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
 
@@ -96,7 +98,7 @@ class Head:
 
     @property
     def kind(self) -> str:
-        """Return "text", or what the rows were made of, for instance "json"."""
+        """Of the rows: "text", or what they were made of, such as "json"."""
         return "text" if self.made is None else self.made.kind
 
     @property
@@ -105,7 +107,7 @@ class Head:
         return len(self.rows[0])
 
     def numbers(self, columns: tuple[int, ...], commas: bool = True) -> Array:
-        """Return these columns of the first rows, (n, columns), of those with a number in each."""
+        """Return (n, columns) of those of the first rows that have a number in each."""
         rows = [[row[c] for c in columns] for row in self.rows if len(row) > max(columns)]
         rows = [[f.replace(",", ".") if commas else f for f in row] for row in rows]
         good = [row for row in rows if all(is_number(field) and "," not in field for field in row)]
@@ -116,7 +118,6 @@ class Head:
         return self.names.index(name) if self.names and name in self.names else None
 
     def describe(self) -> str:
-        """Return one phrase for error messages."""
         how = {None: "blank", ",": "comma", ";": "semicolon", "\t": "tab"}[self.separator]
         named = f"the columns {', '.join(self.names)}" if self.names else "no header"
         return f"{self.width} {how}-separated columns and {named if len(named) < 160 else named[:157] + '...'}"
@@ -270,9 +271,6 @@ class Segment:
     taken: bool  # whether it was used
 
 
-Found = tuple[Any, ...] | None  # of a step of cleaning: the rows concerned, None for all, and words
-
-
 @attrs.define(eq=False)
 class Recording:
     """The rows of a file on their way to a track, a column each, and what was found of them."""
@@ -296,6 +294,7 @@ class Recording:
     taken: str = ""  # the device whose rows are kept
     segments: list[Segment] = attrs.field(factory=list)
     jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
+    judged: Any = None  # its axes, see `axes.JudgedAxes`
 
     def __len__(self) -> int:
         return len(self.line)
@@ -311,10 +310,20 @@ class Recording:
             if (column := getattr(self, name)) is not None and len(column):
                 setattr(self, name, column[which])
 
-    def note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None) -> None:
+    def note(self, kind: str, what: str, done: str, at: Sequence[int] | NDArray[np.integer] | None = None) -> None:
         """Record a defect and its repair. at: the rows concerned."""
         count, line = (1, None) if at is None else (len(at), int(self.line[at[0]]))
         self.defects.append(Defect(kind, what, done, count, line))
+
+    def found(self, kind: str, at: Sequence[int] | NDArray[np.integer] | None, *words: object) -> None:
+        """Tell of a defect by cleaning.toml, and drop its rows if that says so. at: or None."""
+        if at is None or len(at):
+            told = _TOLD[kind]
+            self.note(kind, told.get("text", "{}").format(*words), told["done"].format(*words), at)
+            if told.get("drops"):
+                kept = np.ones(len(self), bool)
+                kept[at] = False
+                self.keep(kept)
 
 
 class RowReader:
@@ -351,7 +360,13 @@ class RowReader:
         if again := self._repeated_headers:
             what = f"the header comes again {counted(len(again), 'time')}"
             self.defects.append(Defect("header-repeated", what, "skipped", len(again), again[0]))
-        self._judge_bad_rows(count)
+        if self._first_bad is not None:  # up to a share of rows without a pose are dropped; else it was misread
+            (line, reason), bad, rows = self._first_bad, self._bad_rows, self._bad_rows + count
+            if bad > self.options.lost_rows * rows:
+                rest = f"; --lost-rows {math.ceil(100 * bad / rows) / 100:g} reads the others" if count > 1 else ""
+                raise TraceError(f"{head.path}: line {line}: {reason} ({bad} of {rows} rows hold no pose{rest})")
+            what = f"{bad} of {rows} rows hold no pose, the first in line {line} ({reason.removesuffix(_REPAIR)})"
+            self.defects.append(Defect("row-without-pose", what, "dropped", bad, line))
         if not count:
             cut = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{head.path} holds no usable row{cut}")
@@ -359,24 +374,13 @@ class RowReader:
         for name, pieces in self._parts.items():
             columns[name] = np.concatenate(pieces)
             pieces.clear()  # at once: the peak is the result and one column
-        clock = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
-        whole, parts, decimals = clock
+        stamps = (columns.pop(name, np.zeros(0, np.int64)) for name in ("whole", "billionths", "decimals"))
+        whole, parts, decimals = stamps
         if self.layout.rest is not None and parts.max(initial=0) >= BILLION:  # a clock of its own
             whole, parts = np.divmod(parts, BILLION)
         columns["orientation"] = self._quaternions(columns["orientation"])
-        stamps = Stamps(whole, parts, self._is_clock, decimals)
-        return Recording(head, self.layout, self.options, self._is_cut, self.defects, stamps, **columns)
-
-    def _judge_bad_rows(self, good: int) -> None:
-        """Drop up to a share of rows without a pose; else the file was misread: TraceError."""
-        if self._first_bad is None:
-            return
-        (line, reason), count, rows = self._first_bad, self._bad_rows, self._bad_rows + good
-        if count > self.options.lost_rows * rows:
-            rest = f"; --lost-rows {math.ceil(100 * count / rows) / 100:g} reads the others" if good > 1 else ""
-            raise TraceError(f"{self.head.path}: line {line}: {reason} ({count} of {rows} rows hold no pose{rest})")
-        what = f"{count} of {rows} rows hold no pose, the first in line {line} ({reason.removesuffix(_REPAIR)})"
-        self.defects.append(Defect("row-without-pose", what, "dropped", count, line))
+        clock = Stamps(whole, parts, self._is_clock, decimals)
+        return Recording(head, self.layout, self.options, self._is_cut, self.defects, clock, **columns)
 
     def _wrong_width(self, found: int, wanted: int) -> str:
         what = f"{found} fields where {'the header names' if self.head.names else 'the first row has'} {wanted}"
@@ -425,21 +429,15 @@ class RowReader:
             if column is not None:
                 self._parts[name].append(column)
 
-    def _prepared(self, text: bytes) -> bytes:
-        if self.head.newline == b"\r":
-            text = text.replace(b"\r", b"\n")
-        if self.head.decimal_comma:
-            text = text.replace(b",", b".")
-        if self.head.separator is not None:
-            mark = self.head.separator.encode()
-            for blank in (b" ", b"\t"):
-                if blank != mark and blank in text:
-                    text = text.replace(mark + blank, mark)
-        return text
-
     def _read_fast(self, text: bytes, line: int, count: int) -> bool:
         """Parse the whole chunk by numpy's C parser; return False for anything unusual."""
-        text, layout = self._prepared(text), self.layout
+        layout = self.layout
+        text = text.replace(b"\r", b"\n") if self.head.newline == b"\r" else text
+        text = text.replace(b",", b".") if self.head.decimal_comma else text
+        mark = None if self.head.separator is None else self.head.separator.encode()
+        for blank in (b" ", b"\t"):
+            if mark is not None and mark != blank and blank in text:
+                text = text.replace(mark + blank, mark)
         if not self._regular(text, count):
             return False
         texts = {"t": layout.time, "d": layout.device, "r": layout.rest}
@@ -578,3 +576,114 @@ class RowReader:
         out = np.zeros((len(matrices), 4))
         out[turns > 0.1] = Rotation.from_matrix(matrices[turns > 0.1]).as_quat()  # lost tracking writes zeros
         return out
+
+
+BILLION = 1_000_000_000
+WIDTH = 48  # bytes kept of a time field; chunks with longer ones take the slow path
+LARGEST = 2**62
+DAY_S = 86400
+_UNIX_DAY = datetime.date(1970, 1, 1).toordinal()
+DATE = re.compile(r"(?:[0-9]{4}[-/.][0-9][0-9]?[-/.][0-9][0-9]?|[0-9][0-9]?[-/.][0-9][0-9]?[-/.][0-9]{4})$")
+_CLOCK = re.compile(
+    rf"(?:({DATE.pattern[:-1]})[T _])?([0-9]{{1,2}}):([0-9]{{1,2}}):([0-9]{{1,2}})(?:[.,:]([0-9]+))?(?: ?([AP])M)?"
+    r"(?: ?(?:Z|(?:UTC|GMT)?(?:([+-])([0-9][0-9]):?([0-9][0-9])?)?))?$",
+    re.IGNORECASE,
+)
+UNITS_NS = {"s": BILLION, "ms": 1_000_000, "us": 1_000, "100ns": 100, "ns": 1}
+_NAMES = "seconds", "milliseconds", "microseconds", "ticks of 100 ns", "nanoseconds"
+UNIT_NAMES = dict(zip(UNITS_NS, _NAMES, strict=True))
+
+
+@attrs.define
+class Stamps:
+    """Times in the file's unit."""
+
+    whole: NDArray[np.int64]  # (n,)
+    billionths: NDArray[np.int64]  # (n,) in 0..1e9-1
+    clock: bool = False  # written as HH:MM:SS, so in seconds
+    decimals: NDArray[np.int8] | None = None  # (n,) how many were written; above 9: unknown
+
+    def __getitem__(self, keep: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Stamps:
+        decimals = None if self.decimals is None else self.decimals[keep]
+        return Stamps(self.whole[keep], self.billionths[keep], self.clock, decimals)
+
+    def __len__(self) -> int:
+        return len(self.whole)
+
+    def text(self) -> str:
+        """Return the first stamp as a decimal number."""
+        parts = f"{int(self.billionths[0]):09d}".rstrip("0")
+        return f"{int(self.whole[0])}{'.' if parts else ''}{parts}"
+
+    def steps(self) -> NDArray[np.float64]:
+        """(n - 1,) differences in the file's unit; exact wherever they are small."""
+        return np.diff(self.whole) + np.diff(self.billionths) * 1e-9
+
+
+def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
+    """Parse plain decimal stamps at once, others one by one. Errors: ValueError, also if cut."""
+    fields = np.ascontiguousarray(fields)
+    if fields.view(np.uint8).reshape(len(fields), -1)[:, -1].any():
+        raise ValueError("a longer field than is kept")
+    fast = _parse_plain(fields)
+    return fast if fast is not None else stamps_of([parse_one(field.decode("latin-1")) for field in fields.tolist()])
+
+
+def stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:
+    """Return stamps of what `parse_one` gives."""
+    whole, parts, decimals = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1, 3))
+    return Stamps(whole, parts, any(stamp[2] for stamp in parsed), decimals.astype(np.int8))
+
+
+def parse_one(text: str) -> tuple[int, int, bool, int]:
+    """Return whole, billionths, whether it is a clock, decimals of a stamp. Errors: ValueError."""
+    text = text.strip().strip('"').strip()
+    clock = _CLOCK.match(text)
+    if clock:
+        day, hours, minutes, seconds, fraction, half, sign, *offset = clock.groups()
+        hour = int(hours) % 12 + (12 if half in "pP" else 0) if half else int(hours)
+        east = (-1 if sign == "-" else 1) * (int(offset[0] or 0) * 60 + int(offset[1] or 0))
+        days = 0
+        if day:  # where neither of two numbers is over 12, the day comes before the month
+            a, b, c = map(int, re.split("[-/.]", day))
+            year, month, date = (a, b, c) if a > 31 else (c, a, b) if b > 12 else (c, b, a)
+            days = datetime.date(year, month, date).toordinal() - _UNIX_DAY
+        whole = ((days * 24 + hour) * 60 + int(minutes) - east) * 60 + int(seconds)
+        digits = fraction or ""
+        return whole if day else whole % DAY_S, int(digits[:9].ljust(9, "0")), True, min(len(digits), 10)
+    if "_" in text:
+        raise ValueError(f"'{text}' is no time")
+    try:
+        value = decimal.Decimal(text)
+    except decimal.InvalidOperation:
+        raise ValueError(f"'{text}' is no time") from None
+    # Check the exponent before computing: int(Decimal("1e999999999")) would not end.
+    if not value.is_finite() or value.adjusted() > 18:
+        raise ValueError(f"'{text}' is no time")
+    if value.adjusted() < -30:
+        return 0, 0, False, 10
+    with decimal.localcontext(prec=60):
+        whole = int(value.to_integral_value(decimal.ROUND_FLOOR))
+        parts = int((value - whole) * BILLION)
+    if abs(whole) >= LARGEST:
+        raise ValueError(f"time '{text}' is beyond 2^62")
+    digits = text.partition(".")[2]
+    return whole, parts, False, min(len(digits), 10) if digits.isdigit() or not digits else 10
+
+
+def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
+    """Parse digits with at most one point and a sign; None for anything else or too long."""
+    ahead, _, rest = np.strings.partition(fields, b".")
+    negative, digits = np.strings.startswith(ahead, b"-"), np.strings.lstrip(ahead, b"-")
+    length, decimals = np.strings.str_len(digits), np.strings.str_len(rest)
+    plain = np.strings.isdigit(digits) & (np.strings.isdigit(rest) | (decimals == 0))  # ".5" takes the slow path too
+    if not (plain & (np.strings.str_len(ahead) == length + negative)).all():
+        return None
+    # 19 digits, nanoseconds since 1970, wrap from 9.2e18 on.
+    if (length > 19).any() or ((length == 19) & (negative | (digits > b"4"))).any():
+        return None
+    whole = digits.astype(np.int64)
+    parts = np.strings.ljust(rest, 9, b"0").astype("S9").astype(np.int64)
+    borrow = negative & (parts > 0)
+    whole, parts = np.where(negative, -whole - borrow, whole), np.where(borrow, BILLION - parts, parts)
+    return Stamps(whole, parts, decimals=np.minimum(decimals, 10).astype(np.int8))

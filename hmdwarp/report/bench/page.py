@@ -10,62 +10,13 @@ import attrs
 import numpy as np
 
 from ...metrics import PRIMARY, REGIONS, error_and_time, metrics, metrics_in_order
-from ..charts import (
-    GRID,
-    HATCHES,
-    INK,
-    REGION_COLOURS,
-    Drawn,
-    Look,
-    Spot,
-    Style,
-    canvas,
-    draw_spots,
-    drawing,
-    dress,
-    empty_figure,
-    legend,
-    mark,
-    name_rows,
-    not_measured,
-    svg_text,
-)
-from ..page import (
-    CLOCK_NAMES,
-    Chart,
-    Choice,
-    Fold,
-    Page,
-    Section,
-    Sentences,
-    Text,
-    Tile,
-    fact,
-    machine_pairs,
-    minutes,
-    notes_section,
-    reading_section,
-    texts,
-)
+from .. import charts, page
+from ..charts import Drawn, Look, Spot, Style, canvas
+from ..page import texts
 from ..run_texts import Table, axes_of_traces, counted, listed
+from . import rows as bench_rows
 from .crops import Crops, crops_chart
-from .rows import (
-    COLUMNS,
-    RULE,
-    Case,
-    Column,
-    Row,
-    at,
-    cases,
-    choice_text,
-    common,
-    decision,
-    marked_how,
-    measure_label,
-    row_name,
-    table_of,
-    verdict_text,
-)
+from .rows import COLUMNS, Case, Column, Row, at, choice_text, common, measure_label, row_name, table_of
 
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
@@ -119,13 +70,13 @@ def pareto_chart(
     ) as axes:  # fmt: skip
         axes.set(xlabel="time per eye, all stages, in ms", ylabel=measure_label(measure))
         higher = metrics.get(measure).higher_is_better
-        draw_spots(axes, spots, higher=higher)
+        charts.draw_spots(axes, spots, higher=higher)
         if spots:
-            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=INK)
-        key = mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
-        legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
-        legend(axes.figure, names, **place, **_KEY)
-        drawn = svg_text(axes.figure)
+            axes.annotate("better ↖" if higher else "better ↙", (1, 1), (0, 4), **_ABOVE, ha="right", color=charts.INK)
+        key = charts.mark("Pareto front (filled, bold)", linewidth=1.1, alpha=0.55)
+        charts.legend(axes, [key], loc="lower left", bbox_to_anchor=(0, 1), **_KEY)
+        charts.legend(axes.figure, names, **place, **_KEY)
+        drawn = charts.svg_text(axes.figure)
     drawn.at_width = lambda wide: pareto_chart(case, measure, looks=looks, width_in=wide)
     return drawn
 
@@ -147,10 +98,7 @@ def _total_ms(row: Row) -> float:
 
 
 def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
-    """Return what each region adds to FLIP (share of pixels x FLIP there), and FLIP there.
-
-    None if not measured.
-    """
+    """Return what each region adds to FLIP (share x FLIP there), and FLIP there; or None."""
     regions = row.get("regions") or {}
     if not all(name in regions for name in REGIONS):
         return None
@@ -161,74 +109,70 @@ def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
 
 
 def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
-    """Draw one case as an <svg> element: what each region adds to FLIP, and FLIP within each.
-
-    The best row is on top. width_in: as of pareto_chart.
-    """
+    """Draw what each region adds to FLIP, and FLIP within it, the best row on top."""
     measured = [(row, parts) for row in case.ordered() if (parts := region_parts(row))]
     with_fill = len({row["fill"] for row in case.rows}) > 1
     names = [row_name(row, with_fill) for row, _ in measured]
     size_in = (width_in or _WIDTH_IN, 0.85 + _LINE_IN * max(len(measured), 2))
-    with drawing((case.label, names, width_in, [parts for _, parts in measured]), 9 if width_in is None else 7):
-        figure = empty_figure(*size_in, layout="constrained")
+    with charts.drawing((case.label, names, width_in, [parts for _, parts in measured]), 9 if width_in is None else 7):
+        figure = charts.empty_figure(*size_in, layout="constrained")
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
         for axes, label in ((left, "what each region adds to FLIP"), (right, "FLIP within each region")):
-            dress(axes, grid="x")
+            charts.dress(axes, grid="x")
             axes.set_xlabel(label)
         if not measured:
-            not_measured(left)
-            return svg_text(figure)
+            charts.not_measured(left)
+            return charts.svg_text(figure)
         values = np.array([[added for added, _ in parts] for _, parts in measured])
         starts = np.cumsum(values, axis=1) - values
         for number in range(len(REGIONS)):
             left.barh(
                 range(len(values)), values[:, number], left=starts[:, number], height=0.66,
-                color=REGION_COLOURS[number], hatch=HATCHES[number], edgecolor=INK, linewidth=0.5,
+                color=charts.REGION_COLOURS[number], hatch=charts.HATCHES[number], edgecolor=charts.INK, linewidth=0.5,
             )  # fmt: skip
         flips = np.array([[flip for _, flip in parts] for _, parts in measured], np.float64)  # NaN where there is none
         ends = np.fmin.reduce(flips, axis=1), np.fmax.reduce(flips, axis=1)
-        right.hlines(range(len(flips)), *ends, color=GRID, linewidth=2, zorder=1)
+        right.hlines(range(len(flips)), *ends, color=charts.GRID, linewidth=2, zorder=1)
         for number, marker in enumerate(_REGION_MARKERS):
-            right.plot(flips[:, number], range(len(flips)), marker=marker, markersize=6, **_dot(REGION_COLOURS[number]))
-        name_rows(left, names)
+            right.plot(
+                flips[:, number], range(len(flips)), marker=marker, markersize=6, **_dot(charts.REGION_COLOURS[number])
+            )
+        charts.name_rows(left, names)
         for axes in (left, right):
             axes.set_xlim(left=0)
         from matplotlib.legend_handler import HandlerTuple
         from matplotlib.patches import Patch
 
         handles = []
-        for colour, hatch, marker in zip(REGION_COLOURS, HATCHES, _REGION_MARKERS, strict=True):
-            patch = Patch(facecolor=colour, edgecolor=INK, hatch=hatch, linewidth=0.5)
-            handles.append((patch, mark(marker=marker, **_dot(colour))))
+        for colour, hatch, marker in zip(charts.REGION_COLOURS, charts.HATCHES, _REGION_MARKERS, strict=True):
+            patch = Patch(facecolor=colour, edgecolor=charts.INK, hatch=hatch, linewidth=0.5)
+            handles.append((patch, charts.mark(marker=marker, **_dot(colour))))
         labels = [name.replace("_", " ") for name in REGIONS]
-        legend(
+        charts.legend(
             figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
             loc="outside upper left", ncols=len(REGIONS) if width_in is None else 2,
         )  # fmt: skip
-        drawn = svg_text(figure)
+        drawn = charts.svg_text(figure)
     drawn.at_width = lambda wide: regions_chart(case, wide)
     return drawn
 
 
 def _dot(colour: str) -> Style:
-    return {"color": colour, "markeredgecolor": INK, "markeredgewidth": 0.7, "linestyle": "none"}
+    return {"color": colour, "markeredgecolor": charts.INK, "markeredgewidth": 0.7, "linestyle": "none"}
 
 
 MEASURES = ("flip", "psnr_db")
 
 
-def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -> Page:
-    """Return the page from the content of bench.json.
-
-    The same content gives the same page. Sections without data (no regions, no budget)
-    are left out. crops: of the first cases.
-    """
+def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -> page.Page:
+    """Return the page from the content of bench.json. crops: of the first cases."""
     rows: list[Row] = list(data["rows"])
-    groups = cases(rows)
+    groups = bench_rows.cases(rows)
     warps, fills = len(_unique(rows, "warp")), len(_unique(rows, "fill"))
     methods = counted(warps, "warp") + (f" × {counted(fills, 'fill')}" if fills > 1 else "")
     title = methods, f"in {counted(len(groups), 'case')}"
     clock_note = (data.get("clocks") or {}).get("note")
+    choice = data.get("choice")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
     rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
@@ -238,29 +182,51 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
     where = {
         note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
     }
-    return Page(
+    told = texts("bench")["notes"]["crops"]
+    cut = [
+        page.Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
+        for group, both in zip(groups, crops, strict=False)
+        if both
+    ]
+    facts = [
+        ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
+        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
+        ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
+        ("fills", listed(_unique(rows, "fill"))),
+        *(("", text) for text in common(rows)),
+    ]
+    return page.Page(
         kind="bench",
         title=f"hmdwarp bench: {' '.join(title)}",
         heading=title,
-        facts=_facts(rows, groups),
+        facts=[page.fact(label, text) for label, text in facts if text]
+        + [page.fact("", text) for text in common(rows)],
         command=data.get("command") or "",
         sections=(
-            _choice(data.get("choice")),
-            Section("", _tiles(data, rows), style="tiles", label="What was run"),
-            Section("", [clock_note and Text(clock_note)], style="after"),
-            notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
+            choice
+            and page.Section(
+                f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine",
+                [
+                    page.Text(row_name(choice), "name"),
+                    *(page.Text(text, "") for text in choice_text(choice)),
+                ],
+                style="answer",
+            ),
+            page.Section("", _tiles(data, rows), style="tiles", label="What was run"),
+            page.Section("", [clock_note and page.Text(clock_note)], style="after"),
+            page.notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
-            _crops(groups, crops),
+            page.Section("Crops and error maps", cut and [page.Text(told), *cut], id="crops"),
             _fronts(groups, rows),
             _regions(groups),
-            reading_section("bench", *explained, *rated),
+            page.reading_section("bench", *explained, *rated),
         ),
-        made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+        made_with=page.machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
     )
 
 
-def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
+def suite_section(entry: Mapping[str, Any] | None) -> page.Section | None:
     """Return the means of a suite over all heads and scenes; None for no suite."""
     if not entry:
         return None
@@ -288,11 +254,11 @@ def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
         f"{sequence['name']}: {'unknown' if (floor := sequence['noise_floor_db']) is None else f'{floor:g} dB'}"
         for sequence in entry.get("sequences", ())
     ]
-    blocks = [Table.of("", heads, lines, label=heading, words=2), Text(told["suite"]), *_halves(entry["over_all"])]
-    return Section(heading, [*blocks, floors and Text(f"{told['floors']} {listed(floors)}.")])
+    blocks = [Table.of("", heads, lines, label=heading, words=2), page.Text(told["suite"]), *_halves(entry["over_all"])]
+    return page.Section(heading, [*blocks, floors and page.Text(f"{told['floors']} {listed(floors)}.")])
 
 
-def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
+def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | page.Text]:
     """Return the means in the half that parameters are fitted on, and in the one held out."""
     names = {"fit": "fitted on", "held_out": "held out"}
     columns = [Column.of_text("", value=lambda row: f"{row['latency_ms']:g} ms"), Column.of_text("", value=row_name)]
@@ -301,93 +267,63 @@ def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
         columns.append(Column(of_half, at("halves", half, figure.name)))
     counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
     label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
-    return [Text(f"{label}."), table_of("", columns, rows, label=label)] if any(counts) else []
+    return [page.Text(f"{label}."), table_of("", columns, rows, label=label)] if any(counts) else []
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
     return list(dict.fromkeys(row[key] for row in rows))
 
 
-def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[str]:
-    facts = [
-        ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
-        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
-        ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
-        ("fills", listed(_unique(rows, "fill"))),
-    ]
-    return [fact(label, text) for label, text in facts if text] + [fact("", text) for text in common(rows)]
-
-
-def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
+def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[page.Tile]:
     clocks = data.get("clocks") or {}
     gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
     both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
     seconds, clock = data.get("seconds"), data.get("clock", "")
-    ran = f"run in {minutes(seconds)}" if seconds else "warp, fill, recording, latency"
+    ran = f"run in {page.minutes(seconds)}" if seconds else "warp, fill, recording, latency"
     return [
-        Tile("Combinations", "", str(len(rows)), ran),
-        Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), CLOCK_NAMES.get(clock, "")),
-        Tile("GPU timer check", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
+        page.Tile("Combinations", "", str(len(rows)), ran),
+        page.Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), page.CLOCK_NAMES.get(clock, "")),
+        page.Tile("GPU timer check", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
     ]
 
 
-def _choice(choice: Mapping[str, Any] | None) -> Section | None:
-    """Return the box with the method that was chosen within the budget, and the next step up."""
-    if not choice:
-        return None
-    heading = f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine"
-    return Section(
-        heading, [Text(row_name(choice), "name"), *(Text(text, "") for text in choice_text(choice))], style="answer"
-    )
-
-
-def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
-    note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★"))
-    winners = [verdict_text(group.verdict()) for group in groups if group.rows]
-    columns = [COLUMNS[name] for name in decision(rows)]
-    folds: list[Fold] = []
+def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> page.Section:
+    note = texts("bench")["notes"]["table"].format(sure=bench_rows.marked_how(rows, mark="★"))
+    winners = [bench_rows.verdict_text(group.verdict()) for group in groups if group.rows]
+    columns = [COLUMNS[name] for name in bench_rows.decision(rows)]
+    folds: list[page.Fold] = []
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
-        folds.append(Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
-    blocks = [Sentences(winners), Text(f"Rule: {RULE}."), Text(note), *folds]
-    return Section("Summary: best method per case", blocks, id="table")
+        folds.append(page.Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
+    blocks = [page.Sentences(winners), page.Text(f"Rule: {bench_rows.RULE}."), page.Text(note), *folds]
+    return page.Section("Summary: best method per case", blocks, id="table")
 
 
-def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> Section:
-    told = texts("bench")["notes"]["crops"]
-    charts = [
-        Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
-        for group, both in zip(groups, crops, strict=False)
-        if both
-    ]
-    return Section("Crops and error maps", [Text(told), *charts] if charts else [], id="crops")
-
-
-def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
+def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> page.Section:
     looks = looks_of(row for group in groups for row in group.ordered())
     known = [name for name in MEASURES if any(row["quality"][name]["mean"] is not None for row in rows)] or MEASURES
     charts = [
-        Chart(
+        page.Chart(
             group.label,
             tuple((name, pareto_chart(group, name, looks=looks), pareto_text(group, name)) for name in known),
         )
         for group in groups
     ]
     measures = [(name, measure_label(name).partition(",")[0]) for name in known]
-    choice = [Choice("measure-time", measures)] if len(known) > 1 else []
-    return Section("Error against time", [*choice, *charts], id="time")
+    choice = [page.Choice("measure-time", measures)] if len(known) > 1 else []
+    return page.Section("Error against time", [*choice, *charts], id="time")
 
 
-def _regions(groups: Sequence[Case]) -> Section:
-    folds: list[Fold] = []
+def _regions(groups: Sequence[Case]) -> page.Section:
+    folds: list[page.Fold] = []
     names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
     columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
     for group in groups:
         if measured := [*filter(region_parts, group.ordered())]:
             table = table_of(f"Error by region, {group.label}", columns, measured)
             words = f"Error by region, {group.label}: what each adds to FLIP, and FLIP within it"
-            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [table])]
-            folds.append(Fold(group.label, blocks, is_open=not folds))
+            blocks = [page.Chart.of("", regions_chart(group), words), page.Fold("As a table", [table])]
+            folds.append(page.Fold(group.label, blocks, is_open=not folds))
     notes = texts("bench")["notes"]
-    note = Text(f"{notes['regions']} {notes['regions_chart']}")
-    return Section("Where the error lies", [note, *folds] if folds else [], id="regions")
+    note = page.Text(f"{notes['regions']} {notes['regions_chart']}")
+    return page.Section("Where the error lies", [note, *folds] if folds else [], id="regions")

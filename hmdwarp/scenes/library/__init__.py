@@ -18,14 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...geometry import Pose
 from ...registry import Registry
+from .._draft import Notes
 from .._gltf_file import GltfFile
-from .._mesh import Body, Deformation, Material, Mesh, Texture
-from .._notes import Notes
+from .._mesh import Ball, Body, Deformation, Material, Mesh, Quad, Texture, checker
 from .._scene import Background, Lamp, Panel, Scene
 from ..input_events import InputLog
-from ..motions import Pendulum, Spinning, Still, Thrown, Track, Waving
-from ..reactions import Bouncing, Hinged, Switched
-from ..shapes import Ball, Quad, checker
+from ..motions import Bouncing, Hinged, Pendulum, Spinning, Still, Switched, Thrown, Track, Waving
 
 Arrays = Mapping[str, dict[str, NDArray[np.float64]]]  # of what moves, by its name and theirs
 _FOLDER = Path(__file__).parent
@@ -43,12 +41,9 @@ def textures_named(*names: str) -> list[Texture]:
     """Return the library's textures of these names; each is read when its image is first used."""
     kinds = tomllib.loads((_FOLDER / "textures" / "textures.toml").read_text("utf-8"))
     painted = {name: partial(checker, **board) for name, board in kinds["checkers"].items()}
-    return [
-        Texture(
-            name, painted.get(name) or partial(_image, name), name not in kinds["linear"], name not in kinds["clamped"]
-        )
-        for name in names
-    ]
+    sources = [(name, painted.get(name) or partial(_image, name)) for name in names]
+    linear, clamped = kinds["linear"], kinds["clamped"]
+    return [Texture(name, source, name not in linear, name not in clamped) for name, source in sources]
 
 
 def _image(name: str) -> NDArray[np.uint8]:
@@ -72,15 +67,10 @@ def _mesh(file: GltfFile, node: dict[str, Any], textures: Sequence[Texture]) -> 
     }
     if "skin" in node:
         arrays["deformation"] = _skin(file, node["skin"], primitive, arrays["positions"])
-    return Mesh(
-        name,
-        triangles=file.numbers(primitive["indices"], name, 1).reshape(-1, 3),
-        texture=index[gltf["name"]] if "name" in gltf else -1,
-        double_sided=gltf.get("doubleSided", False),
-        material=Material(**settings),
-        body=node.get("extras", {}).get("body", 0),
-        **arrays,
-    )
+    arrays["triangles"] = file.numbers(primitive["indices"], name, 1).reshape(-1, 3)
+    texture = index[gltf["name"]] if "name" in gltf else -1
+    body, double_sided = node.get("extras", {}).get("body", 0), gltf.get("doubleSided", False)
+    return Mesh(name, texture=texture, double_sided=double_sided, material=Material(**settings), body=body, **arrays)
 
 
 def _skin(file: GltfFile, skin: int, primitive: dict[str, Any], rest: NDArray[Any]) -> Deformation:
@@ -109,14 +99,8 @@ def _track(keys: ArrayLike) -> Track:
 
 
 # What moves or reacts by its `kind` in a table, where the other keys are the parameters.
-_MOVES: dict[str, Callable[..., Any]] = {
-    "still": Still,
-    "spinning": Spinning,
-    "pendulum": Pendulum,
-    "thrown": Thrown,
-    "track": _track,
-    "waving": Waving,
-}
+_MOVES: dict[str, Callable[..., Any]] = {"still": Still, "spinning": Spinning, "pendulum": Pendulum}
+_MOVES |= {"thrown": Thrown, "track": _track, "waving": Waving}
 _REACTS: dict[str, Callable[..., Any]] = {"bouncing": Bouncing, "hinged": Hinged, "switched": Switched}
 _POSES = ("at", "start", "pose", "viewpoint")  # keys of a place, or of a place and a quaternion
 
@@ -130,20 +114,16 @@ def stored_scene(name: str, table: dict[str, Any]) -> Scene:
         meshes, arrays = [_mesh(file, node, textures) for node in file.items("nodes") if "mesh" in node], _arrays(file)
     meshes += [Ball(**ball).mesh(called) for called, ball in table.get("balls", {}).items()]
     meshes += [Quad(**quad).mesh(called) for called, quad in table.get("quads", {}).items()]
-    soft = table.get("deformations", {})
-    colours = table.get("background", [(0.0, 0.0, 0.0)])
+    soft = {name: _made(name, said, arrays) for name, said in table.get("deformations", {}).items()}
+    meshes = [attrs.evolve(one, deformation=soft[one.name]) if one.name in soft else one for one in meshes]
+    colours, panels = table.get("background", [(0.0, 0.0, 0.0)]), table.get("panels", ())
     return Scene(
         name,
         table["summary"],
-        [
-            attrs.evolve(one, deformation=_made(one.name, soft[one.name], arrays)) if one.name in soft else one
-            for one in meshes
-        ],
+        meshes,
         textures,
         Background(*map(tuple, colours * (3 if len(colours) == 1 else 1))),
-        panels=[
-            Panel(**_values(said | {"pictures": textures_named(*said["pictures"])})) for said in table.get("panels", ())
-        ],
+        panels=[Panel(**_values(said | {"pictures": textures_named(*said["pictures"])})) for said in panels],
         **_values({key: table[key] for key in ("viewpoint", "walk_bounds_m") if key in table}),
         **moving(table, InputLog(), arrays),
     )
@@ -154,11 +134,10 @@ def moving(table: dict[str, Any], inputs: InputLog, arrays: Arrays) -> dict[str,
     bodies = {name: _made(name, said, arrays, inputs) for name, said in table.get("bodies", {}).items()}
     lamps = []
     for name, said in table.get("lamps", {}).items():
-        parts = {key: said[key] for key in ("motion", "brightness") if key in said}
-        made = {
-            key: bodies[part] if isinstance(part, str) else _made(name, part, arrays, inputs)
-            for key, part in parts.items()
-        }
+        made = {}
+        for key in {"motion", "brightness"} & said.keys():
+            part = said[key]
+            made[key] = bodies[part] if isinstance(part, str) else _made(name, part, arrays, inputs)
         lamps.append(Lamp(**said | made | {"colour": tuple(said["colour"])}))
     return {"bodies": [Body(name, motion) for name, motion in bodies.items()], "lamps": lamps}
 

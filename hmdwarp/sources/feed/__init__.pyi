@@ -1,4 +1,4 @@
+from .listener import Views as Views
+from .listener import serve as serve
+from .listener import serving as serving
 from .options import FeedOptions as FeedOptions
-from .serving import Views as Views
-from .serving import serve as serve
-from .serving import serving as serving

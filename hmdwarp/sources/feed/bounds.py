@@ -81,9 +81,5 @@ BOUNDS = [value for value in list(vars().values()) if isinstance(value, Bound)]
 
 
 def most_beside(size: tuple[int, int]) -> int:
-    """Return the bytes of a layer that is not as large as its (w, h) picture, such as a cube.
-
-    Else a request for a few pixels costs as much as the largest. A cube as dense as a headset's
-    picture has 33 for each pixel of it.
-    """
+    """Return the bytes of a layer of another size, such as a cube, by its (w, h) picture."""
     return (1 << 24) + 64 * size[0] * size[1]

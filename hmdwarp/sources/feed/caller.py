@@ -18,25 +18,11 @@ import attrs
 
 from ...errors import InputError, MachineError
 from ...geometry import View
+from . import sockets
 from .message import FULL, MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, Unchanged, Wish, decode, encode, token_of
-from .sockets import (
-    LINK,
-    LOOK_NS,
-    MOST_OF_CLIENT,
-    SEAL_BYTES,
-    SILENCE_NS,
-    Hearing,
-    Wire,
-    address_of,
-    set_options,
-    waiting_parts,
-    wire_bytes,
-    zmq_module,
-)
 
 KEPT = 256
-# A quartz is within this; what lies further apart is a clock that was set, or another machine's.
-MOST_DRIFT = 500e-6
+MOST_DRIFT = 500e-6  # A quartz is within this; what lies further apart is a clock that was set, or another machine's
 
 
 @attrs.frozen
@@ -60,25 +46,18 @@ class Exchange:
 
     @property
     def middle_ns(self) -> float:
-        """The instant of the offset, on this clock."""
         return (self.sent_ns + self.heard_ns) / 2
 
 
 class Alignment:
-    """Offset and drift between two clocks, from the exchanges so far.
-
-    jumps: how often the other clock was found to have been set; each starts anew.
-    """
+    """Offset and drift between two clocks; anew after each jump, when the other clock was set."""
 
     def __init__(self) -> None:
         self._kept: deque[Exchange] = deque(maxlen=KEPT)
         self.jumps = 0
 
     def add(self, one: Exchange) -> bool:
-        """Take an exchange; return whether the other clock has jumped.
-
-        One that cannot be (answered before it was received or sent) is left out.
-        """
+        """Take an exchange unless it cannot be; return whether the other clock has jumped."""
         if one.round_trip_ns < 0 or one.answered_ns < one.received_ns:
             return False
         last = self._kept[-1] if self._kept else one
@@ -93,7 +72,6 @@ class Alignment:
 
     @property
     def is_known(self) -> bool:
-        """Whether there was an exchange."""
         return bool(self._kept)
 
     @property
@@ -102,7 +80,6 @@ class Alignment:
 
     @property
     def round_trip_ns(self) -> int:
-        """The shortest of those kept."""
         return self._by_round_trip[0].round_trip_ns
 
     @property
@@ -112,10 +89,7 @@ class Alignment:
 
     @property
     def drift(self) -> float | None:
-        """Seconds that their clock gains in one of ours, by a line through the best exchanges.
-
-        None where their round trips could feign as much as a quartz drifts, and beyond that.
-        """
+        """Seconds their clock gains in one of ours, by the best exchanges; None if not known."""
         best = self._by_round_trip[: max(1, len(self._kept) // 4)]
         times, offsets = [exchange.middle_ns for exchange in best], [exchange.offset_ns for exchange in best]
         if best[-1].round_trip_ns >= MOST_DRIFT * (max(times) - min(times)):
@@ -127,27 +101,22 @@ class Alignment:
 
     def summary(self) -> dict[str, float | int | None]:
         """Return what summary.json has of the clocks; a drift of None is not known."""
-        if not self._kept:
-            return {"jumps": self.jumps}
-        return {
-            "offset_ms": self.offset_ns / 1e6,
-            "drift_ppm": None if self.drift is None else self.drift * 1e6,
-            "shortest_round_trip_ms": self.round_trip_ns / 1e6,
-            "jumps": self.jumps,
-        }
+        known: dict[str, float | int | None] = {}
+        if self._kept:
+            known = {"offset_ms": self.offset_ns / 1e6, "drift_ppm": self.drift and self.drift * 1e6}
+            known["shortest_round_trip_ms"] = self.round_trip_ns / 1e6
+        return known | {"jumps": self.jumps}
 
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
 # Bytes that may wait to be taken: twice what an honest server sends before they have left it.
-_MOST_BEHIND = 2 * MOST_OF_CLIENT
+_MOST_BEHIND = 2 * sockets.MOST_OF_CLIENT
 _MOST_PATIENCE = 4
 
 
 @attrs.frozen(eq=False)
 class Arrival:
-    """A frame, and when its last byte was here."""
-
     frame: FrameMessage
     heard_ns: int
 
@@ -155,28 +124,24 @@ class Arrival:
 class Caller:
     """One client of a server, with a thread of its own so that arrivals are noted as they happen.
 
-    A server that goes away is called again until it is back, also one whose connection goes silent
-    without an end; requests without a connection are dropped. server_key: its public key, to
-    encrypt; b"" for none. Errors: InputError for an address that is none; MachineError without the
-    library.
+    A server that goes away, or silent, is called again until it is back; requests without a
+    connection are dropped. server_key: its public key, to encrypt. Errors: InputError for an
+    address that is none; MachineError without the library.
     """
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
-        self._zmq: Any = zmq_module()
-        self.address, self._token = address_of(address, "--connect"), token_of(secret)
+        self._zmq: Any = sockets.zmq_module()
+        self.address, self._token = sockets.address_of(address, "--connect"), token_of(secret)
         self._server_key = server_key
-        # The connection that there is, and whether its silence is told.
-        self._hearing: Hearing | None = None
+        self._hearing: sockets.Hearing | None = None  # the connection that there is, and whether its silence is told
         self._is_told, self._patience = False, 1
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
         self._unchanged: deque[int] = deque(maxlen=_MOST_FRAMES)
         self._held = 0
-        # The newest requested frame, and the newest that has arrived.
-        self._asked = self._newest = 0
-        # Lines for the log, each once.
-        self._lines: deque[str] = deque(maxlen=100)
+        self._asked = self._newest = 0  # the newest requested frame, and the newest that has arrived
+        self._lines: deque[str] = deque(maxlen=100)  # lines for the log, each once
         self.malformed = 0
         self._context = self._zmq.Context()
         self._orders, orders = (self._context.socket(self._zmq.PAIR) for _ in range(2))
@@ -184,12 +149,21 @@ class Caller:
             socket.setsockopt(self._zmq.LINGER, 0)
         orders.bind("inproc://orders")
         self._orders.connect("inproc://orders")
+        socket = self._context.socket(self._zmq.DEALER)
+        own = {"SNDHWM": 64, "RCVHWM": 0, "MAXMSGSIZE": MOST_BYTES + sockets.SEAL_BYTES, "IMMEDIATE": 1}
+        own |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000, "CONNECT_TIMEOUT": 5000, "IPV6": "[" in self.address}
+        sockets.set_options(self._zmq, socket, sockets.LINK | own)
+        if server_key:
+            socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
+            socket.curve_serverkey = server_key
+        told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
+        events = socket.get_monitor_socket(told)
         try:
-            ends = self._dialled()
+            socket.connect(self.address)
         except self._zmq.ZMQError as error:
             self._context.destroy(0)
             raise InputError(f"--connect {address}: {error}: expected the HOST:PORT of a server") from error
-        self._thread = threading.Thread(target=self._work, args=(orders, *ends), name="feed", daemon=True)
+        self._thread = threading.Thread(target=self._work, args=(orders, socket, events), name="feed", daemon=True)
         self._thread.start()
 
     def ask(self, ask: Ask) -> int:
@@ -203,14 +177,12 @@ class Caller:
         return now_ns
 
     def take_unchanged(self) -> list[int]:
-        """Return the requests since the last call to which nothing had changed."""
         with self._changed:
             found = list(self._unchanged)
             self._unchanged.clear()
         return found
 
     def take(self) -> list[Arrival]:
-        """Return the frames that have arrived since the last call, in order of arrival."""
         with self._changed:
             arrived, self._held = list(self._arrived), 0
             self._arrived.clear()
@@ -225,49 +197,37 @@ class Caller:
             return bool(self._arrived)
 
     def lines(self) -> list[str]:
-        """Return the log lines since the last call."""
         with self._changed:
             lines = list(self._lines)
             self._lines.clear()
         return lines
 
     def close(self) -> None:
-        """Hang up."""
         if self._thread.is_alive():
             self._orders.send(b"")
         self._thread.join()
         self._orders.close(0)
         self._context.term()
 
-    def _dialled(self) -> tuple[Any, Any]:
-        """Return a socket that connects from now on, and what tells of its connections."""
-        socket = self._context.socket(self._zmq.DEALER)
-        own = {"SNDHWM": 64, "RCVHWM": 0, "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES, "IMMEDIATE": 1}
-        own |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000, "CONNECT_TIMEOUT": 5000, "IPV6": "[" in self.address}
-        set_options(self._zmq, socket, LINK | own)
-        if self._server_key:
-            socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
-            socket.curve_serverkey = self._server_key
-        told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
-        events = socket.get_monitor_socket(told)
-        socket.connect(self.address)
-        return socket, events
-
     def _work(self, orders: Any, socket: Any, events: Any) -> None:
         poller = self._zmq.Poller()
-        poller.register(socket, self._zmq.POLLIN)
-        poller.register(orders, self._zmq.POLLIN)
-        poller.register(events, self._zmq.POLLIN)
+        for each in (socket, orders, events):
+            poller.register(each, self._zmq.POLLIN)
         try:
             while True:
-                ready = dict(poller.poll(LOOK_NS // 1_000_000 if self._hearing is not None else None))
-                if socket in ready and (parts := waiting_parts(self._zmq, socket)):
+                ready = dict(poller.poll(sockets.LOOK_NS // 1_000_000 if self._hearing is not None else None))
+                if socket in ready and (parts := sockets.waiting_parts(self._zmq, socket)):
                     if self._hearing is not None:
-                        self._hearing.taken += wire_bytes(parts)
+                        self._hearing.taken += sockets.wire_bytes(parts)
                     self._receive(parts, time.monotonic_ns())
                 if events in ready:
                     kind, descriptor = struct.unpack_from("=HI", events.recv_multipart()[0])
-                    self._hear(kind, descriptor)
+                    is_new = kind == self._zmq.EVENT_CONNECTED
+                    if is_new or (self._hearing is not None and descriptor == self._hearing.wire.descriptor):
+                        self._hearing = None
+                    if is_new:
+                        with contextlib.suppress(OSError):  # closed since
+                            self._hearing = sockets.Hearing(sockets.Wire.of(descriptor), time.monotonic_ns())
                     if kind & self._no_handshakes:
                         why = "--server-key is another server's, or there is none with a key pair"
                         if not self._server_key:
@@ -291,18 +251,9 @@ class Caller:
     def _no_handshakes(self) -> int:
         return int(self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
 
-    def _hear(self, kind: int, descriptor: int) -> None:
-        if kind == self._zmq.EVENT_CONNECTED:
-            self._hearing = None
-            with contextlib.suppress(OSError):  # closed since
-                self._hearing = Hearing(Wire.of(descriptor), time.monotonic_ns())
-        elif self._hearing is not None and descriptor == self._hearing.wire.descriptor:
-            self._hearing = None
-
     def _cut_if_silent(self, now_ns: int) -> None:
-        """Cut a connection over which nothing comes any more; the library makes another."""
         hearing = self._hearing
-        if hearing is None or now_ns - hearing.looked_ns < LOOK_NS:
+        if hearing is None or now_ns - hearing.looked_ns < sockets.LOOK_NS:
             return
         is_silent = hearing.is_silent(now_ns, self._patience)
         if hearing.received - hearing.taken > _MOST_BEHIND:
@@ -315,7 +266,7 @@ class Caller:
         self._hearing, self._patience = None, min(2 * self._patience, _MOST_PATIENCE)
         hearing.wire.cut()
         if not self._is_told:
-            self._note(f"{self.address}: not a byte for {SILENCE_NS / 1e9:g} s: connecting anew")
+            self._note(f"{self.address}: not a byte for {sockets.SILENCE_NS / 1e9:g} s: connecting anew")
             self._is_told = True
 
     def _receive(self, parts: list[bytes], heard_ns: int) -> None:
@@ -362,27 +313,17 @@ _MOST_UNANSWERED = 3  # unanswered in a row: then no more requests are sent
 
 
 class Viewer:
-    """A client that asks for one eye's view and waits for it.
-
-    wish: how its numbers come; coded frames are passed over. Errors: as Caller.
-    """
+    """A client that waits for one eye's view at a time, never coded. Errors: as Caller."""
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"", wish: Wish = FULL) -> None:
         self._caller, self._wish = Caller(address, secret, server_key), wish
         self._number = self._unanswered = 0
 
     def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
-        """Return what the server draws for the view; None where it refuses or does not answer.
-
-        After three such requests in a row none is sent any more.
-        """
+        """Return the view as the server draws it, or None; always None after three in a row."""
         if self._unanswered >= _MOST_UNANSWERED:
             return None
-        found = self._waited_for(view, size, time_ns)
-        self._unanswered = 0 if found is not None else self._unanswered + 1
-        return found
-
-    def _waited_for(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
+        self._unanswered += 1
         head, first = view.pose @ view.head_from_eye.inverse(), self._number + 1
         until_ns = time.monotonic_ns() + _ANSWER_NS
         while (now_ns := time.monotonic_ns()) < until_ns:
@@ -392,15 +333,14 @@ class Viewer:
             again_ns = min(until_ns, now_ns + _AGAIN_NS)
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
-                for arrival in self._caller.take():
-                    one = arrival.frame
+                for one in (arrival.frame for arrival in self._caller.take()):
                     plain = not one.is_coded and one.is_finite
                     if one.number >= first and one.size == size and len(one.views) == 1 and plain:
+                        self._unanswered = 0
                         return one
                 if any("refused" in line for line in self._caller.lines()):
                     return None
         return None
 
     def close(self) -> None:
-        """Hang up."""
         self._caller.close()

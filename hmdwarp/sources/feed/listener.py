@@ -4,54 +4,30 @@ from __future__ import annotations
 
 import hmac
 import math
+import sys
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
-from .key_pairs import KeyPair, key_pair
-from .message import (
-    LARGEST_ASK,
-    MOST_BYTES,
-    Ask,
-    BadRequest,
-    Data,
-    FrameMessage,
-    Malformed,
-    Refusal,
-    Unchanged,
-    copied,
-    decode,
-    encode,
-    token_of,
-)
-from .options import secret_in
-from .sockets import (
-    CALLS,
-    KERNEL_BYTES,
-    LINK,
-    MOST_OF_ADDRESS,
-    MOST_OF_CLIENT,
-    SEAL_BYTES,
-    SILENT_NS,
-    Connection,
-    Connections,
-    Places,
-    address_of,
-    is_local,
-    set_options,
-    waiting_parts,
-    zmq_module,
-)
+from ...geometry import View, inverse_depth_from_metres
+from ..sequences.recorded import as_pictures
+from . import bounds, message, sockets
+from .message import Ask, FrameMessage, Malformed, Refusal, encode
+from .options import KeyPair, key_pair, secret_in
+from .sockets import MOST_OF_CLIENT, SILENT_NS, Connection
 
 MOST_OF_ALL = 4 * MOST_OF_CLIENT  # bytes of frames that wait for all clients
-# Frames that wait for a client: the one that is under way, and the next.
-_MOST_WAITING = 2
+_MOST_WAITING = 2  # frames that wait for a client: the one that is under way, and the next
 _MOST_CLIENTS = 64
 _LOOK_MS = 2  # what a frame waits for may come at any time, but tells nobody
 _STUCK_NS = 1_000_000_000  # frames that wait longer than this for their client make room for others'
@@ -62,8 +38,6 @@ _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
 @attrs.frozen(eq=False)
 class _Waiting:
-    """A frame that the library was given."""
-
     bytes: int
     since_ns: int
     tracker: Any  # the library's; done once it has handed over the last byte to the system
@@ -83,11 +57,9 @@ class _Client:
 
     @property
     def address(self) -> str:
-        """Its host, as connections are counted."""
         return self.connection.address if self.connection is not None else ""
 
     def note(self, ask: Ask, now_ns: int) -> None:
-        """Take a request; what it replaces was never drawn."""
         self.received_ns, self.newest = now_ns, ask.number
         self.passed_over += self.ask is not None
         self.ask = ask, now_ns
@@ -95,8 +67,6 @@ class _Client:
 
 @attrs.frozen(eq=False)
 class Asked:
-    """A request to answer now."""
-
     client: bytes
     ask: Ask
     received_ns: int
@@ -122,7 +92,6 @@ class _Log:
                 self._say("".join(letter if letter.isprintable() else " " for letter in text))
 
     def next_second(self) -> None:
-        """Begin to count anew once the second is over."""
         with self._lock:
             if (second := time.monotonic_ns() // 1_000_000_000) != self._second:
                 if self._left_out:
@@ -134,16 +103,11 @@ class _Log:
 class Listener:
     """Receive requests, and answer each client at its own pace.
 
-    Of each client the newest request counts; it waits while the client has frames to take, and one
-    that is replaced before it was drawn is passed over. Of those that ask, the one that took least
-    of the server's time has its turn, so that a cheap request waits for one costly one at most. No
-    client waits for another to take its frame: one that cannot be sent at once is dropped. What
-    waits is counted here, by what the library has handed to the system, whatever a client says that
-    it has.
-    per_address: connections from one address, at most. pair: encrypts; clients without its public
-    key are ignored. say: called with each line for the log.
-    Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
-    without a secret or a pair, unless is_open; MachineError without the library.
+    Of each client the newest request counts, while it has no frames to take. The client that took
+    least of the server's time has its turn. A frame that cannot be sent at once is dropped; what
+    waits is counted by what the library has handed to the system. per_address: connections from one
+    address. pair: encrypts. say: takes lines for the log. Errors: InputError for an address that
+    cannot be listened at, or beyond the loopback without a secret or a pair, unless is_open.
     """
 
     def __init__(
@@ -153,37 +117,40 @@ class Listener:
         pair: KeyPair | None = None,
         *,
         is_open: bool = False,
-        per_address: int = MOST_OF_ADDRESS,
+        per_address: int = sockets.MOST_OF_ADDRESS,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        where = address_of(address, "--listen", serves=True)
-        if not (is_local(where) or secret or pair or is_open):
+        where = sockets.address_of(address, "--listen", serves=True)
+        if not (sockets.is_local(where) or secret or pair or is_open):
             raise InputError(
                 f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "
                 "or --token-file FILE, or --open to let anybody in"
             )
-        self._zmq: Any = zmq_module()
-        self._token, self._log, self._is_encrypted = token_of(secret), _Log(say), pair is not None
-        # For the web's door beside it.
-        self.places = Places(self._log.say, per_address)
+        self._zmq: Any = sockets.zmq_module()
+        self._token, self._log, self._is_encrypted = message.token_of(secret), _Log(say), pair is not None
+        self.places = sockets.Places(self._log.say, per_address)  # for the web's door beside it
         self._clients: dict[bytes, _Client] = {}
         # Who has a turn since when, and what the client with the last turn had spent before it.
         self._drawn_for: tuple[bytes, int] | None = None
         self._begun_ns = 0
-        # What still waits for clients that are forgotten.
-        self._left: list[_Waiting] = []
+        self._left: list[_Waiting] = []  # what still waits for clients that are forgotten
         self._count = 0
         self._context = self._zmq.Context()
         self._socket = self._context.socket(self._zmq.ROUTER)
         # Frames of any size are given without a copy, so that it is known when they have left.
         self._socket.copy_threshold = 0
-        own = CALLS | {"RCVHWM": 0, "SNDHWM": 64, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
+        own = sockets.CALLS | {
+            "RCVHWM": 0,
+            "SNDHWM": 64,
+            "RCVBUF": sockets.KERNEL_BYTES,
+            "MAXMSGSIZE": message.LARGEST_ASK + sockets.SEAL_BYTES,
+        }
         own |= {"ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0, "IPV6": "[" in where}
-        set_options(self._zmq, self._socket, LINK | own)
+        sockets.set_options(self._zmq, self._socket, sockets.LINK | own)
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
             self._socket.curve_server = True
-        self._connections = Connections(self._zmq, self._socket, self.places)
+        self._connections = sockets.Connections(self._zmq, self._socket, self.places)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
@@ -192,10 +159,7 @@ class Listener:
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
 
     def next(self, wait_ms: int) -> Asked | None:
-        """Return the next request to answer, None if there is none within that time.
-
-        What passes until the next call is taken as time for its client.
-        """
+        """Return the next request to answer, or None; the time until the next call is its."""
         if self._drawn_for is not None:
             (before, since_ns), self._drawn_for = self._drawn_for, None
             if before in self._clients:
@@ -224,7 +188,7 @@ class Listener:
             ask, _ = asked
             # Raw, without further layers; what it is in the end is counted before it is sent. More
             # than a message may have waits for nothing: it is refused.
-            if self._has_room(who, min(12 * math.prod(ask.size) * len(ask.views), MOST_BYTES)):
+            if self._has_room(who, min(12 * math.prod(ask.size) * len(ask.views), message.MOST_BYTES)):
                 return who
         return None
 
@@ -241,16 +205,15 @@ class Listener:
         return True
 
     def _held(self, who: bytes) -> int:
-        """Return the bytes that wait for a client."""
         client = self._clients[who]
-        while client.waiting and client.waiting[0].tracker.done and self._has_left(client):
-            client.waiting.popleft()
-        return sum(one.bytes for one in client.waiting)
-
-    def _has_left(self, client: _Client) -> bool:
-        # An encrypted frame is another one, which the library holds until the system has taken it.
-        is_last = len(client.waiting) == 1 or not client.waiting[1].tracker.done
-        return not (self._is_encrypted and is_last and client.connection) or client.connection.takes_more()
+        waiting = client.waiting
+        while waiting and waiting[0].tracker.done:
+            is_last = len(waiting) == 1 or not waiting[1].tracker.done
+            # An encrypted frame is another one, held by the library until the system took it.
+            if self._is_encrypted and is_last and client.connection and not client.connection.takes_more():
+                break
+            waiting.popleft()
+        return sum(one.bytes for one in waiting)
 
     def _make_room(self, who: bytes) -> None:
         """Cut whoever has the oldest frame, of the address that holds most; not who asks."""
@@ -267,7 +230,6 @@ class Listener:
             self._cut(min(stuck)[1], "cut, as its frames wait and leave no room for others'")
 
     def _since(self, who: bytes) -> int:
-        """Return when the oldest frame of a client began to wait; far from now if none does."""
         waiting = self._clients[who].waiting
         return waiting[0].since_ns if waiting else _NEVER_NS
 
@@ -282,7 +244,7 @@ class Listener:
             if not self._socket.poll(wait_ms):
                 return
             wait_ms = 0
-            frames = waiting_parts(self._zmq, self._socket, copy=False)
+            frames = sockets.waiting_parts(self._zmq, self._socket, copy=False)
             if not frames:
                 return
             connection = self._connections.took(frames)
@@ -297,8 +259,8 @@ class Listener:
         if len(parts) != 1:
             raise Malformed(f"{len(parts)} parts: expected one")
         try:
-            ask = decode(parts[0])
-        except BadRequest as error:
+            ask = message.decode(parts[0])
+        except message.BadRequest as error:
             self._send(who, encode(Refusal(error.number, str(error))))
             raise
         if not isinstance(ask, Ask):
@@ -318,14 +280,12 @@ class Listener:
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
         if client.ask is None:
-            # Who did not ask has saved up nothing.
-            client.spent_ns = max(client.spent_ns, self._begun_ns)
+            client.spent_ns = max(client.spent_ns, self._begun_ns)  # who did not ask has saved up nothing
         client.note(ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
 
     def _forget_ended(self) -> None:
-        """Forget clients that are silent or whose connection has ended, and report those cut."""
         now_ns, gone = time.monotonic_ns(), set()
         while self._connections.gone:
             gone.add(self._connections.gone.popleft())
@@ -347,7 +307,6 @@ class Listener:
 
     @property
     def clients(self) -> Collection[bytes]:
-        """The routing ids of those that are here."""
         return self._clients.keys()
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
@@ -355,27 +314,24 @@ class Listener:
         who = asked.client
         if who not in self._clients or not self._has_room(who, frame.bytes):
             return False
-        return self._send(who, copied(frame))
+        return self._send(who, message.copied(frame))
 
     def leave_out(self, asked: Asked) -> None:
-        """Say that nothing has changed since the last frame."""
-        self._send(asked.client, encode(Unchanged(asked.ask.number)))
+        self._send(asked.client, encode(message.Unchanged(asked.ask.number)))
 
     def tell(self, asked: Asked, what: str) -> None:
-        """Add a line on a client to the log."""
         if asked.client in self._clients:
             client = self._clients[asked.client]
             self._log.say("told", client.address, f"{client.name}: {what}")
 
     def refuse(self, asked: Asked, why: str) -> None:
-        """Say why there is no frame."""
         why = " ".join(why.split())
         if asked.client in self._clients:  # else it has gone meanwhile
             client = self._clients[asked.client]
             self._log.say("refused", client.address, f"{client.name}: refused: {why}")
             self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
-    def _send(self, who: bytes, data: Data) -> bool:
+    def _send(self, who: bytes, data: message.Data) -> bool:
         try:
             tracker = self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False, track=True)
         except self._zmq.Again:
@@ -391,7 +347,6 @@ class Listener:
         return True
 
     def close(self) -> None:
-        """Stop listening; what is not sent yet is dropped."""
         self._socket.disable_monitor()
         self._connections.close()
         self._socket.close(0)
@@ -408,3 +363,101 @@ def listening(
         if is_new:
             say(f"made {pair_name}.key_secret, which stays here, and {pair_name}.key, which clients need")
     return Listener(address, secret, pair, **how, say=say), secret, pair
+
+
+_WAIT_MS = 200  # between looks at whether to stop
+
+
+class Views(tuple[View, ...]):
+    """The eyes to render, the left one first: world_from_eye and field of view of each."""
+
+    size: tuple[int, int]  # (w, h) of each one's image, in pixels
+
+
+# views, instant in ns -> colour and depth of each eye, and its view where that is another one
+Render = Callable[[Views, int], Sequence[Any]]
+
+
+def serve(
+    render: Render, listen: str = "127.0.0.1:5570", *, goes_on: Callable[[], bool] = lambda: True, **who: Any
+) -> None:
+    """Render for `hmdwarp live|replay --connect` until interrupted, or until goes_on() says no.
+
+    Parameters
+    ----------
+    render : callable
+        ``render(views, time_ns) -> colour, depth_m``, or ``colour, depth_m, views`` of a camera:
+        where it really was. ``views.size`` is (w, h) pixels, ``time_ns`` counts from the trace's
+        begin. For each eye, row 0 at the top: colour (h, w, 3), or (h, w, 4) with coverage, uint8
+        sRGB or floats of linear light; depth_m (h, w) metres along -z, inf infinitely far, 0 or NaN
+        no depth.
+    listen : str
+        HOST:PORT; port ``*`` takes a free one.
+    key_pair, token_file, is_open
+        Who may connect from other machines, as `hmdwarp serve` takes it.
+
+    Raises
+    ------
+    InputError
+        For an address that cannot be listened at, and for results of another shape.
+    MachineError
+        Without ZeroMQ.
+    """
+    with closing(_listener(listen, **who)) as listener, suppress(KeyboardInterrupt):
+        _run(listener, render, goes_on)
+
+
+@contextmanager
+def serving(render: Render, listen: str = "127.0.0.1:*", **who: Any) -> Iterator[str]:
+    """Serve in a thread while the block runs; gives the address. Errors: as serve, at the end."""
+    is_over = threading.Event()
+    with closing(_listener(listen, **who)) as listener, ThreadPoolExecutor(1) as thread:
+        running = thread.submit(_run, listener, render, lambda: not is_over.is_set())
+        try:
+            yield listener.address.removeprefix("tcp://")
+        finally:
+            is_over.set()
+        running.result()
+
+
+def _listener(listen: str, key_pair: Any = None, token_file: Any = None, *, is_open: bool = False) -> Listener:
+    def say(text: str) -> None:
+        print(text, file=sys.stderr, flush=True)
+
+    found, _, _ = listening(listen, say, token_file, key_pair, is_open=is_open)
+    say(f"listening at {found.address}")
+    return found
+
+
+def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> None:
+    while goes_on():
+        if (asked := listener.next(_WAIT_MS)) is None:
+            continue
+        ask, begun_ns = asked.ask, time.monotonic_ns()
+        try:
+            bounds.DRAWN_BY_CPU.check(13 * len(ask.views) * ask.size[0] * ask.size[1])
+        except bounds.OutOfBounds as error:
+            listener.refuse(asked, str(error))
+            continue
+        views = Views(ask.views)
+        views.size = ask.size
+        colours, depths, *seen = render(views, ask.time_ns)
+        at = tuple(seen[0]) if seen else ask.views
+        if not len(colours) == len(depths) == len(at) == len(views):
+            found = f"{len(colours)} colours, {len(depths)} depths and {len(at)} views"
+            raise InputError(f"render returned {found}: expected {len(views)} of each, as it was given")
+        pairs = [_pair(np.asarray(c), np.asarray(d), ask.size[::-1]) for c, d in zip(colours, depths, strict=True)]
+        sent_ns = time.monotonic_ns()
+        times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
+        listener.answer(asked, FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs)))
+
+
+def _pair(colour: NDArray[Any], depth_m: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[Any]]:
+    if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
+        found = f"colour {colour.shape} and depth {depth_m.shape}"
+        raise InputError(f"render returned {found}: expected {(*shape, 3)} and {shape}")
+    covered = colour[..., 3] > 0 if colour.shape[2] == 4 else np.ones(shape, bool)
+    picture, depth_m = as_pictures(colour, depth_m)
+    inverse = inverse_depth_from_metres(depth_m)
+    inverse[np.isnan(inverse)] = -1
+    return np.dstack([picture, np.uint8(255) * covered]), inverse.astype(np.float32)

@@ -20,22 +20,19 @@ from ...colour import linear_from_srgb
 from ...errors import InputError
 from ...geometry import AHEAD, Fovea, FoveaGrid, Pose, View, looking
 from ...scenes import ACTIONS, InputEvent
-from . import bounds, options, parts, seen_columns
-from .parts import Layers, Part, Wanted
+from . import bounds, options, parts
+from .parts import Layers, Wanted
 
 VERSION = 3
 MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL, UNCHANGED = 1, 2, 3, 5
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC, VP9, AV1 = COLOURS = (1, 2, 3, 4, 5, 6)
-# Those that are made of sRGB bytes.
-BYTES = (RGBA8, H264, HEVC, VP9, AV1)
+BYTES = (RGBA8, H264, HEVC, VP9, AV1)  # those that are made of sRGB bytes
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8, DEPTH_CODES = DEPTHS = (1, 2, 3, 4, 5)
 ANY = 0
-# Of a picture that is left out: neither wished nor sent.
-NONE = 255
+NONE = 255  # of a picture that is left out: neither wished nor sent
 MOST_BYTES = int(bounds.MESSAGE.most)
-_KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", UNCHANGED: "no change"}
 _HEAD = struct.Struct("<4sHHI")  # magic, version, kind, bytes of the whole message
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
 # width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
@@ -53,12 +50,10 @@ _SESSION_HEAD = struct.Struct("<IqBxH")
 _FATE = struct.Struct("<QBq")  # id of a frame, whether it arrived, the instant from which the server may know
 # The gaze in the head's axes, degrees across that are sharp, pixels that one beyond holds.
 _LOOK = struct.Struct("<4dI")
-# How many inputs; of each its instant, action, target, and the hand's ray.
-_COUNT = struct.Struct("<H")
+_COUNT = struct.Struct("<H")  # how many inputs; of each its instant, action, target, and the hand's ray
 _INPUT = struct.Struct("<qB16s6d")
 MOST_OF_TARGET = 16
-# Bytes of one eye's colour and depth.
-_LENGTHS = struct.Struct("<II")
+_LENGTHS = struct.Struct("<II")  # bytes of one eye's colour and depth
 _REFUSAL = struct.Struct("<QI")
 _ID = struct.Struct("<Q")
 _POSE = struct.Struct("<7d")
@@ -66,8 +61,7 @@ _EYE = struct.Struct("<18d")  # world_from_eye, head_from_eye, left, right, down
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
-# What comes before the codes of a DepthCodes: its step.
-_STEP = struct.Struct("<f")
+_STEP = struct.Struct("<f")  # what comes before the codes of a DepthCodes: its step
 _CODE = np.dtype("<u2")
 _NO_TOKEN = bytes(32)
 Size = tuple[int, int]
@@ -159,12 +153,10 @@ class DepthCodes:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """(h, w)."""
         return self.codes.shape
 
     @property
     def nbytes(self) -> int:
-        """The bytes in a message."""
         return _STEP.size + self.codes.nbytes
 
     def numbers(self) -> NDArray[np.float32]:
@@ -220,7 +212,6 @@ class FrameMessage:
 
     @property
     def size(self) -> Size:
-        """(w, h) of one eye."""
         for picture in (self.inverse_depths[0], self.colours[0]):
             if not isinstance(picture, bytes):
                 return picture.shape[1], picture.shape[0]
@@ -244,27 +235,20 @@ class FrameMessage:
 
     @property
     def bytes(self) -> int:
-        """Bytes of the pictures."""
-        return sum(map(length_of, (*self.colours, *self.inverse_depths))) + sum(map(parts.length_of, self.further))
+        """Bytes of the pictures, further layers included."""
+        further = (part for of_eye in self.layers for several in of_eye.values() for part in several)
+        return sum(map(length_of, (*self.colours, *self.inverse_depths))) + sum(map(parts.length_of, further))
 
     @property
     def is_finite(self) -> bool:
-        """Whether colour and depth, where they are numbers, are finite."""
         return all(
             not isinstance(picture, np.ndarray) or _is_finite(picture)
             for picture in (*self.colours, *self.inverse_depths)
         )
 
-    @property
-    def further(self) -> list[Part]:
-        """The parts of all further layers."""
-        return [picture for of_eye in self.layers for several in of_eye.values() for picture in several]
-
 
 @attrs.frozen
 class Refusal:
-    """Why a request was not answered by a frame."""
-
     number: int
     text: str
 
@@ -286,26 +270,19 @@ def request_bytes(eyes: int) -> int:
 
 
 _MOST_EYES = int(bounds.EYES.most)
-LARGEST_ASK = (
-    request_bytes(_MOST_EYES)
-    + parts.most_wanted_bytes(int(bounds.LAYERS.most), _MOST_EYES)
-    + seen_columns.BYTES * _MOST_EYES
-    + _SESSION_HEAD.size
-    + _FATE.size * MOST_FATES
-    + _LOOK.size
-    + _COUNT.size
-    + _INPUT.size * MOST_INPUTS
-)
+LARGEST_ASK = request_bytes(_MOST_EYES) + parts.most_wanted_bytes(int(bounds.LAYERS.most), _MOST_EYES)
+LARGEST_ASK += parts.AREA_BYTES * _MOST_EYES + _SESSION_HEAD.size + _FATE.size * MOST_FATES
+LARGEST_ASK += _LOOK.size + _COUNT.size + _INPUT.size * MOST_INPUTS
 
 
 def length_of(piece: Picture) -> int:
-    """Return the bytes of a picture, or of another piece of a message."""
     return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
 def _is_finite(picture: NDArray[Any]) -> bool:
-    """Return whether all numbers are finite: by extremes alone, which take no other picture."""
-    if picture.dtype == np.float16:  # by their bits: np.isfinite takes 41 ms for 1344x1600
+    # By extremes alone, which take no other picture; of halves by their bits: np.isfinite takes
+    # 41 ms for 1344x1600. What is above infinity's bits is no number.
+    if picture.dtype == np.float16:
         most = picture.view(np.int16).max(initial=0), picture.view(np.uint16).max(initial=0)
         return bool(most[0] < _HALF_INFINITE and most[1] < 0x8000 + _HALF_INFINITE)
     return picture.dtype.kind != "f" or bool(
@@ -313,7 +290,7 @@ def _is_finite(picture: NDArray[Any]) -> bool:
     )
 
 
-_HALF_INFINITE = 0x7C00  # as bits; what is above is no number
+_HALF_INFINITE = 0x7C00
 
 
 def token_of(secret: str) -> bytes:
@@ -322,7 +299,6 @@ def token_of(secret: str) -> bytes:
 
 
 def encode(message: Message) -> bytes:
-    """Return the bytes of a message."""
     return b"".join(piece if isinstance(piece, bytes) else piece.tobytes() for piece in pieces_of(message))
 
 
@@ -342,96 +318,54 @@ def copied(message: Message) -> memoryview:
 
 
 def pieces_of(message: Message) -> list[Piece]:
-    """Return the pieces that a message is made of, pictures as they are."""
-    if isinstance(message, Ask):
-        one = message
-        stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
-        start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
-        wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
-        areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
-        session: list[bytes] = []
-        if (own := one.session) is not None:
-            session = [_SESSION_HEAD.pack(own.number, own.age_ns, own.only_changes, len(own.fates))]
-            session += [_FATE.pack(fate.number, fate.arrived, fate.heard_ns) for fate in own.fates]
-        look = []
-        if one.fovea is not None:
-            look = [_LOOK.pack(*(one.views[0].gaze or AHEAD), one.fovea.degrees, one.fovea.rim)]
-        inputs = [_COUNT.pack(len(one.inputs)), *map(_packed_input, one.inputs)] if one.inputs else ()
-        body = [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session, *look, *inputs]
-        return _framed(ASK, body)
-    if isinstance(message, FrameMessage):
-        it = message
-        numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
-        colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
-        heads, contents = parts.packed_layers(it.layers)
-        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
-        takes += _FOVEA * it.takes_fovea + _INPUTS * it.takes_inputs
-        form = (*it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), takes, it.began)
-        start = _FRAME.pack(*numbers, *form)
-        pairs = list(zip(it.colours, it.inverse_depths, strict=True))
-        lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
-        pictures: list[Piece] = []
-        for picture in (each for pair in pairs for each in pair):
-            pictures += [_STEP.pack(picture.step), picture.codes] if isinstance(picture, DepthCodes) else [picture]
-        return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
-    if isinstance(message, Unchanged):
-        return _framed(UNCHANGED, [_ID.pack(message.number)])
-    # Whole letters of it.
-    text = message.text.encode(errors="replace")[: int(bounds.TEXT.most)].decode(errors="ignore").encode()
-    return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
+    kind, body = _PACKERS[type(message)](message)
+    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(length_of, body))), *body]
 
 
-def _packed_wish(ask: Ask) -> tuple[float, ...]:
-    wish = ask.wish
-    quality = 0 if wish.crf is None else 1 + wish.crf
-    layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
+def _packed_ask(ask: Ask) -> tuple[int, list[Piece]]:
+    hides, wish = any(view.hidden is not None for view in ask.views), ask.wish
+    layers, quality = 0 if ask.wanted is None else len(ask.wanted.layers), 0 if wish.crf is None else 1 + wish.crf
+    has = _HIDES * hides + _SESSION * (ask.session is not None)
     has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
-    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, has)
-    return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+    stated = (ask.number, ask.sent_ns, ask.time_ns, ask.head_ns, ask.received, ask.token, *ask.size, len(ask.views))
+    wished = (wish.colour, wish.depth, quality, ask.anew, layers, has)
+    body: list[Piece] = [
+        _ASK.pack(*stated, *wished, wish.rate_hz, wish.bitrate_mbit, wish.depth_step),
+        *(_packed_pose(ask.head), *map(_packed_eye, ask.views)),
+    ]
+    if ask.wanted is not None:
+        body.append(parts.packed_wanted(ask.wanted))
+    if hides:
+        body += map(parts.packed_area, ask.views)
+    if (own := ask.session) is not None:
+        body.append(_SESSION_HEAD.pack(own.number, own.age_ns, own.only_changes, len(own.fates)))
+        body += [_FATE.pack(fate.number, fate.arrived, fate.heard_ns) for fate in own.fates]
+    if ask.fovea is not None:
+        body.append(_LOOK.pack(*(ask.views[0].gaze or AHEAD), ask.fovea.degrees, ask.fovea.rim))
+    if ask.inputs:
+        body.append(_COUNT.pack(len(ask.inputs)))
+    for event in ask.inputs:
+        target = event.target.encode("ascii")
+        if len(target) > MOST_OF_TARGET:
+            raise InputError(f"'{event.target}': expected a name of at most {MOST_OF_TARGET} letters for a network")
+        ray = (*event.origin_m, *event.direction)
+        body.append(_INPUT.pack(event.time_ns, 1 + ACTIONS.index(event.action), target, *ray))
+    return ASK, body
 
 
-def _look(data: Data, at: int) -> tuple[tuple[float, float, float], Fovea, int]:
-    x, y, z, degrees, rim = _LOOK.unpack_from(data, at)
-    bounds.GAZE.check(math.hypot(x, y, z))
-    return (x, y, z), Fovea(degrees, rim), at + _LOOK.size
-
-
-def _session(data: Data, at: int) -> tuple[Session, int]:
-    number, age_ns, only_changes, count = _SESSION_HEAD.unpack_from(data, at)
-    bounds.DRAWING.check(age_ns)
-    bounds.FATES.check(count)
-    at += _SESSION_HEAD.size
-    end = at + count * _FATE.size
-    fates = [Fate(of, arrived != 0, heard_ns) for of, arrived, heard_ns in _FATE.iter_unpack(data[at:end])]
-    bounds.INSTANT.check(*(one.heard_ns for one in fates))
-    return Session(number, age_ns, only_changes != 0, tuple(fates)), end
-
-
-def _packed_input(event: InputEvent) -> bytes:
-    target = event.target.encode("ascii")
-    if len(target) > MOST_OF_TARGET:
-        raise InputError(f"'{event.target}': expected a name of at most {MOST_OF_TARGET} letters for a network")
-    return _INPUT.pack(event.time_ns, 1 + ACTIONS.index(event.action), target, *event.origin_m, *event.direction)
-
-
-def _inputs(data: Data, at: int) -> tuple[tuple[InputEvent, ...], int]:
-    (count,) = _COUNT.unpack_from(data, at)
-    bounds.INPUTS.check(count)
-    at += _COUNT.size
-    end, found = at + count * _INPUT.size, []
-    for time_ns, action, target, *ray in _INPUT.iter_unpack(data[at:end]):
-        bounds.INSTANT.check(time_ns)
-        bounds.ACTION.check(action)
-        bounds.COORDINATE.check(*ray[:3])
-        bounds.WAY.check(math.hypot(*ray[3:]))
-        name = target.rstrip(b"\0").decode("ascii")
-        found.append(InputEvent(time_ns, ACTIONS[action - 1], name, (ray[0], ray[1], ray[2]), (ray[3], ray[4], ray[5])))
-    return tuple(found), end
-
-
-def _hides(views: Sequence[View]) -> bool:
-    return any(view.hidden is not None for view in views)
+def _packed_frame(it: FrameMessage) -> tuple[int, list[Piece]]:
+    numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
+    heads, contents = parts.packed_layers(it.layers)
+    takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
+    takes += _FOVEA * it.takes_fovea + _INPUTS * it.takes_inputs
+    formats = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
+    form = (*it.size, len(it.views), *formats, it.begins, it.place, len(heads), takes, it.began)
+    pairs = list(zip(it.colours, it.inverse_depths, strict=True))
+    lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
+    pictures: list[Piece] = []
+    for picture in (each for pair in pairs for each in pair):
+        pictures += [_STEP.pack(picture.step), picture.codes] if isinstance(picture, DepthCodes) else [picture]
+    return FRAME, [_FRAME.pack(*numbers, *form), *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents]
 
 
 def _format_of(picture: Picture, coded: int) -> int:
@@ -443,24 +377,32 @@ def _format_of(picture: Picture, coded: int) -> int:
     return formats[picture.dtype.name]
 
 
-def _framed(kind: int, body: Sequence[Piece]) -> list[Piece]:
-    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(length_of, body))), *body]
+def _packed_refusal(message: Refusal) -> tuple[int, list[Piece]]:
+    # Whole letters of it.
+    text = message.text.encode(errors="replace")[: int(bounds.TEXT.most)].decode(errors="ignore").encode()
+    return REFUSAL, [_REFUSAL.pack(message.number, len(text)), text]
 
 
-def _packed(pose: Pose) -> bytes:
+_PACKERS: dict[type, Callable[[Any], tuple[int, list[Piece]]]] = {
+    Ask: _packed_ask,
+    FrameMessage: _packed_frame,
+    Refusal: _packed_refusal,
+    Unchanged: lambda message: (UNCHANGED, [_ID.pack(message.number)]),
+}
+
+
+def _packed_pose(pose: Pose) -> bytes:
     return _POSE.pack(*pose.position_m.tolist(), *pose.orientation_xyzw.tolist())
 
 
 def _packed_eye(view: View) -> bytes:
     fov = view.fov
-    return _packed(view.pose) + _packed(view.head_from_eye) + struct.pack("<4d", fov.left, fov.right, fov.down, fov.up)
+    angles = struct.pack("<4d", fov.left, fov.right, fov.down, fov.up)
+    return _packed_pose(view.pose) + _packed_pose(view.head_from_eye) + angles
 
 
 def decode(data: Data) -> Message:
-    """Return the message in these bytes.
-
-    Errors: Malformed, whatever the bytes are; BadRequest for what says that it is a request.
-    """
+    """Return the message in these bytes. Errors: Malformed; BadRequest for a request."""
     if len(data) < _HEAD.size:
         raise Malformed(f"{len(data)} bytes: a message has {_HEAD.size} or more")
     magic, version, kind, length = _HEAD.unpack_from(data)
@@ -468,15 +410,15 @@ def decode(data: Data) -> Message:
         raise Malformed(f"it begins with {magic!r}: expected {MAGIC!r}")
     if version != VERSION and kind != REFUSAL:
         raise BadRequest(f"version {version}: take programs of the same version, here {VERSION}", data)
-    readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, UNCHANGED: _unchanged}
-    if kind not in readers:
-        raise Malformed(f"kind {kind}: expected {', '.join(map(str, readers))}")
+    if kind not in _KINDS:
+        raise Malformed(f"kind {kind}: expected {', '.join(map(str, _KINDS))}")
+    name, read = _KINDS[kind]
     try:
         bounds.MESSAGE.check(length)
         _check_length(data, length)
-        return readers[kind](data)
+        return read(data)
     except (struct.error, InputError, ValueError) as error:
-        why = f"{_KINDS[kind]}: {error}"
+        why = f"{name}: {error}"
         raise (BadRequest(why, data) if kind == ASK else Malformed(why)) from error
 
 
@@ -488,31 +430,57 @@ def _ask(data: Data) -> Ask:
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(sent_ns, time_ns, head_ns)
     bounds.LAYERS.check(layers)
-    wanted, hidden_at = parts.wanted_from(data, at + _POSE.size + eyes * _EYE.size, layers, eyes)
-    hides = has & _HIDES
-    end = hidden_at + (eyes * seen_columns.BYTES if hides else 0)
-    session, end = _session(data, end) if has & _SESSION else (None, end)
-    gaze, fovea, end = _look(data, end) if has & _FOVEA else (None, None, end)
-    inputs, end = _inputs(data, end) if has & _INPUTS else ((), end)
+    wanted, end = parts.wanted_from(data, at + _POSE.size + eyes * _EYE.size, layers, eyes)
+    hidden_at, session, gaze, fovea, inputs = end, None, None, None, []
+    if has & _HIDES:
+        end += eyes * parts.AREA_BYTES
+    if has & _SESSION:
+        of_session, age_ns, only_changes, count = _SESSION_HEAD.unpack_from(data, end)
+        bounds.DRAWING.check(age_ns)
+        bounds.FATES.check(count)
+        begin = end + _SESSION_HEAD.size
+        end = begin + count * _FATE.size
+        fates = [Fate(of, arrived != 0, heard_ns) for of, arrived, heard_ns in _FATE.iter_unpack(data[begin:end])]
+        bounds.INSTANT.check(*(one.heard_ns for one in fates))
+        session = Session(of_session, age_ns, only_changes != 0, tuple(fates))
+    if has & _FOVEA:
+        x, y, z, degrees, rim = _LOOK.unpack_from(data, end)
+        bounds.GAZE.check(math.hypot(x, y, z))
+        gaze, fovea, end = (x, y, z), Fovea(degrees, rim), end + _LOOK.size
+    if has & _INPUTS:
+        (count,) = _COUNT.unpack_from(data, end)
+        bounds.INPUTS.check(count)
+        begin = end + _COUNT.size
+        end = begin + count * _INPUT.size
+        inputs = [_input(*values) for values in _INPUT.iter_unpack(data[begin:end])]
     _check_length(data, end)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
-    if hides:
-        views = tuple(
-            seen_columns.with_area(view, data, hidden_at + eye * seen_columns.BYTES) for eye, view in enumerate(views)
-        )
-    views = tuple(looking(views, gaze))
-    wish = _wish(colour, depth, quality, rate_hz, mbit, step)
+    if has & _HIDES:
+        areas = [
+            bytes(data[begin : begin + parts.AREA_BYTES]) for begin in range(hidden_at, len(data), parts.AREA_BYTES)
+        ]
+        pairs = zip(views, areas, strict=False)
+        views = tuple(attrs.evolve(view, hidden=parts.area_from(area, view.fov)) for view, area in pairs)
+    for bound, value in (
+        (bounds.QUALITY, quality),
+        (bounds.RATE, rate_hz),
+        (bounds.BITRATE, mbit),
+        (bounds.STEP, step),
+    ):
+        bound.check(value)
+    wish = Wish(colour, depth, quality - 1 if quality else None, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    ask = Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, session)
-    return attrs.evolve(ask, fovea=fovea, inputs=inputs)
+    asked = (*times, (width, height), head, tuple(looking(views, gaze)), token, wish, anew != 0, wanted, session)
+    return Ask(*asked, fovea, tuple(inputs))
 
 
-def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
-    bounds.QUALITY.check(quality)
-    bounds.RATE.check(rate_hz)
-    bounds.BITRATE.check(bitrate_mbit)
-    bounds.STEP.check(step)
-    return Wish(colour, depth, quality - 1 if quality else None, rate_hz, bitrate_mbit, step)
+def _input(time_ns: int, action: int, target: bytes, *ray: float) -> InputEvent:
+    bounds.INSTANT.check(time_ns)
+    bounds.ACTION.check(action)
+    bounds.COORDINATE.check(*ray[:3])
+    bounds.WAY.check(math.hypot(*ray[3:]))
+    name = target.rstrip(b"\0").decode("ascii")
+    return InputEvent(time_ns, ACTIONS[action - 1], name, (ray[0], ray[1], ray[2]), (ray[3], ray[4], ray[5]))
 
 
 def _frame(data: Data) -> FrameMessage:
@@ -550,7 +518,6 @@ def _frame(data: Data) -> FrameMessage:
 
 
 def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
-    """Return the numbers of a picture, or the bytes of a coded one: no kind."""
     if kind is None:
         return bytes(data[at : at + length])
     count = math.prod(shape)
@@ -584,6 +551,14 @@ def _unchanged(data: Data) -> Unchanged:
     (number,) = _ID.unpack_from(data, _HEAD.size)
     bounds.NUMBER.check(number)
     return Unchanged(number)
+
+
+_KINDS: dict[int, tuple[str, Callable[[Data], Message]]] = {
+    ASK: ("request", _ask),
+    FRAME: ("frame", _frame),
+    REFUSAL: ("refusal", _refusal),
+    UNCHANGED: ("no change", _unchanged),
+}
 
 
 def _check_format(number: int, width: int, height: int, eyes: int) -> None:

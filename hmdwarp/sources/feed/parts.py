@@ -1,29 +1,29 @@
-"""Further layers in messages: pictures and numbers, each by its layer's name."""
+"""What messages have besides their own numbers: further layers, wishes for them, hidden areas."""
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import struct
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Fov
+from ...geometry import Fov, Hidden, View
 from . import bounds
 
 Size = tuple[int, int]
 Array = NDArray[Any]
 Rows = tuple[tuple[float, ...], ...]
 
-WANTED = struct.Struct("<16sI")  # name of a layer, and how much of it
+_WANTED = struct.Struct("<16sI")  # name of a layer, and how much of it
 # Rows and columns of settings; they follow the list, of each layer whose amount there is 0.
-SETTINGS = struct.Struct("<HH")
-_SETTING = struct.Struct("<d")
+_SETTINGS, _SETTING = struct.Struct("<HH"), struct.Struct("<d")
 HEAD = struct.Struct("<16sBBBxIII")  # name of a layer, eye, format, whether it is packed, width, height, bytes
 # By number of the format: how numbers are stored, and how many there are a pixel, or in one place
 # of a table.
@@ -55,11 +55,8 @@ class Wanted:
 
 @attrs.frozen(eq=False)
 class Packed:
-    """A picture or table whose bytes are packed."""
-
     format: int
-    # (w, h).
-    size: Size
+    size: Size  # (w, h)
     data: bytes
 
     def numbers(self) -> Array:
@@ -81,7 +78,6 @@ Layers = Mapping[str, Sequence[Part]]  # the parts of each layer of one eye, in 
 
 
 def packed(numbers: Array) -> Packed:
-    """Return a picture or table, packed."""
     found = format_of(numbers)
     stored = np.ascontiguousarray(numbers, FORMATS[found][0])
     return Packed(found, (numbers.shape[1], numbers.shape[0]), zlib.compress(stored.data, _LEVEL))
@@ -101,30 +97,24 @@ def _shape(form: int, size: Size) -> tuple[np.dtype, tuple[int, ...]]:
 
 
 def length_of(part: Part) -> int:
-    """Return the bytes of a part."""
     return len(part.data) if isinstance(part, Packed) else part.nbytes
 
 
 def packed_wanted(wanted: Wanted) -> bytes:
-    """Return the bytes of what a client reads."""
     shown = [struct.pack("<4d", fov.left, fov.right, fov.down, fov.up) for fov in wanted.fovs]
-    names = [WANTED.pack(_coded(name), 0 if isinstance(how, tuple) else how) for name, how in wanted.layers]
+    names = [_WANTED.pack(_coded(name), 0 if isinstance(how, tuple) else how) for name, how in wanted.layers]
     tables = [how for _, how in wanted.layers if isinstance(how, tuple)]
-    rows = [SETTINGS.pack(len(one), len(one[0])) + b"".join(map(_SETTING.pack, sum(one, ()))) for one in tables]
+    rows = [_SETTINGS.pack(len(one), len(one[0])) + b"".join(map(_SETTING.pack, sum(one, ()))) for one in tables]
     return b"".join([struct.pack("<II", *wanted.size), *shown, *names, *rows])
 
 
 def most_wanted_bytes(layers: int, eyes: int) -> int:
-    """Return how many bytes the wish for so many layers has at most."""
-    settings = SETTINGS.size + _SETTING.size * int(bounds.SETTINGS.most) ** 2
-    return 8 + 32 * eyes + (WANTED.size + settings) * layers
+    settings = _SETTINGS.size + _SETTING.size * int(bounds.SETTINGS.most) ** 2
+    return 8 + 32 * eyes + (_WANTED.size + settings) * layers
 
 
 def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tuple[Wanted | None, int]:
-    """Return what a client reads, None for nothing, and where the wish ends.
-
-    Errors: ValueError; InputError for a view.
-    """
+    """Return what a client reads, or None, and where it ends. Errors: ValueError, InputError."""
     if not layers:
         return None, at
     width, height = struct.unpack_from("<II", data, at)
@@ -133,18 +123,18 @@ def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tu
     found: dict[str, int | Rows] = {}
     at += 8 + 32 * eyes
     for _ in range(layers):
-        name, amount = WANTED.unpack_from(data, at)
+        name, amount = _WANTED.unpack_from(data, at)
         bounds.AMOUNT.check(amount)
         found[_named(name)] = amount
-        at += WANTED.size
+        at += _WANTED.size
     if len(found) < layers:
         raise BadPart("a layer twice: expected each once")
     for name in [name for name, amount in found.items() if not amount]:
-        rows, columns = SETTINGS.unpack_from(data, at)
+        rows, columns = _SETTINGS.unpack_from(data, at)
         bounds.SETTINGS.check(rows, columns)
-        numbers = struct.unpack_from(f"<{rows * columns}d", data, at + SETTINGS.size)
+        numbers = struct.unpack_from(f"<{rows * columns}d", data, at + _SETTINGS.size)
         found[name] = tuple(numbers[row * columns : (row + 1) * columns] for row in range(rows))
-        at += SETTINGS.size + _SETTING.size * rows * columns
+        at += _SETTINGS.size + _SETTING.size * rows * columns
     return Wanted(tuple(found.items()), (width, height), fovs), at
 
 
@@ -155,40 +145,37 @@ def fov_of(left: float, right: float, down: float, up: float) -> Fov:
 
 
 def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | Array]]:
-    """Return heads and contents of all parts of all eyes."""
     heads: list[bytes] = []
     contents: list[bytes | Array] = []
     for eye, of_eye in enumerate(layers):
-        for name, parts in of_eye.items():
-            for part in parts:
-                form, size, content = (
-                    (part.format, part.size, part.data)
-                    if isinstance(part, Packed)
-                    else (format_of(part), part.shape[1::-1], part)
-                )
-                heads.append(HEAD.pack(_coded(name), eye, form, isinstance(part, Packed), *size, length_of(part)))
-                contents.append(content)
+        for name, part in ((name, part) for name, several in of_eye.items() for part in several):
+            form, size, content = (
+                (part.format, part.size, part.data)
+                if isinstance(part, Packed)
+                else (format_of(part), (part.shape[1], part.shape[0]), part)
+            )
+            heads.append(HEAD.pack(_coded(name), eye, form, isinstance(part, Packed), *size, length_of(part)))
+            contents.append(content)
     return heads, contents
 
 
 def layers_from(
     data: bytes | memoryview, heads_at: int, count: int, at: int, eyes: int
 ) -> tuple[tuple[Layers, ...], int]:
-    """Return the layers of each eye, and where the message must end.
-
-    heads_at: where their heads begin. at: where the first part begins. Errors: BadPart.
-    """
+    """Return each eye's layers, and where the message must end. Errors: BadPart."""
     found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
-    for name, (eye, form, is_packed, *size), length in _heads(data, heads_at, count):
+    for number in range(count):
+        coded, eye, form, is_packed, wide, high, length = HEAD.unpack_from(data, heads_at + number * HEAD.size)
+        name, size = _named(coded), (wide, high)
         is_empty, most = min(size) < 1 and form not in (TABLE, BYTES), bounds.UNPACKED if form == BYTES else bounds.SIDE
         if eye >= eyes or form not in FORMATS or max(size) > most.most or is_empty:
-            raise BadPart(f"a part for eye {eye}, format {form}, {size[0]}x{size[1]}: out of range")
-        kind, shape = _shape(form, (size[0], size[1]))
+            raise BadPart(f"a part for eye {eye}, format {form}, {wide}x{high}: out of range")
+        kind, shape = _shape(form, size)
         numbers = math.prod(shape)
         if at + length > len(data) or (not is_packed and length != numbers * kind.itemsize):
             raise BadPart(f"a part of {length} bytes: expected {numbers * kind.itemsize}")
         found[eye].setdefault(name, []).append(
-            Packed(form, (size[0], size[1]), bytes(data[at : at + length]))
+            Packed(form, size, bytes(data[at : at + length]))
             if is_packed
             else np.frombuffer(data, kind, numbers, at).reshape(shape)
         )
@@ -197,21 +184,13 @@ def layers_from(
 
 
 def unpacked_bytes(layers: Sequence[Layers]) -> int:
-    """Return the bytes of all parts as numbers."""
+    every = (part for of_eye in layers for several in of_eye.values() for part in several)
     return sum(
         math.prod(_shape(part.format, part.size)[1]) * FORMATS[part.format][0].itemsize
         if isinstance(part, Packed)
         else part.nbytes
-        for of_eye in layers
-        for parts in of_eye.values()
-        for part in parts
+        for part in every
     )
-
-
-def _heads(data: bytes | memoryview, at: int, count: int) -> Iterator[tuple[str, list[int], int]]:
-    for number in range(count):
-        name, *rest, length = HEAD.unpack_from(data, at + number * HEAD.size)
-        yield _named(name), rest, length
 
 
 def _coded(name: str) -> bytes:
@@ -225,3 +204,32 @@ def _named(coded: bytes) -> str:
     if found is None:
         raise BadPart(f"a layer called {coded!r}: expected a name of letters and underscores")
     return found[1].decode()
+
+
+# What a lens hides of a view: the seen rows of a few columns.
+_COLUMNS, _ROWS = 64, 255
+AREA_BYTES = 2 * _COLUMNS  # of one eye
+_FINE = (_COLUMNS * 8, _ROWS * 4)  # pixels over which the seen rows are found
+
+
+def packed_area(view: View) -> bytes:
+    """Return first seen row and end of each column, in 255ths from below; 0 and 0 where none is."""
+    return bytes([0, _ROWS]) * _COLUMNS if view.hidden is None else _area_bytes(view.hidden, view.fov)
+
+
+@functools.lru_cache(maxsize=16)
+def _area_bytes(hidden: Hidden, fov: Fov) -> bytes:
+    rows = hidden.rows(fov, _FINE).reshape(_COLUMNS, -1, 2)
+    seen = rows[..., 0] < rows[..., 1]
+    first = np.where(seen, rows[..., 0], _FINE[1]).min(axis=1) // 4
+    end = -(-rows[..., 1].max(axis=1) // 4)
+    return np.where(seen.any(axis=1), [first, end], 0).T.astype(np.uint8).tobytes()
+
+
+@functools.lru_cache(maxsize=64)
+def area_from(data: bytes, fov: Fov) -> Hidden | None:
+    """Return what AREA_BYTES hide, the same object for the same area. Errors: ValueError."""
+    rows = np.frombuffer(data, np.uint8).reshape(_COLUMNS, 2).astype(np.int64)
+    if (rows[:, 0] > rows[:, 1]).any() or not rows.any():
+        raise ValueError("a hidden area leaves nothing to see, or ends before it begins")
+    return None if (rows == (0, _ROWS)).all() else Hidden.of_rows(rows / _ROWS, fov)

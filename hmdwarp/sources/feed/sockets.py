@@ -29,13 +29,11 @@ from ...errors import InputError
 from ...platforms import fcntl, takes_more, termios
 from ...resources import import_extra
 
-# What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
-SEAL_BYTES = 8 + 8 + 16 + 1
+SEAL_BYTES = 8 + 8 + 16 + 1  # what CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26)
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):([0-9]+|\*)")
 # Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
 MOST_UNREAD = 1 << 20
-# Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
-MOST_OF_CLIENT = 256 << 20
+MOST_OF_CLIENT = 256 << 20  # bytes of frames that wait for a client; one frame may always wait, even if it is larger
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
 # Without a valid request for so long a connection is silent, and one is idle from which another may
 # take its place.
@@ -60,8 +58,7 @@ LINK = {
     "TCP_KEEPALIVE_CNT": 5,
     "TCP_MAXRT": SILENT_NS // 1_000_000,
 }
-# Buffer of the kernel for each connection.
-KERNEL_BYTES = 1 << 14
+KERNEL_BYTES = 1 << 14  # buffer of the kernel for each connection
 _EVERY_MS, _MOST_EVENTS = 20, 4096
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
 _RTT, _RTT_AT = struct.Struct("=I"), 68
@@ -69,22 +66,16 @@ _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
 
 
 def zmq_module() -> ModuleType:
-    """Return the library. Errors: MachineError where it is not installed."""
     return import_extra("zmq", "pyzmq", "feed")
 
 
 def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
-    """Set options of a socket by their names in the library."""
     for name, value in options.items():
         one.setsockopt(getattr(zmq, name), value)
 
 
 def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
-    """Return the parts of a socket's next message, [] where there is none.
-
-    A cut connection may take back a message that the library has announced: waiting for it would
-    never end.
-    """
+    """Return the parts of a socket's next message, [] where there is none."""
     parts: list[Any] = []
     with contextlib.suppress(zmq.Again):
         parts = one.recv_multipart(zmq.NOBLOCK, copy=copy)
@@ -97,11 +88,7 @@ def wire_bytes(parts: list[Any]) -> int:
 
 
 def address_of(text: str, flag: str, *, serves: bool = False) -> str:
-    """Return the library's address for HOST:PORT or tcp://HOST:PORT.
-
-    flag: option that names it. serves: whether it is to listen at: * is any free port then, or all
-    addresses of this machine. Errors: InputError.
-    """
+    """Return tcp://HOST:PORT. flag: its option. serves: * is any. Errors: InputError."""
     found = _TCP.fullmatch(text)
     is_any = found is not None and "*" in found.groups()
     if found is None or (not serves and is_any) or (found[2] != "*" and not int(not serves) <= int(found[2]) <= 65535):
@@ -110,8 +97,6 @@ def address_of(text: str, flag: str, *, serves: bool = False) -> str:
 
 
 def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, object, str], None]:
-    """Return a validator that takes "" and what address_of does."""
-
     def check(_: object, __: object, text: str) -> None:
         if text:
             address_of(text, flag, serves=serves)
@@ -120,7 +105,6 @@ def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, objec
 
 
 def is_local(address: str) -> bool:
-    """Return whether only this machine reaches it."""
     found = _TCP.fullmatch(address)
     if found is None or found[1] == "localhost":
         return True
@@ -132,24 +116,21 @@ def is_local(address: str) -> bool:
 
 @attrs.frozen
 class Wire:
-    """A connection's socket: its descriptor, and the number that the system has for what it opens.
-
-    The library closes it at any time, and the descriptor is then soon that of something else.
-    """
+    """A connection's descriptor, closed at any time, and what it opens by the system's number."""
 
     descriptor: int
     opens: tuple[int, int]
 
     @classmethod
     def of(cls, descriptor: int) -> Self:
-        """Return what a descriptor is now. Errors: OSError where it is closed."""
-        return cls(descriptor, _opens(descriptor))
+        found = os.fstat(descriptor)
+        return cls(descriptor, (found.st_dev, found.st_ino))
 
     def handle(self) -> socket.socket:
         """Return another handle of the connection. Errors: OSError where it is closed."""
         descriptor = os.dup(self.descriptor)
         try:
-            if _opens(descriptor) != self.opens:
+            if Wire.of(descriptor).opens != self.opens:
                 raise OSError(errno.EBADF, "the descriptor is another's by now")
             return socket.socket(fileno=descriptor)
         except OSError:
@@ -157,15 +138,9 @@ class Wire:
             raise
 
     def cut(self) -> None:
-        """Cut the connection, even if its peer sends on."""
         with contextlib.suppress(OSError), self.handle() as one:
             one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             one.shutdown(socket.SHUT_RDWR)
-
-
-def _opens(descriptor: int) -> tuple[int, int]:
-    found = os.fstat(descriptor)
-    return found.st_dev, found.st_ino
 
 
 @attrs.define(eq=False)
@@ -173,13 +148,10 @@ class Connection:
     """A connection to a server, by the system's count."""
 
     wire: Wire
-    # The peer's host, or its /64 of IPv6.
-    address: str
-    # When it came, or was last heard with a valid request.
-    heard_ns: int
+    address: str  # the peer's host, or its /64 of IPv6
+    heard_ns: int  # when it came, or was last heard with a valid request
     asks: bool = False
-    # Wire bytes that came out as messages.
-    taken: int = 0
+    taken: int = 0  # wire bytes that came out as messages
 
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
@@ -188,10 +160,7 @@ class Connection:
 
 @attrs.define(eq=False)
 class Places:
-    """What the feed's door and the web's share: limits, who is at each, and the log.
-
-    A page has a connection at both, and counts at the feed's.
-    """
+    """What the feed's door and the web's share; a page is at both and counts at the feed's."""
 
     # Takes a kind, an address, and a line, of which so many a second are written.
     note: Callable[[str, str, str], None] = lambda kind, address, text: None
@@ -207,11 +176,10 @@ class Places:
 
 
 class Connections:
-    """Cut connections that send on without finishing a message, that are silent, or too many.
+    """Cut connections that send without end, are silent, or too many, from a thread of its own.
 
     Where there are too many, an idle one makes room: one that has never made a valid request first,
-    then one at the web's door. Watches from a thread of its own, as the server may be drawing.
-    Endless messages: on Linux.
+    then one at the web's door. Endless messages are found on Linux.
     """
 
     def __init__(self, zmq: Any, router: Any, places: Places) -> None:
@@ -221,8 +189,7 @@ class Connections:
         # Those that have ended, and the address and the reason of each that was cut.
         self.gone: deque[Connection] = deque()
         self.cuts: deque[tuple[str, str]] = deque(maxlen=1000)
-        # When the server last took all that had come; it may be drawing since.
-        self.listened_ns = 0
+        self.listened_ns = 0  # when the server last took all that had come; it may be drawing since
         self._ended = threading.Event()
         self._lock = threading.RLock()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
@@ -230,10 +197,7 @@ class Connections:
         self._thread.start()
 
     def took(self, parts: list[Any]) -> Connection | None:
-        """Note a whole message, as frames of the library; return where it came from.
-
-        The watcher may be behind: a connection that is not known to ask would lose its place.
-        """
+        """Note a whole message, as frames of the library; return where it came from."""
         self._catch_up()
         with contextlib.suppress(self._zmq.ZMQError):  # not of a connection that has a descriptor
             found = self._of.get(parts[-1].get(self._zmq.SRCFD))
@@ -244,23 +208,27 @@ class Connections:
 
     def _watch(self) -> None:
         due_ns, wait_ms = 0, 0
-        # By its descriptor, as two threads may not wait at a socket.
-        poller = self._zmq.Poller()
+        poller = self._zmq.Poller()  # by its descriptor, as two threads may not wait at a socket
         poller.register(self._accepted.getsockopt(self._zmq.FD), self._zmq.POLLIN)
         while not self._ended.is_set():
             poller.poll(wait_ms)
             # The descriptor tells of new events once: what is left is looked for without waiting.
             wait_ms = _EVERY_MS if self._catch_up() else 0
-            if time.monotonic_ns() >= due_ns:
-                for one in list(self._of.values()):
-                    self._check(one)
-                due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
+            if time.monotonic_ns() < due_ns:
+                continue
+            for one in list(self._of.values()):
+                if self.listened_ns - one.heard_ns > SILENT_NS:
+                    self.cut(one, f"silent for {SILENT_NS // 10**9} s")
+                    continue
+                with contextlib.suppress(OSError), one.wire.handle() as wire:
+                    info = _info_of(wire)  # what it has received; empty where that is not known
+                    if info and _RECEIVED.unpack_from(info, _RECEIVED_AT)[0] > MOST_UNREAD + one.taken:
+                        most = MOST_UNREAD >> 10
+                        self.cut(one, f"more than {most} KiB unread: too many requests, or one without an end")
+            due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
 
     def _catch_up(self) -> bool:
-        """Note who has come and gone; return whether that is all.
-
-        Those that come and go must not keep it from looking at the others.
-        """
+        """Note who has come and gone, so many at a time; return whether that is all."""
         with self._lock:
             events = list(itertools.islice(iter(lambda: waiting_parts(self._zmq, self._accepted), []), _MOST_EVENTS))
             # By descriptor, the last of each: what came and went costs no look at it.
@@ -274,16 +242,16 @@ class Connections:
         return len(events) < _MOST_EVENTS
 
     def _note(self, descriptor: int) -> Connection | None:
-        try:
+        places = self._places
+        with contextlib.suppress(OSError):  # closed since
             wire = Wire.of(descriptor)
             with wire.handle() as one:
                 peer, own = one.getpeername(), one.getsockname()
-                page = self._places.guests.get(peer[1]) if peer[0] == own[0] else None
+                page = places.guests.get(peer[1]) if peer[0] == own[0] else None
                 new = self._of[descriptor] = Connection(wire, page or host_of(one), time.monotonic_ns())
-        except OSError:  # closed since
-            return None
-        self._places.clients = self._places.clients + Counter([new.address])
-        return new
+            places.clients = places.clients + Counter([new.address])
+            return new
+        return None
 
     def _make_place(self, new: Connection) -> None:
         places = self._places
@@ -303,15 +271,6 @@ class Connections:
                 self.cut(first, "makes room for a page")
             return first is not None
 
-    def _check(self, one: Connection) -> None:
-        if self.listened_ns - one.heard_ns > SILENT_NS:
-            self.cut(one, f"silent for {SILENT_NS // 10**9} s")
-            return
-        with contextlib.suppress(OSError), one.wire.handle() as wire:
-            info = _info_of(wire)  # what it has received; empty where that is not known
-            if info and _RECEIVED.unpack_from(info, _RECEIVED_AT)[0] > MOST_UNREAD + one.taken:
-                self.cut(one, f"more than {MOST_UNREAD >> 10} KiB unread: too many requests, or one without an end")
-
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""
         with self._lock:
@@ -326,7 +285,6 @@ class Connections:
             self.gone.append(left)
 
     def close(self) -> None:
-        """Stop watching; before the socket is closed."""
         self._ended.set()
         self._thread.join()
         self._accepted.close(0)
@@ -334,24 +292,16 @@ class Connections:
 
 @attrs.define(eq=False)
 class Hearing:
-    """Whether a connection is silent, by the system's count of bytes.
-
-    A server calls every half second while it lives, so nothing for three such times and what a
-    message takes to come is a connection that leads nowhere.
-    """
+    """Whether a connection is silent; a server calls every half second while it lives."""
 
     wire: Wire
     looked_ns: int
     received: int = 0
     silent_ns: int = 0
-    # Bytes of the messages that were taken.
-    taken: int = 0
+    taken: int = 0  # bytes of the messages that were taken
 
     def is_silent(self, now_ns: int, patience: int) -> bool:
-        """Look whether anything has come since the last look; return whether nothing has too long.
-
-        patience: how many times the usual time that is.
-        """
+        """Look for bytes; return whether there were none for `patience` times the usual time."""
         info, waiting = b"", bytes(4)
         with contextlib.suppress(OSError), self.wire.handle() as one:
             info = _info_of(one)
@@ -370,11 +320,7 @@ class Hearing:
 def crowd_of(
     own: Counter[str], others: Counter[str], address: str, per_address: int, kept: int = 0
 ) -> tuple[Collection[str], str] | None:
-    """Return of which addresses one must go now that there is a newcomer, and why; None with room.
-
-    own, others: how many of each address are at this door and at the other, for which so many
-    places are kept.
-    """
+    """Return of which addresses, at both doors, one must go for a newcomer, and why; or None."""
     both = own + others
     if both[address] > per_address:
         return [address], f"more than {per_address} from one address, see --per-address"
@@ -385,7 +331,6 @@ def crowd_of(
 
 
 def host_of(one: socket.socket) -> str:
-    """Return whom a connection is counted for. Errors: OSError where it has ended."""
     host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
     if isinstance(host, ipaddress.IPv6Address):
         if host.ipv4_mapped is not None:
@@ -396,7 +341,6 @@ def host_of(one: socket.socket) -> str:
 
 
 def _info_of(one: socket.socket) -> bytes:
-    """Return what the system knows of a connection, b"" where it does not say."""
     if sys.platform != "linux":
         return b""
     info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)

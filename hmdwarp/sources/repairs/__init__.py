@@ -18,16 +18,15 @@ from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
 repairs: Registry[type[Repair]] = Registry(
-    "repair", __name__, columns="needs settings=Settings source", modules=dict.fromkeys(("edges", "none"), "edges")
+    "repair",
+    __name__,
+    columns="needs settings=Settings source",
+    modules=dict.fromkeys(("complete", "edges", "none"), "edges"),
 )
 
 
 def parse_repairs(text: str) -> RepairChain:
-    """Parse 'edges+complete': a chain of repairs, each 'name' or 'name:key=value,key=value'.
-
-    Errors: UnknownNameError for a name; InputError for a bad setting, for 'none' in a chain, and
-    for what is no text.
-    """
+    """Parse 'edges+complete', with 'name:key=value,..'. Errors: UnknownNameError, InputError."""
     if not isinstance(text, str):
         raise InputError(
             f"repair is {in_brief(text)}: expected a name: {', '.join(repairs.names())}, or several with +"
@@ -55,23 +54,18 @@ class MeasuredDepth:
 
     @classmethod
     def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        """Return depth as a camera gave it: sure wherever it is known."""
         inverse = np.asarray(inverse_depth, np.float32)
         return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
 
 
 class Repair(ABC):
-    """Make the depth of a picture fit for warping: take out what is wrong, guess what is missing.
-
-    It keeps no memory of earlier pictures and never changes its arguments.
-    """
+    """Make depth fit for warping, without memory; arguments are never changed."""
 
     name: ClassVar[str]
     summary: ClassVar[str]
     needs: ClassVar[str]  # What it runs on, in words.
     source: ClassVar[str]
-    # False for the repair that does nothing, which is left out.
-    is_pass: ClassVar[bool] = True
+    is_pass: ClassVar[bool] = True  # false for the repair that does nothing, which is left out
     Settings: ClassVar[type] = NoSettings  # An attrs class of the settings, each with a default.
 
     def __init__(self, settings: Any = None) -> None:
@@ -90,11 +84,7 @@ class RepairChain:
     text: str = "none"  # the shortest text that makes the same chain
 
     def run(self, colour: Pixels, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        """Return the repaired depth of a picture.
-
-        colour: (h, w, 3) sRGB, 0 to 1. inverse_depth: (h, w) in 1/m, NaN for none. Both with the
-        top row first; neither is changed.
-        """
+        """Return the repaired depth of colour (h, w, 3) sRGB 0 to 1 and (h, w) 1/m or NaN."""
         depth = MeasuredDepth.measured(inverse_depth)
         for step in self.steps:
             depth = step.run(colour, depth)
@@ -112,10 +102,7 @@ def _check_limit(_: object, field: attrs.Attribute[float], value: float) -> None
 
 @attrs.frozen
 class SurfaceSettings:
-    """When two inverse depths belong to one surface.
-
-    They do if they differ by at most tolerance * (the smaller one + floor).
-    """
+    """One surface: two inverse depths apart by at most tolerance * (the smaller one + floor)."""
 
     tolerance: float = attrs.field(default=0.15, validator=_check_limit)
     floor: float = attrs.field(default=0.05, validator=_check_limit)  # 1/m

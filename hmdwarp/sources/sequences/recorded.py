@@ -32,18 +32,13 @@ Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 @attrs.frozen(eq=False)
 class RecordedFrame:
-    """A picture with depth, the instant and the view that it was taken for.
-
-    Pixels are read at each access, and not kept.
-    """
+    """A picture with depth, its instant and view. Pixels are read at each access, and not kept."""
 
     name: str  # of its file, for messages
     time_ns: int  # since the first frame of its sequence
-    # World_from_eye in the axes of OpenXR.
-    pose: Pose
+    pose: Pose  # world_from_eye in the axes of OpenXR
     fov: Fov
-    # (w, h) in pixels.
-    size: tuple[int, int]
+    size: tuple[int, int]  # (w, h) in pixels
     _read: Callable[[], Pictures] = attrs.field(repr=False)
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
@@ -51,7 +46,6 @@ class RecordedFrame:
 
     @property
     def view(self) -> View:
-        """Pose and field of view."""
         return View(self.pose, self.fov, hidden=self.hidden)
 
     def read(self) -> Pictures:
@@ -59,10 +53,7 @@ class RecordedFrame:
         return self._read()
 
     def rim(self) -> int:
-        """Return how many of the outermost pixels hold one colour, on the side with the most.
-
-        0 where a side has none. Rectification leaves such a rim, and so does a plain background.
-        """
+        """Return how many outermost pixels hold one colour, as rectification leaves; 0 for none."""
         colour = self.colour.astype(np.int16)
         same = np.abs(colour - colour[0, 0]).max(axis=2) <= _JPEG
         lines = same.all(axis=1), same.all(axis=0)
@@ -76,10 +67,7 @@ class RecordedFrame:
             found = "x".join(map(str, self.size))
             raise InputError(f"--crop {pixels}: {self.name} has {found} pixels; expected to leave one or more")
         left, right, down, up = self.fov.tangents
-        x, y = (
-            pixels * (far - near) / count
-            for near, far, count in ((left, right, self.size[0]), (down, up, self.size[1]))
-        )
+        x, y = pixels * (right - left) / self.size[0], pixels * (up - down) / self.size[1]
         inner = np.s_[pixels : pixels + size[1], pixels : pixels + size[0]]
 
         def read() -> Pictures:
@@ -90,8 +78,6 @@ class RecordedFrame:
         return attrs.evolve(self, fov=fov, size=size, read=read)
 
     def far_without_depth(self) -> RecordedFrame:
-        """Return the frame with what has colour and no depth infinitely far away."""
-
         def read() -> Pictures:
             colour, depth_m = self._read()
             return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)
@@ -115,8 +101,7 @@ class Sequence:
 
     name: str
     path: Path
-    # Name of the reader.
-    layout: str
+    layout: str  # name of the reader
     frames: tuple[RecordedFrame, ...]
     # The recorded motion of the camera, world_from_head, from the first frame to the last: their
     # poses, and those between that the files have.
@@ -124,11 +109,8 @@ class Sequence:
     notes: tuple[str, ...] = ()  # what a user must know, one sentence each
     repair: RepairChain = RepairChain()  # what mends the depth of a frame before it is warped
     assumptions: tuple[Assumption, ...] = ()  # facts that all frames share, with who says them
-    # PSNR between two renders of one frame that differ by noise alone; None if unknown.
-    noise_floor_db: float | None = None
-    # What a right eye beside this one saw: as many frames, of the same instants and size. None
-    # where it was not recorded.
-    right: Sequence | None = None
+    noise_floor_db: float | None = None  # PSNR of two renders of one frame that differ by noise; None if unknown
+    right: Sequence | None = None  # what a right eye beside saw, at the same instants and size; None if not recorded
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -150,20 +132,14 @@ class Sequence:
         return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact), right=right)
 
     def repaired(self, repair: RepairChain) -> Sequence:
-        """Return the sequence with its depth to be mended before a warp.
-
-        Its frames are read as before.
-        """
+        """Return the sequence with depth to be mended before a warp; frames are read as before."""
         if not repair.steps:
             return self
         note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."
         return attrs.evolve(self, repair=repair, notes=(*self.notes, note))
 
     def masked(self, mask: Path) -> Sequence:
-        """Return the sequence without what a lens hides: black pixels of a picture of its size.
-
-        Of each column the pixels from the first to the last other one are seen. Errors: InputError.
-        """
+        """Return the sequence without what a mask of its size has black. Errors: InputError."""
         seen = flip_rows(read_colour(mask)[..., :3].max(axis=2) > 0)
         wide, high = self.frames[0].size
         if seen.shape != (high, wide) or not seen.any():
@@ -200,15 +176,11 @@ class Sequence:
 
 
 def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, ...]:
-    """Return the facts, those of the same name replaced by others."""
     return tuple({fact.what: fact for fact in (*facts, *by)}.values())
 
 
 def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where integers are the largest of their type, which no camera measures.
-
-    In a wider type that holds nothing larger, the largest of 16 bits is one too.
-    """
+    """Return where integers are the largest of their type or of 16 bits, as none is measured."""
     if depth.dtype.kind not in "iu" or not depth.size:
         return np.zeros(depth.shape, bool)
     most = int(depth.max())
@@ -248,11 +220,7 @@ _STANDARD, _REVERSED = 0.9, 0.05
 
 
 def depth_notes(sequence: Sequence) -> list[str]:
-    """Return what some frames of a sequence suggest.
-
-    No depth at all, values that are no measurement, sky that was written as no depth, depth that is
-    not in metres, intrinsics of another picture size.
-    """
+    """Return what some frames suggest: no depth, wrong values, unit or intrinsics, sky as none."""
     last = len(sequence.frames) - 1
     looked = [sequence.frames[at] for at in sorted({round(last * k / (LOOKED_AT - 1)) for k in range(LOOKED_AT)})]
     depths = [frame.depth_m for frame in looked]
@@ -262,38 +230,28 @@ def depth_notes(sequence: Sequence) -> list[str]:
     is_far = any(
         assumption.what == NO_DEPTH and assumption.value.startswith("infinitely") for assumption in sequence.assumptions
     )
-    sky = [] if is_far else about_sky(depths)
-    of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}", raw)]
-    return [*_about_no_depth(depths), *of_depth, *_about_axis(sequence.frames[0])]
-
-
-def _about_no_depth(depths: Several[NDArray[np.floating]]) -> list[str]:
-    """Return a note on frames that have no depth anywhere."""
-    empty = [depth for depth in depths if not (depth > 0).any()]
-    note = f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
-    if any((depth < 0).any() for depth in empty):
-        note += " It is below 0: expected metres along -z, which are above."
-    return [note] if empty else []
-
-
-def _about_axis(frame: RecordedFrame) -> list[str]:
-    """Return a note on an optical axis that is far from the middle of the picture."""
-    left, right, down, up = frame.fov.tangents.tolist()
+    notes = []
+    if empty := [depth for depth in depths if not (depth > 0).any()]:
+        behind = " It is below 0: expected metres along -z, which are above."
+        notes.append(
+            f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
+            + (behind if any((depth < 0).any() for depth in empty) else "")
+        )
+    notes += about_largest(raw) + ([] if is_far else about_sky(depths))
+    notes += about_unit(depths, moved_m, "--depth-scale {:g}", raw)
+    left, right, down, up = sequence.frames[0].fov.tangents.tolist()
     across, below = -left / (right - left), up / (up - down)
-    if max(abs(across - 0.5), abs(below - 0.5)) <= _FAR_AXIS:
-        return []
-    return [
-        f"The optical axis is at {100 * across:.0f} % of the width and {100 * below:.0f} % of the height, which is "
-        "where intrinsics for another picture size put it. 'hmdwarp check' finds those under which the frames agree; "
-        "--intrinsics states them."
-    ]
+    if max(abs(across - 0.5), abs(below - 0.5)) > _FAR_AXIS:
+        notes.append(
+            f"The optical axis is at {100 * across:.0f} % of the width and {100 * below:.0f} % of the height, which is "
+            "where intrinsics for another picture size put it. 'hmdwarp check' finds those under which the frames "
+            "agree; --intrinsics states them."
+        )
+    return notes
 
 
 def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
-    """Return a note on integers that are the largest of their type, or of a sensor's bits.
-
-    depths: as files have them.
-    """
+    """Return a note on integers of files that are the largest of their type or sensor."""
     whole = [depth for depth in depths if depth.dtype.kind in "iu" and depth.size]
     if not whole:
         return []
@@ -315,10 +273,7 @@ def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
 
 
 def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
-    """Return a note where large regions without depth reach the top or the border, as sky does.
-
-    depths: (h, w) metres each, the top row first; 0, negative or NaN is no depth.
-    """
+    """Return a note where large regions without depth, in metres, reach the border as sky does."""
     share = max(map(_sky, depths), default=0.0)
     if not share:
         return []
@@ -331,10 +286,8 @@ def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
 def about_unit(
     depths: Several[NDArray[np.floating]], moved_m: float, option: str, raw: Several[NDArray[Any]] = ()
 ) -> list[str]:
-    """Return a note on depth that is hardly in metres.
+    """Return a note on depth that is hardly in metres: far, a depth buffer's values, or tiny.
 
-    In a smaller unit: far away, while the eye hardly moves. The values of a depth buffer: all
-    within 1, and crowded at one end. Metres that a scale has shrunk: mostly within centimetres.
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
     raw: depths as files have them, where they do.
     """
@@ -367,10 +320,7 @@ def about_unit(
 
 
 def _sky(depth: NDArray[np.floating]) -> float:
-    """Return the share of the largest region without depth that lies as sky does; 0 for none.
-
-    A rim without any depth, as a depth camera leaves, is no border of the picture.
-    """
+    """Return the share of the largest region without depth at the top or a side, rims apart."""
     from scipy.ndimage import binary_opening, label
 
     known = depth > 0

@@ -15,9 +15,8 @@ from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import Lighting, ScenePasses
+from .passes import Lighting, SceneBuffers, ScenePasses, SceneTextures, moving_parts
 from .targets import Framebuffers, Multisampled, Renderer, Target
-from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 _MOST_CHOSEN = 256  # sets of parts, by what frames need
@@ -28,17 +27,14 @@ class Server(Renderer):
     """One scene on the GPU, uploaded once, drawn for any view and instant.
 
     Rows run bottom to top. Background pixels have coverage 1 and inverse depth 0: sky is drawn, not
-    missing. Passes for content that the scene lacks and no frame needs are never compiled or
-    allocated.
+    missing. Passes for content that the scene lacks and no frame needs are never compiled.
 
     mirrors: how frames show plane mirrors: "geometry" (the scene once more, mirrored) or "screen"
-    (rays marched through the picture itself, which lacks what is outside the picture). draw(),
-    which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
-    lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
-    samples: of each pixel of plain surfaces; colour is their mean in linear light, depth that of
-    the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are layers of
-    surfaces. changes: whether the scene's textures will. Errors: MachineError for more samples than
-    the GPU has.
+    (rays marched through the picture itself); draw(), the truth, always uses "geometry". lighting:
+    of a scene with lamps, in place of its own; the caller's. samples: of each pixel of plain
+    surfaces; colour is their mean in linear light, depth that of the pixel's centre; all else has
+    one. changes: whether the scene's textures will. Errors: UnknownNameError for mirrors;
+    MachineError for more samples than the GPU has.
     """
 
     def __init__(
@@ -52,25 +48,24 @@ class Server(Renderer):
         changes: bool = False,
     ) -> None:
         self.samples = samples
-        self._several = Multisampled(gpu, samples) if samples > 1 else None
-        self._framebuffers = Framebuffers(gpu.gl)
+        self._several = self.own(Multisampled(gpu, samples)) if samples > 1 else None
+        self._framebuffers = self.own(Framebuffers(gpu.gl))
         super().__init__(gpu, scene, self._framebuffers.forget)
         if mirrors not in MIRRORS:
             raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
         self._marched = mirrors == SCREEN
-        self._textures = SceneTextures(gpu, scene, lent=not changes)
+        self.textures = self.own(SceneTextures(gpu, scene, lent=not changes))
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
-        self._buffers = SceneBuffers(gpu, still, self._textures)
-        self._moving = moving_parts(gpu, scene, self._textures)
-        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
-        self._depth: ScenePasses | None = None
-        # By client and name; None for those that all share.
-        self._parts: dict[tuple[Hashable, str], Part] = {}
+        self._buffers = self.own(SceneBuffers(gpu, still, self.textures))
+        self._moving = [self.own(one) for one in moving_parts(gpu, scene, self.textures)]
+        colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+        self._colour, self._depth = self.own(colour), None  # type: ScenePasses, ScenePasses | None
+        self._parts: dict[tuple[Hashable, str], Part] = {}  # by client and name; None for those that all share
         self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
         self._context = DrawContext(
             gpu,
             scene,
-            self._textures,
+            self.textures,
             self._framebuffers,
             self._colour,
             self.acquire,
@@ -85,11 +80,7 @@ class Server(Renderer):
         return Server(self.gpu, scene, lighting=lighting, samples=self.samples, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
-
-        into: the target, None for one from the server's pool. Errors: InputError for a size of 0 or
-        beyond the GL limit, or for another size than the target's.
-        """
+        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`. Errors: InputError."""
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
     def _draw(
@@ -98,19 +89,17 @@ class Server(Renderer):
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.colour.size, size)
         chosen = self._parts_for(drawing) if chosen is None else chosen
-        self._draw_surfaces(self._passes_for(drawing, chosen), view, target, drawing.time_ns)
-        eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
+        passes, colour, depth = self._passes_for(drawing, chosen), target.colour, target.inverse_depth
+        if self._several is None:
+            passes.draw(view, self._framebuffers.over(colour, depth), drawing.time_ns)
+        else:
+            self._several.draw(passes, view, colour, drawing.time_ns)
+            # Parts compare depth at the centres of pixels, and test against its buffer.
+            self._depth_passes().draw(view, self._framebuffers.over(depth), drawing.time_ns)
+        eye = EyeImage(view, colour, depth, drawn_ns=drawing.time_ns)
         for part in chosen:
             eye = part.add(eye, drawing)
         return eye
-
-    def _draw_surfaces(self, passes: ScenePasses, view: View, target: Target, time_ns: int) -> None:
-        if self._several is None:
-            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns)
-            return
-        self._several.draw(passes, view, target.colour, time_ns)
-        # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
-        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
 
     def _draw_colour(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
         if self._several is None:
@@ -120,7 +109,8 @@ class Server(Renderer):
 
     def _depth_passes(self) -> ScenePasses:
         if self._depth is None:
-            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+            passes = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+            self._depth = self.own(passes)
         return self._depth
 
     def _passes_for(self, drawing: Drawing, chosen: list[Part] | None = None) -> ScenePasses:
@@ -149,13 +139,11 @@ class Server(Renderer):
         return chosen
 
     def forget(self, client: Hashable) -> None:
-        """Free what depends on the frames that were drawn for a client."""
         for key in [key for key in self._parts if key[0] == client]:
             self._parts.pop(key).close()
         self._chosen = {key: chosen for key, chosen in self._chosen.items() if key[0] != client}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
-        """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
         _check_same_size(into.size, size)
         self._depth_passes().draw(view, self._framebuffers.over(into), time_ns)
         for part in self._parts_for(Drawing(view, size, time_ns)):
@@ -175,12 +163,10 @@ class Server(Renderer):
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
-        guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
-        enlarged views. shown_size: of the display's picture, if the frame has another resolution.
-        age_ns: how old it will be when it is seen. pictures: False leaves the eyes' pictures empty,
-        for needs that both eyes share; None leaves in them what they had.
-        Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
-        beyond the GL limit.
+        guard: how much each field of view is enlarged. shown_size: of the display's picture, if the
+        frame has another resolution. age_ns: how old it will be when it is seen. pictures: False
+        leaves the eyes' pictures empty, None leaves in them what they had. Return the frame to the
+        pools with recycle(). Errors: as guarded_eyes; InputError for a cube beyond the GL limit.
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)
@@ -201,11 +187,10 @@ class Server(Renderer):
         client: Hashable = None,
         pictures: bool = True,
     ) -> Frame:
-        """Draw all eyes where the caller has added the guard band; otherwise as draw_frame.
+        """Draw all eyes, as draw_frame, where the caller has added the guard band.
 
         views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
-        shown picture, which some layers follow. client: whose frames went before, where layers
-        build on them.
+        shown picture. client: whose frames went before, where layers build on them.
         """
         seen = [attrs.evolve(view, fov=fov, hidden=None) for view, fov in zip(views, shown, strict=True)]
         drawings = [
@@ -220,36 +205,30 @@ class Server(Renderer):
         shared: dict[str, Any] = {}
         for part in chosen:
             shared |= part.of_frame(views, drawings[0])
-        if pictures:
-            pairs = zip(views, drawings, strict=True)
-            eyes = [self._draw(view, size, drawing, None, chosen) for view, drawing in pairs]
-        else:
-            eyes = [self._empty(view, size, drawn_ns, clear=pictures is not None) for view in views]
+        eyes = []
+        for view, drawing in zip(views, drawings, strict=True):
+            if pictures:
+                eyes.append(self._draw(view, size, drawing, None, chosen))
+                continue
+            target, empty = self.acquire(size), frozenset(PICTURE)
+            if pictures is not None:
+                self.clear(target)
+            eyes.append(EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawn_ns, left_out=empty))
         return Frame(tuple([eye.having(**shared) for eye in eyes] if shared else eyes), drawn_ns)
 
-    def _empty(self, view: View, size: Size, time_ns: int, *, clear: bool) -> EyeImage:
-        target = self.acquire(size)
-        if clear:
-            self.clear(target)
-        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, left_out=frozenset(PICTURE))
-
     def clear(self, into: Target) -> None:
-        """Empty a target: coverage 0, no depth."""
         self._framebuffers.over(into.colour).clear()
         self._framebuffers.over(into.inverse_depth).clear(red=-1.0)
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        """Take note of whether a frame arrived, which the server hears at that instant."""
         self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
-        """Take note of whether a client's frame with these layers arrived."""
         for (of_client, _), part in self._parts.items():
             if of_client == client:
                 part.heard(carried, arrived, heard_ns)
 
     def has_more(self, now_ns: int, client: Hashable = None) -> bool:
-        """Return whether a part has something to send even if nothing has moved."""
         return any(part.has_more(now_ns) for (of_client, _), part in self._parts.items() if of_client == client)
 
     def surfaces(self) -> Iterator[SceneBuffers]:
@@ -258,7 +237,6 @@ class Server(Renderer):
         yield from (drawing.buffers for drawing in self._moving)
 
     def trim(self) -> None:
-        """Free what frames of other sizes needed, but a little; see Renderer.trim."""
         for part in self._parts.values():
             part.trim()
         self._framebuffers.trim()
@@ -266,26 +244,10 @@ class Server(Renderer):
             self._several.trim()
         super().trim()
 
-    @property
-    def textures(self) -> SceneTextures:
-        """The scene's textures."""
-        return self._textures
-
     def close(self) -> None:
-        """Free everything the server holds, its targets included."""
         for part in self._parts.values():
             part.close()
-        for passes in (self._colour, self._depth):
-            if passes is not None:
-                passes.close()
-        self._framebuffers.close()
-        if self._several is not None:
-            self._several.close()
         super().close()
-        self._buffers.close()
-        for moving in self._moving:
-            moving.close()
-        self._textures.close()
 
 
 def _check_same_size(target: Size, picture: Size) -> None:

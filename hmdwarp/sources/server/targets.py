@@ -13,20 +13,22 @@ from numpy.typing import NDArray
 
 from ...colour import srgb8_from_linear
 from ...errors import MachineError
-from ...frames import EyeImage, Frame, Needs
-from ...geometry import Guard, Pose, View
+from ...frames import EyeImage, Frame
+from ...frames.layers import layers
+from ...geometry import Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
-from ..array_passes import Arrays, GiveCodes, Upload
+from ..array_passes import Arrays, GiveCodes, Owner, Upload
 from .passes import ScenePasses
 
-# Settings of a layer for which something is kept, of all clients: those of one request, at most.
-MOST_SETTINGS = 8
+MOST_SETTINGS = 8  # settings of a layer for which something is kept, of all clients: those of one request, at most
 K = TypeVar("K")
 V = TypeVar("V")
-# After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
-IDLE_AFTER = 2048
+Size = tuple[int, int]
+Kind = tuple[int, str]  # of a texture: components and type, as in gpu.textures
+Forget = Callable[[moderngl.Texture], None]  # is called with each texture before it is freed
+IDLE_AFTER = 2048  # after so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz
 # What trim() leaves of each kind of memory that the last frame did not need.
 MOST_IDLE_BYTES, MOST_IDLE = 16 << 20, 64
 
@@ -39,13 +41,11 @@ class LastUsed(dict[K, V]):
         self._used: set[K] = set()
 
     def made(self, key: K, make: Callable[[], V]) -> V:
-        """Return what there is for a key, made where there is nothing."""
         self[key] = found = self.pop(key) if key in self else make()
         self._used.add(key)
         return found
 
     def use(self, key: K) -> None:
-        """Note that what there is for a key is in use."""
         self._used.add(key)
 
     def beyond(self, most: int) -> list[V]:
@@ -72,12 +72,8 @@ _NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 
 @attrs.frozen(eq=False)
 class Target:
-    """The textures that one eye is drawn into."""
-
-    # rgba16f, or the format of its pool.
-    colour: moderngl.Texture
-    # r32f of the same size, None where only colour is kept.
-    depth: moderngl.Texture | None = None
+    colour: moderngl.Texture  # rgba16f, or the format of its pool
+    depth: moderngl.Texture | None = None  # r32f of the same size, None where only colour is kept
 
     @property
     def inverse_depth(self) -> moderngl.Texture:
@@ -88,16 +84,13 @@ class Target:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) in pixels."""
         return self.colour.size
 
     @property
     def bytes(self) -> int:
-        """The bytes of its textures."""
         return sum(map(texture_bytes, filter(None, (self.colour, self.depth))))
 
-    def release(self, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
-        """Free the textures. forget: called with each before it is freed."""
+    def release(self, forget: Forget = lambda texture: None) -> None:
         for texture in (self.colour, self.depth):
             if texture is not None:
                 forget(texture)
@@ -105,35 +98,30 @@ class Target:
 
 
 class TargetPool:
-    """Targets of one size and kind, with or without inverse depth.
+    """Targets of one size and kind. Errors: InputError for a size of 0 or beyond the GL limit.
 
     A burst of frames that are late together makes many; those that IDLE_AFTER hand-outs in a row
     did not need are freed.
-    forget: called with each texture before it is freed so.
-    Errors: InputError for a size of 0 or beyond the GL limit.
     """
 
     def __init__(
         self,
         gpu: Gpu,
-        size: tuple[int, int],
-        kind: tuple[int, str] = COLOUR,
+        size: Size,
+        kind: Kind = COLOUR,
         *,
         depth: bool = True,
-        forget: Callable[[moderngl.Texture], None] = lambda texture: None,
+        forget: Forget = lambda texture: None,
     ) -> None:
-        self._gpu, self.size, self._kind, self._with_depth = gpu, size, kind, depth
-        self._forget = forget
+        self._gpu, self._size, self._kinds, self._forget = gpu, size, (kind, SCALAR) if depth else (kind,), forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
-        # Those that are in use, by their colour texture.
-        self.out: dict[moderngl.Texture, Target] = {}
+        self.out: dict[moderngl.Texture, Target] = {}  # those that are in use, by their colour texture
         # Hand-outs since idle ones were freed, and how many targets were out at most meanwhile.
         self._handed = self._most_out = 0
 
     @property
     def live(self) -> int:
-        """How many targets are out."""
         return len(self.out)
 
     @property
@@ -142,8 +130,10 @@ class TargetPool:
         return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
-        """Return a free target; its content is undefined."""
-        target = self._free.pop() if self._free else self._make()
+        if self._free:
+            target = self._free.pop()
+        else:
+            target = Target(*(allocate(self._gpu.gl, self._size, kind) for kind in self._kinds))
         self.out[target.colour] = target
         self._handed, self._most_out = self._handed + 1, max(self._most_out, len(self.out))
         if self._handed == IDLE_AFTER:
@@ -156,59 +146,43 @@ class TargetPool:
             self._gpu.give_back_memory()
         return target
 
-    def _make(self) -> Target:
-        return Target(
-            allocate(self._gpu.gl, self.size, self._kind),
-            allocate(self._gpu.gl, self.size, SCALAR) if self._with_depth else None,
-        )
-
     @property
     def bytes(self) -> int:
-        """The bytes of all its targets."""
         return sum(target.bytes for target in (*self._free, *self.out.values()))
 
     def take_back(self) -> None:
-        """Take back all targets that are out."""
         self._free += self.out.values()
         self.out.clear()
 
     def release(self, colour: moderngl.Texture | Target) -> None:
-        """Take back a target, identified by itself or its colour texture.
-
-        Errors: ValueError if it is not out.
-        """
+        """Take back a target, by it or its colour. Errors: ValueError if it is not out."""
         key = colour.colour if isinstance(colour, Target) else colour
         if key not in self.out:
             raise ValueError("this target is not out: it was released before, or comes from another pool")
         self._free.append(self.out.pop(key))
 
     def close(self) -> None:
-        """Free all textures, including those that are out."""
         for target in [*self._free, *self.out.values()]:
             target.release(self._forget)
         self._free.clear()
         self.out.clear()
 
 
-class Renderer:
-    """What gives frames in textures from pools of its own.
-
-    scene: what it shows; without anything in it where that is recorded, or known elsewhere alone.
-    forget: as of TargetPool.
-    """
+class Renderer(Owner):
+    """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
+    draw_frame: Callable[..., Frame]  # returns a frame with all eyes, and the needed layers, see Server.draw_frame
+    # Draws inverse depth alone, where the client has the geometry, see Server.draw_depth.
+    draw_depth: Callable[..., moderngl.Texture]
 
-    def __init__(
-        self, gpu: Gpu, scene: Scene, forget: Callable[[moderngl.Texture], None] = lambda texture: None
-    ) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, forget: Forget = lambda texture: None) -> None:
         self.gpu, self.scene, self._forget = gpu, scene, forget
         self._pools: LastUsed[tuple[Any, ...], TargetPool] = LastUsed()
-        self._uploads: LastUsed[tuple[int, int], Upload] = LastUsed()
-        self._given: LastUsed[tuple[int, int], GiveCodes] = LastUsed()
+        self._uploads: LastUsed[Size, Upload] = LastUsed()
+        self._given: LastUsed[Size, GiveCodes] = LastUsed()
 
     def take_in(self, picture: Arrays, into: Target) -> None:
-        """Write a picture of another process, or of files, into a target of its size."""
         upload = self._uploads.made(picture.size, lambda: Upload(self.gpu, picture.size))
         upload.run(picture, (into.colour, into.inverse_depth))
 
@@ -217,31 +191,8 @@ class Renderer:
         giving = self._given.made(eye.size, lambda: GiveCodes(self.gpu, eye.size))
         return giving.run((eye.colour, eye.inverse_depth))
 
-    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Return the whole picture of `view` at `time_ns`: the truth.
-
-        into: the target, None for one from a pool.
-        """
-        raise NotImplementedError
-
-    def draw_frame(
-        self,
-        views: Sequence[View],
-        drawn_ns: int,
-        size: tuple[int, int],
-        guard: Guard = 1.0,
-        needs: Needs | None = None,
-        shown_size: tuple[int, int] | None = None,
-        age_ns: int = 0,
-        pictures: bool | None = True,
-    ) -> Frame:
-        """Return a frame with all eyes, and the needed layers, see Server.draw_frame."""
-        raise NotImplementedError
-
-    def draw_depth(
-        self, view: View, size: tuple[int, int], into: moderngl.Texture, time_ns: int = 0
-    ) -> moderngl.Texture:
-        """Draw inverse depth alone, where the client has the geometry; see Server.draw_depth."""
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return the whole picture of `view` at `time_ns`: the truth. into: a target, or None."""
         raise NotImplementedError
 
     def truth_facts(
@@ -265,7 +216,6 @@ class Renderer:
         """Take note of whether a client's frame with these layers arrived."""
 
     def reacts_to(self, client: Hashable) -> bool:
-        """Return whether what it draws reacts to what a client's people do."""
         return self.scene.inputs is not None
 
     def begin_anew(self, client: Hashable) -> None:
@@ -281,24 +231,23 @@ class Renderer:
 
     def recycle(self, frame: Frame) -> None:
         """Take the frame's textures back; later frames will overwrite them."""
-        for _, eye in frame.pictures():
-            self._pool(eye.colour.size, COLOUR, depth=True).release(eye.colour)
-        for layer, data in frame.contents():
-            for texture in layer.textures(data):
-                for pool in self._pools.values():
-                    if texture in pool.out:
-                        pool.release(texture)
-            layer.release(data)
+        for number, eye in frame.pictures():
+            self.pool(eye.colour.size).release(eye.colour)
+            for name, data in eye.carried.items():
+                if number and layers.get(name).per_frame:
+                    continue
+                for texture in layers.get(name).textures(data):
+                    for pool in self._pools.values():
+                        if texture in pool.out:
+                            pool.release(texture)
+                layers.get(name).release(data)
 
-    def acquire(self, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+    def acquire(self, size: Size, kind: Kind = COLOUR, *, depth: bool = True) -> Target:
         """Return a target from the pool of its kind; recycle() returns it with its frame."""
-        return self._pool(size, kind, depth=depth).acquire()
+        return self.pool(size, kind, depth=depth).acquire()
 
-    def pool(self, size: tuple[int, int], *, depth: bool = True) -> TargetPool:
-        """Return the colour targets of that size, with or without inverse depth."""
-        return self._pool(size, COLOUR, depth=depth)
-
-    def _pool(self, size: tuple[int, int], kind: tuple[int, str], *, depth: bool) -> TargetPool:
+    def pool(self, size: Size, kind: Kind = COLOUR, *, depth: bool = True) -> TargetPool:
+        """Return the targets of that size and kind, with or without inverse depth."""
         return self._pools.made(
             (size, kind, depth), lambda: TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
         )
@@ -312,22 +261,18 @@ class Renderer:
         """Free targets that were not needed since the last call, but a few."""
         for key in [key for key, pool in self._pools.items() if pool.live]:
             self._pools.use(key)
-        freed: list[tuple[Any, TargetPool | Upload | GiveCodes]] = [
-            *self._pools.trimmed(lambda key, pool: pool.bytes),
-            *self._uploads.trimmed(lambda size, upload: upload.bytes),
-            *self._given.trimmed(lambda size, giving: giving.bytes),
-        ]
-        for _, pool in freed:
-            pool.close()
+        kinds: tuple[LastUsed[Any, Any], ...] = (self._pools, self._uploads, self._given)
+        freed: list[Any] = [one for kind in kinds for _, one in kind.trimmed(lambda _, one: int(one.bytes))]
+        for one in freed:
+            one.close()
         if freed:
             self.gpu.give_back_memory()
         self.gpu.forget_released()
 
     def close(self) -> None:
-        """Free the pools, and what pictures were taken in by."""
-        for made in (self._pools, self._uploads, self._given):
-            for pool in made.values():
-                pool.close()
+        super().close()
+        for pool in (*self._pools.values(), *self._uploads.values(), *self._given.values()):
+            pool.close()
 
 
 class Framebuffers:
@@ -335,7 +280,7 @@ class Framebuffers:
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
-        self._depth: LastUsed[tuple[int, int], moderngl.Renderbuffer] = LastUsed()
+        self._depth: LastUsed[Size, moderngl.Renderbuffer] = LastUsed()
         self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
 
     def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
@@ -355,13 +300,13 @@ class Framebuffers:
         return framebuffer
 
     def forget(self, texture: moderngl.Texture) -> None:
-        """Free the framebuffers over a texture that will be freed; they would keep its memory."""
+        """Free the framebuffers over a texture, whose memory they would keep."""
         for key, (textures, framebuffer) in list(self._made.items()):
             if texture in textures:
                 framebuffer.release()
                 del self._made[key]
 
-    def reserve(self, size: tuple[int, int]) -> None:
+    def reserve(self, size: Size) -> None:
         """Allocate the depth buffer of that size now rather than at the first call of over()."""
         self._depth.made(size, lambda: self._gl.depth_renderbuffer(size))
 
@@ -373,7 +318,6 @@ class Framebuffers:
             depth.release()
 
     def close(self) -> None:
-        """Free the framebuffers and depth buffers, not the textures."""
         for _, framebuffer in self._made.values():
             framebuffer.release()
         for depth in self._depth.values():
@@ -383,10 +327,7 @@ class Framebuffers:
 
 
 class Multisampled:
-    """Framebuffers with several samples a pixel, and what a pixel gets of them.
-
-    numbers: whether integers are drawn too. Errors: MachineError for more samples than the GPU has.
-    """
+    """Framebuffers with several samples a pixel. Errors: MachineError for more than the GPU has."""
 
     def __init__(self, gpu: Gpu, count: int) -> None:
         most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_"))
@@ -395,18 +336,18 @@ class Multisampled:
         self._gpu, self.count, self._resolve = gpu, count, gpu.shaders.compute("server/resolve.comp")
         self._made: LastUsed[tuple[Any, ...], moderngl.Framebuffer] = LastUsed()
 
-    def over(self, size: tuple[int, int], *kinds: tuple[int, str]) -> moderngl.Framebuffer:
+    def over(self, size: Size, *kinds: Kind) -> moderngl.Framebuffer:
         """Return a framebuffer over textures of these kinds, with depth, of undefined content."""
-        return self._made.made((size, kinds), lambda: self._make(size, kinds))
+        gl, count = self._gpu.gl, self.count
 
-    def _make(self, size: tuple[int, int], kinds: tuple[tuple[int, str], ...]) -> moderngl.Framebuffer:
-        gl = self._gpu.gl
-        check_size(gl, size)
-        textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
-        return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
+        def make() -> moderngl.Framebuffer:
+            check_size(gl, size)
+            textures = [gl.texture(size, components, dtype=dtype, samples=count) for components, dtype in kinds]
+            return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=count))
+
+        return self._made.made((size, kinds), make)
 
     def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
-        """Draw the colour of the whole picture: the mean of each pixel's samples."""
         drawn = self.over(into.size, COLOUR)
         passes.draw(view, drawn, time_ns)
         self.mean(drawn, into)
@@ -421,8 +362,6 @@ class Multisampled:
         self._gpu.barrier()
 
     def trim(self) -> None:
-        """Free framebuffers as Renderer.trim() frees targets."""
-
         def bytes_of(_: object, one: moderngl.Framebuffer) -> int:
             textures = (each for each in one.color_attachments if isinstance(each, moderngl.Texture))
             return self.count * (sum(map(texture_bytes, textures)) + _DEPTH_BYTES * one.width * one.height)
@@ -431,7 +370,6 @@ class Multisampled:
             _free(framebuffer)
 
     def close(self) -> None:
-        """Free everything."""
         for framebuffer in self._made.values():
             _free(framebuffer)
         self._made.clear()

@@ -205,12 +205,8 @@ def test_steps_stay_what_warps_and_16_bits_can_take():
 
 
 def video_of(pictures, keys=()) -> list[Packet]:
-    encoder, packets = DepthVideoEncoder(pictures[0].shape[::-1], 60, COARSE), []
-    for number, picture in enumerate(pictures):
-        if number in keys:
-            encoder.request_key()
-        packets.append(encoder.encode(picture))
-    return packets
+    encoder = DepthVideoEncoder(pictures[0].shape[::-1], 60, COARSE)
+    return [encoder.encode(picture, key=number in keys) for number, picture in enumerate(pictures)]
 
 
 def shown(packets, size) -> list[np.ndarray]:

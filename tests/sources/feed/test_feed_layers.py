@@ -15,7 +15,7 @@ from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Mirror, Pose, RigidState, View
 from hmdwarp.gpu import download, upload
 from hmdwarp.link.codec import Undecodable
-from hmdwarp.pipeline.feed_layers import made, misfit, needs_of_client, parts_of, unpacked, velocity_of, wanted_of
+from hmdwarp.pipeline.feed_coding import made, misfit, needs_of_client, parts_of, unpacked, velocity_of, wanted_of
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.message import FrameMessage, Malformed, decode, encode
 from hmdwarp.sources.feed.parts import Packed, Wanted, packed
@@ -85,7 +85,8 @@ def test_a_layer_arrives_as_it_was_drawn(server, name, packs):
     arrived = message(eyes, needs_of_client(wanted), packs=packs)
     is_something = bool([*layer.sent(eyes[0][name])])
     assert eyes[0].size == SIZE and (name != "overlay" or eyes[0][name].size == SHOWN)
-    assert (packs and is_something) == any(isinstance(part, Packed) for part in arrived.further)
+    parts = [part for of_eye in arrived.layers for several in of_eye.values() for part in several]
+    assert (packs and is_something) == any(isinstance(part, Packed) for part in parts)
     found = unpacked(arrived)
     assert misfit(found, wanted) == ""
     bare = [attrs.evolve(eye, carried={}) for eye in eyes]

@@ -19,9 +19,9 @@ from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
-from hmdwarp.sources.feed.key_pairs import KeyPair
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, MOST_FATES, MOST_INPUTS, Fate, Session, encode
+from hmdwarp.sources.feed.options import KeyPair
 from hmdwarp.sources.feed.parts import Wanted
 from hmdwarp.sources.feed.sockets import (
     MOST_CONNECTIONS,

@@ -12,9 +12,9 @@ from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.feed.caller import Caller
-from hmdwarp.sources.feed.key_pairs import key_pair, public_key
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import encode
+from hmdwarp.sources.feed.options import key_pair, public_key
 
 from .exchange import exchanged, port_of
 from .messages import ASK, FRAME

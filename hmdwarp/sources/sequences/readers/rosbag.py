@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+import io
+from collections.abc import Callable, Iterable
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import attrs
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from ....errors import InputError, TraceError
+from ....errors import InputError
+from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
-from ..camera import Camera, refuse_distortion
+from ..frame_files import Camera, Matrix, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from ..ros_pictures import COLOURS, DEPTHS, Matrix, Motion, Transforms, encoding_of, pixels_of
-from ._base import Folder, layout, pose_of_square
+from . import Folder, layout
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -26,6 +28,20 @@ _POSES = ("nav_msgs/Odometry", "geometry_msgs/PoseStamped", "geometry_msgs/PoseW
 _PARTS = ("colour", "depth", "info", "pose")
 _NAMING = ",".join(f"{part}=TOPIC" for part in _PARTS)
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
+# Bytes a pixel, and which of its channels are red, green and blue.
+_COLOURS = {
+    "rgb8": (3, (0, 1, 2)),
+    "bgr8": (3, (2, 1, 0)),
+    "8UC3": (3, (2, 1, 0)),
+    "rgba8": (4, (0, 1, 2)),
+    "bgra8": (4, (2, 1, 0)),
+    "8UC4": (4, (2, 1, 0)),
+    "mono8": (1, (0, 0, 0)),
+    "8UC1": (1, (0, 0, 0)),
+}
+_DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  # type and metres per unit
+_COMPRESSED_DEPTH = "compressedDepth"
+_HEADER = 12  # bytes before the PNG of a compressed depth
 
 
 @layout(
@@ -39,29 +55,19 @@ _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
     axes="world=-y,z,x head=x,-y,z",  # the world is x forward, y left, z up; the frame of a picture is optical
 )  # fmt: skip
 def rosbag(at: Folder) -> None:
-    """Bags of ROS 1 and ROS 2.
-
-    Source: ROS REP 103 and 105 (axes, frames), REP 118 (depth: millimetres or floats of metres),
-    sensor_msgs/CameraInfo (K, D, P; frame_id is the optical frame).
-    """
+    """Source: ROS REP 103, 105 (axes, frames), 118 (depth); sensor_msgs/CameraInfo (K, D, P)."""
     place = bag_at(at.path)
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")
-    try:
-        _read(at, Bag(place))
-    except TraceError as error:
-        raise InputError(str(error)) from error
-
-
-def _read(at: Folder, bag: Bag) -> None:
+    bag = Bag(place)
     moving: list[Any] = []
     still: list[Any] = []
     for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
         (still if topic.endswith("tf_static") else moving).extend(message.transforms)
-    tree, by = Transforms(moving, still), By.USER if at.options.frames_topics else By.DEFAULT
+    tree, by = _Transforms(moving, still), By.USER if at.options.frames_topics else By.DEFAULT
     topics = _topics(at.path, bag, tree, at.options.frames_topics)
     colours, depths = (_stamped(bag, topics[part]) for part in ("colour", "depth"))
-    scale = DEPTHS[encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
+    scale = _DEPTHS[_encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
     at.state(unit=scale, own=_camera(at.path, bag, topics))
     high, wide = _pixels(bag, topics["colour"], colours[0]).shape[:2]
     fov = at.camera.fov((wide, high), f"{at.path}, {topics['info']}")
@@ -73,7 +79,7 @@ def _read(at: Folder, bag: Bag) -> None:
         depth = depths[int(np.abs(late - colour.time_ns).argmin())]
         matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
         if matrix is not None:
-            pose = pose_of_square(at.axes, f"{at.path}, pose at {colour.time_ns} ns", matrix)
+            pose = at.pose_in(f"{at.path}, pose at {colour.time_ns} ns", matrix)
             raw = partial(_pixels, bag, topics["depth"], depth)
             read = partial(_pictures, partial(_pixels, bag, topics["colour"], colour), raw, topics["depth"], at.scale)
             name, time_ns = f"{topics['colour']} {number}", at.instant_ns(number, colour.time_ns)
@@ -86,8 +92,6 @@ def _read(at: Folder, bag: Bag) -> None:
 
 @attrs.frozen
 class _Stamped:
-    """A picture in a bag, by where it is."""
-
     time_ns: int
     logged_ns: int
     number: int  # of those that were logged at the same instant
@@ -95,7 +99,6 @@ class _Stamped:
 
 
 def _stamped(bag: Bag, topic: str) -> list[_Stamped]:
-    """Return the pictures of a topic by their stamps. Errors: InputError without any."""
     found: list[_Stamped] = []
     for _, logged_ns, message in bag.messages([topic]):
         number = found[-1].number + 1 if found and found[-1].logged_ns == logged_ns else 0
@@ -105,7 +108,7 @@ def _stamped(bag: Bag, topic: str) -> list[_Stamped]:
     return sorted({picture.time_ns: picture for picture in found}.values(), key=lambda picture: picture.time_ns)
 
 
-def _topics(path: Path, bag: Bag, tree: Transforms, stated: str | None) -> dict[str, str]:
+def _topics(path: Path, bag: Bag, tree: _Transforms, stated: str | None) -> dict[str, str]:
     """Return the topics that the user names, else the only fitting ones; pose is "" for TF."""
     parts = [part.partition("=") for part in (stated or "").split(",") if part]
     named = {key.strip(): topic.strip() for key, _, topic in parts}
@@ -115,12 +118,12 @@ def _topics(path: Path, bag: Bag, tree: Transforms, stated: str | None) -> dict[
     if absent is not None:
         raise InputError(f"{path}: no topic '{absent}'; it holds {_held(bag.topics)}")
     first = {topic: _first(bag, topic) for topic, kind in bag.topics.items() if kind in _IMAGES}
-    pictures = {topic: "" if message is None else encoding_of(message) for topic, message in first.items()}
+    pictures = {topic: "" if message is None else _encoding_of(message) for topic, message in first.items()}
     frames = {topic: "" if one is None else one.header.frame_id.strip("/") for topic, one in first.items()}
     colour = named.get("colour") or _one(
-        path, "colour", [name for name in pictures if pictures[name] in COLOURS], pictures
+        path, "colour", [name for name in pictures if pictures[name] in _COLOURS], pictures
     )
-    fitting = [name for name in pictures if pictures[name] in DEPTHS]
+    fitting = [name for name in pictures if pictures[name] in _DEPTHS]
     registered = [name for name in fitting if frames[name] == frames[colour]]
     depth = named.get("depth") or _one(path, "depth", registered or fitting, pictures)
     if frames[colour] != frames[depth]:
@@ -142,7 +145,6 @@ def _first(bag: Bag, topic: str) -> Any:
 
 
 def _one(path: Path, what: str, fitting: list[str], held: dict[str, str]) -> str:
-    """Return the only topic, the raw one where it is compressed too. Errors: InputError."""
     raw = [topic for topic in fitting if topic.rpartition("/")[0] not in fitting]
     if len(raw) == 1:
         return raw[0]
@@ -155,7 +157,6 @@ def _held(topics: dict[str, str]) -> str:
 
 
 def _camera(path: Path, bag: Bag, topics: dict[str, str]) -> Camera | None:
-    """Return the camera of the colour, None if none is stated. Errors: InputError: distortion."""
     if (info := _first(bag, topics["info"])) is None:
         return None
     where, size = f"{path}, {topics['info']}", (int(info.width), int(info.height))
@@ -170,7 +171,7 @@ def _camera(path: Path, bag: Bag, topics: dict[str, str]) -> Camera | None:
 
 
 def _poses(
-    bag: Bag, tree: Transforms, topic: str, frame: str
+    bag: Bag, tree: _Transforms, topic: str, frame: str
 ) -> tuple[Callable[[int], Matrix | None], Assumption, dict[str, tuple[int, int]]]:
     """Return what gives world_from_optical at an instant, its entry, and when it is known."""
     if not topic:
@@ -184,7 +185,7 @@ def _poses(
         body = getattr(message, "child_frame_id", "").strip("/")  # "" where it is not stated
     if not samples:
         raise InputError(f"{bag.path}: no message of {topic}; expected poses")
-    motion, instants, fixed = Motion(samples), [sample[0] for sample in samples], None
+    motion, instants, fixed = _Motion(samples), [sample[0] for sample in samples], None
     if body in tree.chain(frame):
         fixed = tree.up_to(frame, body, 0) if not tree.moves(frame) else None
         said = Assumption(POSE, f"{topic} of '{body}', and TF from there to '{frame}'", By.FILE)
@@ -202,10 +203,123 @@ def _poses(
 
 
 def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
+    """Return (h, w, 3) uint8 sRGB, or (h, w) depth in its own unit. Errors: InputError."""
     where = f"{bag.path}, {topic} at {picture.time_ns} ns"
-    return pixels_of(where, bag.message(topic, picture.logged_ns, picture.number))
+    message = bag.message(topic, picture.logged_ns, picture.number)
+    encoding = _encoding_of(message)
+    if not encoding:
+        found = getattr(message, "encoding", None) or message.format
+        raise InputError(f"{where}: pictures of {found}; expected {', '.join([*_COLOURS, *_DEPTHS])}, JPEG or PNG")
+    data = np.asarray(message.data, np.uint8)
+    if not hasattr(message, "encoding"):
+        from PIL import Image
+
+        if encoding in _DEPTHS and _COMPRESSED_DEPTH in message.format:
+            data = data[_HEADER:]
+            if _DEPTHS[encoding][0] != "u2":
+                raise InputError(f"{where}: compressed depth of {encoding}; expected 16UC1, which is not quantised")
+        try:
+            with Image.open(io.BytesIO(data.tobytes())) as image:
+                return np.asarray(image if encoding in _DEPTHS else image.convert("RGB"))
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+            raise InputError(f"{where}: a picture that cannot be read ({error}); expected JPEG or PNG") from error
+    count, channels = _COLOURS.get(encoding, (0, ()))
+    kind = np.dtype("u1" if count else _DEPTHS[encoding][0]).newbyteorder(">" if message.is_bigendian else "<")
+    width = message.width * max(count, 1) * kind.itemsize
+    if message.step < width or len(data) < message.step * message.height:
+        raise InputError(
+            f"{where}: {len(data)} bytes in rows of {message.step}; expected {message.width}x{message.height} pixels "
+            f"of {encoding}"
+        )
+    rows = data[: message.step * message.height].reshape(message.height, message.step)[:, :width]
+    values = np.ascontiguousarray(rows).view(kind)
+    if not count:
+        return values.astype(kind.newbyteorder("="))
+    return values.reshape(message.height, message.width, count)[..., list(channels)]
 
 
 def _pictures(colour: Callable[[], Any], depth: Callable[[], Any], where: str, scale: float) -> Pictures:
     picture = np.ascontiguousarray(colour())
     return as_pictures(picture, in_metres(fitted_depth(depth(), picture, where), scale))
+
+
+def _encoding_of(message: Any) -> str:
+    """Return a name of _COLOURS or _DEPTHS ("rgb8" for compressed colour), "" for others."""
+    if hasattr(message, "encoding"):
+        return str(message.encoding) if message.encoding in {*_COLOURS, *_DEPTHS} else ""
+    encoding = str(message.format).partition(";")[0].strip()
+    if encoding in _DEPTHS:
+        return encoding
+    if _COMPRESSED_DEPTH in message.format:
+        return "16UC1"
+    return "rgb8" if any(word in message.format for word in ("jpeg", "jpg", "png")) else ""
+
+
+def _matrix_of(position: Any, orientation: Any) -> Matrix:
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat([orientation.x, orientation.y, orientation.z, orientation.w]).as_matrix()
+    matrix[:3, 3] = position.x, position.y, position.z
+    return matrix
+
+
+class _Motion:
+    """Samples of one frame in another, in the axes of ROS."""
+
+    def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
+        self._samples = dict(sorted({time_ns: _matrix_of(*pose) for time_ns, *pose in samples}.items()))
+        self.times_ns = list(self._samples)
+
+    @cached_property
+    def _track(self) -> PoseTrack:
+        matrices = np.array(list(self._samples.values()))
+        turns = Rotation.from_matrix(matrices[:, :3, :3]).as_quat()
+        return PoseTrack(np.array(self.times_ns) - self.times_ns[0], matrices[:, :3, 3], turns)
+
+    def at(self, time_ns: int) -> Matrix | None:
+        """Return parent_from_child; None outside of the samples or in a gap."""
+        sample = self._track.at(time_ns - self.times_ns[0])
+        if sample.origin is Origin.HELD:
+            return None
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = sample.pose.rotation_matrix, sample.pose.position_m
+        return matrix
+
+
+class _Transforms:
+    def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
+        samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
+        self._still: dict[str, tuple[str, Matrix]] = {}
+        for is_still, transform in (*((True, one) for one in still), *((False, one) for one in moving)):
+            parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
+            pose = transform.transform.translation, transform.transform.rotation
+            if is_still:
+                self._still[child] = parent, _matrix_of(*pose)
+            else:
+                samples.setdefault((child, parent), []).append((stamp_ns(transform.header.stamp), *pose))
+        self._moving = {child: (parent, _Motion(found)) for (child, parent), found in samples.items()}
+
+    def chain(self, frame: str) -> list[str]:
+        """Return a frame and those that it is in, up to the root."""
+        names = [frame]
+        while (edge := self._moving.get(names[-1]) or self._still.get(names[-1])) and edge[0] not in names:
+            names.append(edge[0])
+        return names
+
+    def moves(self, frame: str) -> bool:
+        return any(name in self._moving for name in self.chain(frame))
+
+    def spans(self, frame: str) -> dict[str, tuple[int, int]]:
+        moving = {name: self._moving[name][1].times_ns for name in self.chain(frame) if name in self._moving}
+        return {f"/tf of {name}": (times[0], times[-1]) for name, times in moving.items()}
+
+    def up_to(self, frame: str, ancestor: str, time_ns: int) -> Matrix | None:
+        """Return ancestor_from_frame; None where a transform is missing, or has no sample then."""
+        names, matrix = self.chain(frame), np.eye(4)
+        if ancestor not in names:
+            return None
+        for name in names[: names.index(ancestor)]:
+            found = self._moving[name][1].at(time_ns) if name in self._moving else self._still[name][1]
+            if found is None:
+                return None
+            matrix = found @ matrix
+        return matrix

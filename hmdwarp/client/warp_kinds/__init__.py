@@ -1,5 +1,0 @@
-"""Kinds of warps: base classes and passes that warps, fills and effects build on."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
