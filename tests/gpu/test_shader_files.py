@@ -16,8 +16,7 @@ from together import together
 from worlds import every_choice
 
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
-from hmdwarp.client.effects import Tools, effects
-from hmdwarp.client.effects._base import EXPANDED, ExpandPass
+from hmdwarp.client.effects import EXPANDED, ExpandPass, Tools, effects
 from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
