@@ -654,9 +654,6 @@ class ScenePasses(Owner):
     def _world_from_ndc(self, view: View) -> Array:
         return world_from_ndc(view)
 
-    def _world_from_ndc(self, view: View) -> Array:
-        return world_from_ndc(view)
-
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self.scene.background
