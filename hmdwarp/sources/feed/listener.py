@@ -433,7 +433,7 @@ def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> Non
         if not len(colours) == len(depths) == len(at) == len(views):
             found = f"{len(colours)} colours, {len(depths)} depths and {len(at)} views"
             raise InputError(f"render returned {found}: expected {len(views)} of each, as it was given")
-        pairs: list[tuple[NDArray[Any], NDArray[Any]]] = []
+        pairs: list[tuple[Any, Any]] = []
         shape: tuple[int, ...] = ask.size[::-1]
         for colour, depth_m in ((np.asarray(c), np.asarray(d)) for c, d in zip(colours, depths, strict=True)):
             if depth_m.shape != shape or colour.shape not in ((*shape, 3), (*shape, 4)):
