@@ -153,7 +153,18 @@ class Listener:
         self._receive(0 if self._turn() else min(wait_ms, _LOOK_MS) if waits else wait_ms)
         # While a frame is drawn nobody listens, and who asks meanwhile is not silent.
         self._connections.listened_ns = time.monotonic_ns()
-        self._forget_ended()
+        now_ns, gone = time.monotonic_ns(), set()
+        while self._connections.gone:
+            gone.add(self._connections.gone.popleft())
+        for who, client in list(self._clients.items()):
+            if now_ns - client.received_ns > SILENT_NS:
+                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
+            elif client.connection in gone:
+                self._forget(who, "disconnected")
+        while self._connections.cuts:
+            address, why = self._connections.cuts.popleft()
+            self._log.say(f"cut {why}", address, f"{address} cut: {why}")
+        self._log.next_second()
         who = self._turn()
         if who is None:
             return None
@@ -264,20 +275,6 @@ class Listener:
         client.received_ns, client.newest, client.ask = now_ns, ask.number, (ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
-
-    def _forget_ended(self) -> None:
-        now_ns, gone = time.monotonic_ns(), set()
-        while self._connections.gone:
-            gone.add(self._connections.gone.popleft())
-        for who, client in list(self._clients.items()):
-            if now_ns - client.received_ns > SILENT_NS:
-                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
-            elif client.connection in gone:
-                self._forget(who, "disconnected")
-        while self._connections.cuts:
-            address, why = self._connections.cuts.popleft()
-            self._log.say(f"cut {why}", address, f"{address} cut: {why}")
-        self._log.next_second()
 
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
