@@ -309,15 +309,9 @@ class GiveOut(Owner):
         self._byte_of_half = self.own(_byte_table(gpu))
 
     def run(
-        self,
-        shown: Canvas,
-        warped: Canvas,
-        depth: Texture | None,
-        sure: Canvas | None,
-        kind: str,
-        buffers: PixelBuffers,
+        self, shown: Canvas, warped: Canvas, depth: Texture | None, sure: Canvas | None, kind: str, call: PixelBuffers
     ) -> dict[str, moderngl.Buffer]:
-        """Return what `arrays` reads, by name; holes of `warped` are counted in `buffers`."""
+        """Return what `arrays` reads, by name; holes of `warped` are counted in `call`."""
         # depth: inverse depth, in 1/m. sure: the confidence of what is shown.
         defines = {"DEPTH": int(depth is not None), "CONFIDENCE": int(sure is not None)}
         program = self._gpu.shaders.compute("image/give_out.comp", RESULT=_RESULTS.index(kind), **defines)
@@ -330,8 +324,8 @@ class GiveOut(Owner):
         self._byte_of_half.bind_to_image(4, read=True, write=False)
         sizes = {"colour": 3 if kind == SRGB8 else 12, "coverage": 4}
         sizes |= {} if depth is None else {"depth_m": 4}
-        filled_up, found = -(-self._size[0] // 4) * 4 * self._size[1], buffers.found
-        made = {name: buffers.of(filled_up * pixel_bytes, name) for name, pixel_bytes in sizes.items()}
+        filled_up, found = -(-self._size[0] // 4) * 4 * self._size[1], call.found
+        made = {name: call.of(filled_up * pixel_bytes, name) for name, pixel_bytes in sizes.items()}
         for binding, buffer in enumerate((found.buffer, *made.values())):
             buffer.bind_to_storage_buffer(binding)
         program.uniforms.set(shown_size=self._size, slot=found.holes_slot)
