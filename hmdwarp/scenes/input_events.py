@@ -188,15 +188,14 @@ def read_inputs(path: Path) -> list[InputEvent]:
     if not rows or rows[0][1].split(",")[: len(INPUT_COLUMNS)] != [*INPUT_COLUMNS]:
         found = f"'{rows[0][1][:60]}'" if rows else "nothing"
         raise InputError(f"{path}: begins with {found}: expected {INPUTS_HEADER.strip()}")
-    return [_of_row(path, number, text) for number, text in rows[1:]]
-
-
-def _of_row(path: Path, number: int, text: str) -> InputEvent:
-    values = text.split(",")[: len(INPUT_COLUMNS)]
-    try:
-        if len(values) < len(INPUT_COLUMNS):
-            raise InputError(f"{len(values)} values: expected {len(INPUT_COLUMNS)}")
-        x, y, z, *way = map(float, values[3:])
-        return InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2]))
-    except (ValueError, InputError) as error:
-        raise InputError(f"{path}, line {number}: '{text[:80]}': {error}") from error
+    events = []
+    for number, text in rows[1:]:
+        values = text.split(",")[: len(INPUT_COLUMNS)]
+        try:
+            if len(values) < len(INPUT_COLUMNS):
+                raise InputError(f"{len(values)} values: expected {len(INPUT_COLUMNS)}")
+            x, y, z, *way = map(float, values[3:])
+            events.append(InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2])))
+        except (ValueError, InputError) as error:
+            raise InputError(f"{path}, line {number}: '{text[:80]}': {error}") from error
+    return events
