@@ -7,9 +7,17 @@ Source: IEC 61966-2-1:1999, with the constants of its amendment 1 (the rounded 0
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+
+def _clipped(values: NDArray[Any]) -> NDArray[np.floating]:
+    """Return floats 0..1, of float32 or float64; NaN is 0."""
+    values = values if values.dtype == np.float32 else values.astype(np.float64)
+    with np.errstate(invalid="ignore"):
+        return np.where(values > 0, np.minimum(values, 1), 0).astype(values.dtype)
 
 
 def srgb_from_linear(linear: ArrayLike) -> NDArray[np.floating]:
@@ -17,49 +25,34 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.floating]:
 
     Any shape; float32 in gives float32, everything else float64.
     """
-    values = np.asarray(linear)
-    values = values if values.dtype == np.float32 else values.astype(np.float64)
-    with np.errstate(invalid="ignore"):
-        values = np.where(values > 0, np.minimum(values, 1), 0)
+    values = _clipped(np.asarray(linear))
     # In binary 1.055 - 0.055 is not quite 1, and white must stay white.
     curve = np.where(values < 1, 1.055 * values ** (1 / 2.4) - 0.055, 1)
-    srgb: NDArray[np.floating] = np.where(values <= 0.0031308, 12.92 * values, curve).astype(values.dtype)
-    return srgb
+    return np.where(values <= 0.0031308, 12.92 * values, curve).astype(values.dtype)
 
 
 def linear_from_srgb(srgb: ArrayLike) -> NDArray[np.floating]:
-    """Return the linear light, 0..1, of sRGB-encoded values.
+    """Return the linear light, 0..1, of sRGB: uint8, or floats that are clipped, NaN is 0.
 
-    uint8 0..255 gives float32, floats 0..1 keep float32 or become float64. Floats outside 0..1 are
-    clipped, NaN becomes 0.
+    uint8 gives float32, floats keep float32 or become float64.
     """
     values = np.asarray(srgb)
     if values.dtype == np.uint8:
-        light: NDArray[np.floating] = _linear_of_byte()[values]
-        return light
-    values = values if values.dtype == np.float32 else values.astype(np.float64)
-    with np.errstate(invalid="ignore"):
-        values = np.where(values > 0, np.minimum(values, 1), 0)
+        return np.asarray(_linear_of_byte()[values])
+    values = _clipped(values)
     return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4).astype(values.dtype)
 
 
 def srgb8_from_linear(linear: ArrayLike) -> NDArray[np.uint8]:
-    """Return linear light 0..1 as sRGB bytes, rounded to the nearest; clipped, NaN becomes 0.
-
-    float16, which rgba16f textures download as, goes through a table of all 65536 values: the same
-    bytes as the formula, 20 times faster.
-    """
+    """Return linear light 0..1 as sRGB bytes, rounded to the nearest; clipped, NaN becomes 0."""
     values = np.asarray(linear)
-    if values.dtype == np.float16:
+    if values.dtype == np.float16:  # of rgba16f textures: a table of all has the same bytes, 20 times faster
         return _byte_of_half()[values.view(np.uint16)]
     return _to_byte(srgb_from_linear(values))
 
 
 def picture_from_linear(rgba: ArrayLike) -> NDArray[np.uint8]:
-    """Return the (h, w, 3) sRGB picture of a linear (h, w, 4) image with coverage in alpha.
-
-    Holes (alpha 0) become black.
-    """
+    """Return the (h, w, 3) sRGB picture of a linear (h, w, 4) image; holes (alpha 0) are black."""
     image = np.asarray(rgba)
     picture = srgb8_from_linear(image[..., :3])
     picture[image[..., 3] == 0] = 0
@@ -67,8 +60,7 @@ def picture_from_linear(rgba: ArrayLike) -> NDArray[np.uint8]:
 
 
 def _to_byte(srgb: NDArray[np.floating]) -> NDArray[np.uint8]:
-    encoded: NDArray[np.uint8] = np.floor(srgb * 255 + 0.5).astype(np.uint8)
-    return encoded
+    return np.asarray(np.floor(srgb * 255 + 0.5), np.uint8)
 
 
 @functools.cache

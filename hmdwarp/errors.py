@@ -93,10 +93,7 @@ def nearest(name: str, known: list[str]) -> str:
 
 
 def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
-    """Return the error for an unknown `name`; its message offers the nearest of `known`.
-
-    Where a file is known too (an entry like FILE.toml), a directory is called one.
-    """
+    """Return the error for an unknown `name`: it offers the nearest, and tells a directory."""
     if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
         return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
     near, name = nearest(name, known), name if len(name) <= _SHOWN else f"{name[:_SHOWN]}.."

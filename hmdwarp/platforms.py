@@ -1,7 +1,6 @@
 """What differs by platform: POSIX's locks, terminals, flags and priorities.
 
-Tested on Linux alone. Where these are missing nothing is locked, and what needs a terminal says so
-when it is used; nothing fails at import. mypy checks the branches of Windows too.
+Tested on Linux alone; nothing fails at import elsewhere. mypy checks the branches of Windows too.
 """
 
 from __future__ import annotations
@@ -39,12 +38,8 @@ def lock(descriptor: int, *, wait: bool = False) -> None:
 
 
 def open_checked(path: str | os.PathLike[str], check: Callable[[int], None]) -> int:
-    """Return a descriptor to read a file from, once check has passed one of it.
-
-    Linux opens by O_PATH first, which neither waits for a pipe nor wakes a device.
-    Errors: OSError; those of check.
-    """
-    o_path = getattr(os, "O_PATH", 0)
+    """Return a descriptor to read a file from, once check passed one. Errors: OSError; of check."""
+    o_path = getattr(os, "O_PATH", 0)  # neither waits for a pipe nor wakes a device
     found = os.open(path, (o_path or os.O_RDONLY | NONBLOCK | BINARY) | CLOEXEC)
     try:
         check(found)
@@ -80,30 +75,26 @@ def lower_priority(steps: int) -> None:
 def priority_kept() -> Iterator[None]:
     """Undo what a library does to the priority of this process's threads meanwhile (Linux).
 
-    SVT-AV1, run by root, makes its threads and the calling one real-time tasks, ahead of all else
-    on the machine. Threads that begin meanwhile get the caller's priority.
+    SVT-AV1, run by root, makes its threads and the calling one real-time tasks. Threads that begin
+    meanwhile get the caller's priority.
     """
-    before = _priorities()
+    if sys.platform != "linux":
+        yield
+        return
+
+    def priorities() -> Iterator[tuple[int, tuple[int, int]]]:
+        for thread in (int(each.name) for each in Path("/proc/self/task").iterdir()):
+            with suppress(ProcessLookupError):  # it has ended since
+                yield thread, (os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority)
+
+    before = dict(priorities())
     try:
         yield
     finally:
-        if sys.platform == "linux":
-            usual = before[threading.get_native_id()]
-            for thread, found in _priorities().items():
-                policy, priority = before.get(thread, usual)
-                if found != (policy, priority):
-                    with suppress(ProcessLookupError):  # it has ended since
-                        os.sched_setscheduler(thread, policy, os.sched_param(priority))
-
-
-def _priorities() -> dict[int, tuple[int, int]]:
-    """Return (policy, priority) of each thread of this process; none where they are not listed."""
-    found: dict[int, tuple[int, int]] = {}
-    if sys.platform == "linux":
-        for thread in (int(each.name) for each in Path("/proc/self/task").iterdir()):
-            with suppress(ProcessLookupError):
-                found[thread] = os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority
-    return found
+        for thread, found in priorities():
+            if found != (kept := before.get(thread, before[threading.get_native_id()])):
+                with suppress(ProcessLookupError):
+                    os.sched_setscheduler(thread, kept[0], os.sched_param(kept[1]))
 
 
 def in_foreground(descriptor: int) -> bool:

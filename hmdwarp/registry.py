@@ -1,7 +1,4 @@
-"""Registries: names to things, one file per entry, imported on first use.
-
-The command line, the contract tests, the bench and the README table read the same registries, so a
-new warp, fill, scene, lens or trace format is one new file, found by its name.
+"""Registries: names to things, one file per entry, found by its name and imported on first use.
 
 Every entry registers itself the same way, as a class or as an object with a `name`:
 
@@ -9,12 +6,12 @@ Every entry registers itself the same way, as a class or as an object with a `na
     class Forward(Warp):
         name = "forward"
 
-Where a module declares several small entries, its registry names it for each (`modules`).
-An entry that is data alone is a table, NAME.toml, in the registries that say what to make of one.
+Where a module declares several small entries, its registry names it for each (`modules`). An entry
+that is data alone is a table, NAME.toml, in the registries that say what to make of one.
 
 Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
-`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`. Packages of hmdwarp itself that
-nothing imports do so too, in an entry_points.toml of their own.
+`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`; packages of hmdwarp itself that
+nothing imports through an entry_points.toml of their own.
 """
 
 from __future__ import annotations
@@ -65,8 +62,7 @@ def _text(value: object) -> str:
 class Registry(Generic[T]):
     """Entries of one kind: one per public file of `package`, if any, plus those of other packages.
 
-    File names give the names, so listing them imports no entry (`--help` needs them). Modules whose
-    name starts with an underscore are helpers, not entries.
+    File names give the names, so listing them imports no entry; those with an underscore are none.
     """
 
     def __init__(
@@ -99,7 +95,7 @@ class Registry(Generic[T]):
 
     def names(self) -> list[str]:
         """Return all known names, sorted, without importing an entry."""
-        return sorted(self._shipped | set(self._foreign()) | set(self._entries))
+        return sorted({*self._shipped, *_entry_points(self.group), *self._entries})
 
     def get(self, name: str) -> T:
         """Return the entry called `name`.
@@ -108,12 +104,12 @@ class Registry(Generic[T]):
         another package that cannot be loaded or registers something else.
         """
         if name not in self._entries:
-            if self._of_table is not None and name in (tables := self._tables()):
-                self._entries[name] = self._of_table(name, tomllib.loads(tables[name].read_text(encoding="utf-8")))
+            if self._of_table is not None and name in self._tables:
+                self._entries[name] = self._of_table(name, tomllib.loads(self._tables[name].read_text("utf-8")))
             elif name in self._shipped:
                 importlib.import_module(f"{self.package}.{self._modules.get(name, name)}")
-            elif name in self._foreign():
-                self._load(self._foreign()[name])
+            elif name in (foreign := _entry_points(self.group)):
+                self._load(foreign[name])
             else:
                 raise unknown_name(self.kind, name, self.names())
             if name not in self._entries:
@@ -131,20 +127,18 @@ class Registry(Generic[T]):
         return name in self.names()
 
     @functools.cached_property
-    def _shipped(self) -> frozenset[str]:
-        if not self.package:
-            return frozenset()
-        path = importlib.import_module(self.package).__path__
-        files = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
-        tables = () if self._of_table is None else self._tables()
-        return frozenset((files - set(self._modules.values())) | self._modules.keys() | set(tables))
+    def _folders(self) -> list[str]:
+        return [*importlib.import_module(self.package).__path__] if self.package else []
 
+    @functools.cached_property
     def _tables(self) -> dict[str, Path]:
-        folders = importlib.import_module(self.package).__path__
+        folders = self._folders if self._of_table is not None else ()
         return {path.stem: path for folder in folders for path in Path(folder).glob("*.toml")}
 
-    def _foreign(self) -> dict[str, importlib.metadata.EntryPoint]:
-        return _entry_points(self.group)
+    @functools.cached_property
+    def _shipped(self) -> set[str]:
+        files = {m.name for m in pkgutil.iter_modules(self._folders) if not m.name.startswith("_")}
+        return (files - {*self._modules.values()}) | {*self._modules, *self._tables}
 
     def _load(self, point: importlib.metadata.EntryPoint) -> None:
         origin = f"package '{point.dist.name}'" if point.dist is not None else f"'{point.value}'"

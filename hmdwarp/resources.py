@@ -66,12 +66,8 @@ def made_text() -> str:
 
 
 def folder(name: str) -> Path:
-    """Return the folder `name` (shaders, recordings) of this installation.
-
-    In a checkout it lies next to the package, in an installed wheel inside it.
-    Errors: FileNotFoundError if it was not shipped.
-    """
-    for place in (_PACKAGE / "_data" / name, _PACKAGE.parent / name):
+    """Return the folder `name` (shaders, recordings) of this installation."""
+    for place in (_PACKAGE / "_data" / name, _PACKAGE.parent / name):  # of a wheel, of a checkout
         if place.is_dir():
             return place
     raise FileNotFoundError(f"hmdwarp was installed without its '{name}' folder; reinstall it")
@@ -83,11 +79,8 @@ def recording_names() -> list[str]:
 
 
 def install_line(extra: str) -> str:
-    """Return the line that installs the packages of an extra, in the project's folder.
-
-    It is on no package index yet: there its name is anybody's.
-    """
-    return f"pip install '.[{extra}]'"
+    """Return the line that installs the packages of an extra, in the project's folder."""
+    return f"pip install '.[{extra}]'"  # on a package index the name is anybody's yet
 
 
 def missing_extra(package: str, extra: str) -> str:
@@ -96,10 +89,7 @@ def missing_extra(package: str, extra: str) -> str:
 
 
 def import_extra(module: str, package: str, extra: str) -> ModuleType:
-    """Import a module of an optional package.
-
-    Errors: MachineError with the line that installs the package, where it is missing.
-    """
+    """Import a module of an optional package. Errors: MachineError that says how to install it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
@@ -107,5 +97,5 @@ def import_extra(module: str, package: str, extra: str) -> ModuleType:
 
 
 def pyav() -> Any:
-    """Return PyAV. Errors: MachineError with the line that installs it, where it is missing."""
+    """Return PyAV. Errors: as import_extra."""
     return import_extra("av", "PyAV", "video")

@@ -66,7 +66,7 @@ APART = {
 CLOCK_READERS = {
     "client/client_scene.py",
     "gpu/timers.py",
-    "pipeline/frame_coder.py",
+    "pipeline/channel.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
     "cli/doctor.py",

@@ -12,7 +12,7 @@ from apparatus import options, print_table
 from wrong_frames import MISREADINGS, Frames, Recording, recordings, right_and_wrong, two_misreadings
 
 from hmdwarp.check import Reading, Stated, check
-from hmdwarp.check.overlap import Overlap
+from hmdwarp.check.search import Overlap
 from hmdwarp.gpu import Gpu
 
 SCENES = ("room", "spheres")

@@ -3,13 +3,13 @@ from .check_answer import Finding as Finding
 from .check_answer import check as check
 from .check_answer import mismatch as mismatch
 from .conventions import differences as differences
-from .motion_frames import Convention as Convention
-from .motion_frames import MotionFrame as MotionFrame
-from .motion_frames import MotionFrames as MotionFrames
-from .motion_frames import read_motion as read_motion
+from .motion_verdict import Convention as Convention
+from .motion_verdict import MotionFrame as MotionFrame
+from .motion_verdict import MotionFrames as MotionFrames
 from .motion_verdict import Verdict as Verdict
 from .motion_verdict import check_motion as check_motion
 from .motion_verdict import motion_mismatch as motion_mismatch
+from .motion_verdict import read_motion as read_motion
 from .options import CheckOptions as CheckOptions
 from .options import SynthesisOptions as SynthesisOptions
 from .stated_frames import LEFT as LEFT

@@ -17,10 +17,8 @@ from ..poses.assumptions import assumption_rows
 from ..report import labelled_strip, magma
 from . import conventions
 from .conventions import CENTRE, CONVENTIONS, ENCODING, EYES, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, value
-from .decide import AGREE, ALIKE, WELL, Decision, agreement, decide, likeness
-from .faults import EXPLAINED, FAULTS
-from .overlap import LATE, OFFSET, Overlap
-from .search import SURE, Search, standard_errors
+from .decide import AGREE, ALIKE, EXPLAINED, FAULTS, WELL, Decision, agreement, decide, likeness
+from .search import SURE, Overlap, Search, standard_errors
 from .stated_frames import Array, Reading, Stated
 
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
@@ -66,10 +64,7 @@ class Answer:
 
     @property
     def verdict(self) -> str:
-        """Return "right", "wrong", or "no agreement".
-
-        The decision says what is wrong, or that it cannot be told.
-        """
+        """Return "right", "wrong" (of what, the decision may tell), or "no agreement"."""
         if not self.agree:
             return "no agreement"
         return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
@@ -77,8 +72,7 @@ class Answer:
     @property
     def headline(self) -> str:
         """The verdict in one sentence."""
-        frames = f"{len(self.decision.search.stated.frames)} frames"
-        share = f"{100 * self.agreement:.0f} %"
+        frames, share = f"{len(self.decision.search.stated.frames)} frames", f"{100 * self.agreement:.0f} %"
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
@@ -89,14 +83,11 @@ class Answer:
                 f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
                 f"as stated, {share} as found ({frames})"
             )
+        but, expected = "however they are read", "a scene that stands still, seen from places nearby"
         if self.agreement >= WELL:
-            return (
-                f"no agreement: {frames} agree in {share} of the depths that two of them show, but not in colour; "
-                "expected pictures of the same things, with detail that can be compared"
-            )
+            but, expected = "but not in colour", "pictures of the same things, with detail that can be compared"
         return (
-            f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
-            "expected a scene that stands still, seen from places nearby"
+            f"no agreement: {frames} agree in {share} of the depths that two of them show, {but}; expected {expected}"
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -117,7 +108,18 @@ class Answer:
 
 
 def check(stated: Stated) -> Answer:
-    """Return under which conventions the frames agree."""
+    """Return under which conventions frames agree.
+
+    Parameters
+    ----------
+    stated : Stated
+        Two or more frames, as `read_stated` reads them.
+
+    Returns
+    -------
+    Answer
+        The verdict, what is found of each convention, and the code that reads such frames right.
+    """
     decision = decide(search := Search(stated))
     best = decision.best.reading
     ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
@@ -152,76 +154,53 @@ def _labels(names: Sequence[str]) -> str:
 
 def _finding(decision: Decision, name: str) -> Finding:
     """Return what the decision says of a convention, or whether frames show it as stated."""
-    stated, best = decision.search.stated, decision.best.reading
-    label, may_differ = CONVENTIONS[name].label, {*itertools.chain(*decision.causes), *decision.besides}
-    if not decision.is_told and name in may_differ:
-        return _unknown(Finding(name, label, value(Reading(), stated, name), True, True), untold(decision))
-    if name in differences(best):
-        margins = [_margin(decision, rival) for rival in _others(decision.search, best, name)]
-        sure = min(margins, default=0.0)
-        return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
-    finding = Finding(name, label, value(best, stated, name), True, True)
-    if not CONVENTIONS[name].numbers or name == RAY:
-        return _as_stated(decision, finding)
-    known = {name, *differences(best)}
-    is_part = {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES))  # of what is found
-    why = "" if is_part else _vague(decision.search, best, name)
-    return _unknown(finding, why) if why else finding
+    search, best, convention = decision.search, decision.best.reading, CONVENTIONS[name]
+    stated, differ = search.stated, differences(best)
+    found = Finding(name, convention.label, value(best, stated, name), name not in differ, True)
 
+    def unknown(why: str, **other: Any) -> Finding:
+        why = f"{why.partition('; excluded')[0]}; it takes {convention.needs}"
+        return attrs.evolve(found, told=False, why=why, **other)
 
-def _as_stated(decision: Decision, finding: Finding) -> Finding:
-    search, best, name = decision.search, decision.best.reading, finding.name
-    if name == EYES and search.stated.other_eye is None:
-        return _unknown(finding, "these are not of both eyes")
+    if not decision.is_told and name in {*itertools.chain(*decision.causes), *decision.besides}:
+        return unknown(untold(decision), value=value(Reading(), stated, name), as_stated=True)
     others = list(_others(search, best, name))
-    if not others:
-        return finding
-    margins = [_margin(decision, rival) for rival in others]
-    least = int(np.argmin(margins))
-    if margins[least] >= SURE:
-        return attrs.evolve(finding, margin=margins[least])
-    a, b = (search.fine.residuals(which) for which in (best, others[least]))
-    apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
-    shift = float(np.median(apart)) if len(apart) else math.inf
-    other = value(others[least], search.stated, name)
-    why = (
-        f"{other} would move pixels by only {shift:.2g}"
-        if shift < _STILL_PX and name != ROWS
-        else f"{other} fits as well, with other numbers"
-        if margins[least] > -SURE
-        else f"{other} fits better, and another change better still"
-    )
-    return _unknown(attrs.evolve(finding, margin=margins[least]), why)
-
-
-def _unknown(finding: Finding, why: str) -> Finding:
-    needs = CONVENTIONS[finding.name].needs
-    return attrs.evolve(finding, told=False, why=f"{why.partition('; excluded')[0]}; it takes {needs}")
+    score, *scores = (search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0] for one in (best, *others))
+    margins = [standard_errors(score - other) for other in scores]
+    if name in differ:
+        sure = min(margins, default=0.0)
+        return attrs.evolve(found, margin=sure if sure >= SURE else None)
+    why, margin = "", min(margins, default=None)
+    if convention.numbers and name != RAY:
+        known = {name, *differ}
+        is_part = {PIXEL, CENTRE} <= known or (ENCODING in known and name in (SCALE, PLANES))  # of what is found
+        why = "" if is_part else _vague(search, best, name)
+    elif name == EYES and stated.other_eye is None:
+        why = "these are not of both eyes"
+    elif margin is not None and margin < SURE:
+        nearest = others[margins.index(margin)]
+        a, b = (search.fine.residuals(which) for which in (best, nearest))
+        apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
+        shift = float(np.median(apart)) if len(apart) else math.inf
+        why = "fits as well, with other numbers" if margin > -SURE else "fits better, and another change better still"
+        why = f"would move pixels by only {shift:.2g}" if shift < _STILL_PX and name != ROWS else why
+        why = f"{value(nearest, stated, name)} {why}"
+    return unknown(why, margin=margin) if why else attrs.evolve(found, margin=margin)
 
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
-    if name == ENCODING or (CONVENTIONS[name].numbers and name != RAY):
-        if name in differences(best):
-            yield conventions.restored(best, name)
-        return
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)
-        return
-    for near in search.discrete(best):
-        if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
-            before, after = (value(which, search.stated, name) for which in (best, near))
-            if before != after:
-                yield near
-
-
-def _margin(decision: Decision, other: Reading) -> float:
-    """Return by how many standard errors of the coarse score another reading is worse."""
-    coarse = decision.search.coarse
-    better, worse = (
-        coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
-    )
-    return standard_errors(better - worse)
+    elif name == ENCODING or CONVENTIONS[name].numbers:
+        if name in differences(best):
+            yield conventions.restored(best, name)
+    else:
+        for near in search.discrete(best):
+            if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
+                before, after = (value(which, search.stated, name) for which in (best, near))
+                if before != after:
+                    yield near
 
 
 def _vague(search: Search, best: Reading, name: str) -> str:
@@ -231,7 +210,7 @@ def _vague(search: Search, best: Reading, name: str) -> str:
     if not set(numbers) <= set(steps):
         return "there are too few frames, or they are too far apart to know the motion between them"
     fitted = search.fitted(best, numbers)
-    unit = {OFFSET: 1e3 * steps[OFFSET], LATE: search.stated.interval_s or 1.0}
+    unit = {"offset": 1e3 * steps["offset"], "late_s": search.stated.interval_s or 1.0}
     errors = {key: float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True)}
     most = max(errors.values())
     if most <= CONVENTIONS[name].vague:
@@ -241,9 +220,8 @@ def _vague(search: Search, best: Reading, name: str) -> str:
         return f"the eye moves by only {100 * moved * search.span(best):.2g} % of the distance"
     pixels = f"known to {most:.2g} pixels only"
     words = {PIXEL: pixels, CENTRE: pixels, TIME: f"known to {most:.2g} frames only"}
-    return words.get(
-        name, f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
-    )
+    share = f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
+    return words.get(name, share)
 
 
 Picture = NDArray[np.uint8]
@@ -252,36 +230,39 @@ _LEAST_SEEN = 0.4  # of a picture that has to be in view from the other place
 
 
 def mismatch(answer: Answer) -> Picture:
-    """Return a strip: two frames, one as seen from the other's place, and what differs."""
+    """Return a picture of what agrees and what does not.
+
+    Parameters
+    ----------
+    answer : Answer
+        Of `check`.
+
+    Returns
+    -------
+    (h, w, 3) uint8 array
+        A strip: two frames, one as seen from the other's place, and what differs, as stated and as
+        found.
+    """
     search, best = answer.decision.search, answer.reading
-    one, other = _pair(search, best)
+    # Two frames that see much of the same from places far apart.
+    found, at = search.coarse.residuals(best), np.stack([search.coarse.column, search.coarse.row], axis=-1)
+    seen, shift = found.seen.mean(axis=1), np.linalg.norm(found.pixel - at, axis=-1)
+    moved = np.array([np.median(one[good]) if good.any() else 0 for one, good in zip(shift, found.seen, strict=True)])
+    one, other = map(int, search.coarse.pairs[np.argmax(np.where(seen > _LEAST_SEEN, moved, seen * 1e-3))])
     panels = []
     readings = {"as stated": Reading()} if best == Reading() else {"as stated": Reading(), "as found": best}
     for words, reading in readings.items():
-        moved, depth = _moved(search.stated, reading, one, other)
-        target = _upright(search.stated.frames[one].colour, reading)
-        shown = _upright(search.stated.frames[other].colour, reading)
-        error = np.abs(moved.astype(int) - target).mean(axis=2) * moved.any(axis=2) / 128
+        there, depth = _moved(search.stated, reading, one, other)
+        target, shown = (_upright(search.stated.frames[which].colour, reading) for which in (one, other))
+        error = np.abs(there.astype(int) - target).mean(axis=2) * there.any(axis=2) / 128
         panels += [
             ("one frame", target),
             ("another", shown),
-            (f"that, moved here: {words}", moved),
+            (f"that, moved here: {words}", there),
             ("colour differs", magma(error)),
             ("depth differs", magma(depth)),
         ]
     return labelled_strip(panels, columns=5)
-
-
-def _pair(search: Search, reading: Reading) -> tuple[int, int]:
-    """Return two frames that see much of the same from places far apart."""
-    found = search.coarse.residuals(reading)
-    seen = found.seen.mean(axis=1)
-    rows, columns = search.coarse.row, search.coarse.column
-    shift = np.linalg.norm(found.pixel - np.stack([columns, rows], axis=-1), axis=-1)
-    moved = np.array([np.median(one[good]) if good.any() else 0 for one, good in zip(shift, found.seen, strict=True)])
-    best = int(np.argmax(np.where(seen > _LEAST_SEEN, moved, seen * 1e-3)))
-    one, other = search.coarse.pairs[best]
-    return int(one), int(other)
 
 
 def _moved(stated: Stated, reading: Reading, one: int, other: int) -> tuple[Picture, Array]:

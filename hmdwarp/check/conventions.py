@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 import attrs
 import numpy as np
 
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
 from .stated_frames import BUFFER, METRES, Reading, Stated, eye_axes
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
@@ -46,7 +45,13 @@ class Convention:
 
 
 def differences(reading: Reading) -> tuple[str, ...]:
-    """Return the names of the conventions in which a reading differs from what is stated."""
+    """Return the names of the conventions in which a reading differs from what is stated.
+
+    Parameters
+    ----------
+    reading : Reading
+        Such as `Answer.reading`.
+    """
     is_encoded = reading.kind == BUFFER or reading.factor < 0
     depth = ENCODING if is_encoded else PLANES if reading.offset else SCALE
     centre = PIXEL if reading.is_half_a_pixel else CENTRE
@@ -118,7 +123,7 @@ def _encoding(reading: Reading, stated: Stated) -> str:
 _POSES_DIFFER = "frames that are turned and moved against each other"
 _APART = "frames from places farther apart"
 _DEPTH = ("kind", "factor", "end", "offset")
-_WIDE, _PIXELS = (WIDE_X, WIDE_Y), (PIXEL_X, PIXEL_Y)
+_WIDE, _PIXELS = ("wide_x", "wide_y"), ("pixel_x", "pixel_y")
 CONVENTIONS = {
     ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), lambda one, _: " ".join(one.order), plain=""),
     DIRECTION: Convention("pose", _POSES_DIFFER, ("inverse",), lambda _, __: "eye from world", plain="world from eye"),
@@ -144,7 +149,7 @@ CONVENTIONS = {
         plain="as named",
     ),
     RAY: Convention(
-        "depth along", f"{_APART}, or a wider view", ("along",), lambda _, __: "the ray", (ALONG,), 0.2, "-z"
+        "depth along", f"{_APART}, or a wider view", ("along",), lambda _, __: "the ray", ("along",), 0.2, "-z"
     ),
     ENCODING: Convention("depth encoding", _APART, _DEPTH, _encoding, plain="distance"),
     PLANES: Convention(
@@ -152,11 +157,11 @@ CONVENTIONS = {
         f"{_APART}, with things near and far",
         ("offset",),
         lambda one, _: f"inverse depth off by {one.offset:+.3g} /m: another near or far plane",
-        (FACTOR, OFFSET),
+        ("factor", "offset"),
         0.1,
     ),
     SCALE: Convention(
-        "depth scale", _APART, _DEPTH, lambda one, _: " of what is stated".join(_scale_of(one.factor)), (FACTOR,), 0.1
+        "depth scale", _APART, _DEPTH, lambda one, _: " of what is stated".join(_scale_of(one.factor)), ("factor",), 0.1
     ),
     FOCAL: Convention(
         "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _focal, _WIDE, 0.05
@@ -175,7 +180,7 @@ CONVENTIONS = {
         "five or more frames with times, close together, while the head changes its speed",
         ("late_s",),
         _late,
-        (LATE,),
+        ("late_s",),
         0.15,
         "that of the picture",
     ),

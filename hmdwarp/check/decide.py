@@ -10,10 +10,22 @@ import attrs
 import numpy as np
 
 from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
-from .faults import EXPLAINED, explained, standing
-from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
-from .search import SURE, Candidate, Search, margin
-from .stated_frames import Reading
+from .search import (
+    DEPTH_SHIFT,
+    LOGARITHMS,
+    SURE,
+    TURN,
+    WIDE,
+    Candidate,
+    Fitted,
+    Noise,
+    Overlap,
+    Search,
+    cost,
+    margin,
+    standard_errors,
+)
+from .stated_frames import Array, Reading
 
 CLOSE = 0.05  # share of the depth within which two depths agree
 WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
@@ -66,11 +78,15 @@ def likeness(search: Search, reading: Reading) -> float:
 
 def agreement(search: Search, reading: Reading) -> float:
     """Return the share of the points seen in both frames whose depths agree."""
-    # Counted from infinity, as depths are: numbers that hardly differ agree with anything.
+    known = _from_infinity(search.coarse, reading)
+    return float((np.abs(known) < CLOSE).mean()) if known.size else 0.0
+
+
+def _from_infinity(overlap: Overlap, reading: Reading) -> Array:
+    """Return how depths in view differ, counted from infinity: else what hardly differs agrees."""
     infinity = reading.end - reading.offset / reading.factor
-    found = search.coarse.residuals(attrs.evolve(reading, end=infinity, offset=0.0) if not reading.along else reading)
-    known = found.seen & ~np.isnan(found.depth) & ~found.sky
-    return float((np.abs(found.depth[known]) < CLOSE).mean()) if known.any() else 0.0
+    found = overlap.residuals(attrs.evolve(reading, end=infinity, offset=0.0) if not reading.along else reading)
+    return found.depth[found.seen & ~np.isnan(found.depth) & ~found.sky]
 
 
 def explains(search: Search, reading: Reading) -> bool:
@@ -82,43 +98,38 @@ def explains(search: Search, reading: Reading) -> bool:
 def decide(search: Search) -> Decision:
     """Return the best reading of the frames, and whether others fit as well."""
     plain = Reading()
-    found = [plain, *search.discrete(plain)]
-    well = agreement(search, search.best(found)) >= WELL
-    found += _best_of(search, search.usual_numbers(plain)[:1])
-    found += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
+    tried = [plain, *search.discrete(plain)]
+    well = agreement(search, search.best(tried)) >= WELL
+    tried += _best_of(search, search.usual_numbers(plain)[:1])
+    tried += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
         others = _best_of(search, search.numbers(plain))
-        found += others
-        if not explains(search, search.best(found)):
+        tried += others
+        if not explains(search, search.best(tried)):
             encoded = [reading for reading in others if ENCODING in differences(reading)]
-            found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
-        if not explains(search, search.best(found)):
-            found += _two(search, plain)
-    close = _close(search, found)
-    readings = list(dict.fromkeys([*(fitted.reading for fitted in close), plain]))
+            tried += [search.fitted(reading, ("factor", "offset")).reading for reading in encoded]
+        if not explains(search, search.best(tried)):
+            tried += _two(search, plain)
+    readings = list(dict.fromkeys([*(fitted.reading for fitted in _close(search, tried)), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
-    numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
-    best = numbers.best
+    numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings)
+    best, rivals, besides = numbers.found()
     # One more convention without a number, where that is surely better.
     steps = _candidates(search, list(search.discrete(best.reading)), numbers.noise)
     better = min(steps, key=lambda one: one.total)
     if margin(best, better) > SURE and _simplest(search, [best, better]) is not best:
-        numbers = NumberSearch(search, better, [better.reading, *readings]).found()
-    return _decided(search, numbers, readings)
-
-
-def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Decision:
-    """Return the decision between what the numbers explain, and other readings that were close."""
-    best, rivals, besides = found.best, found.rivals, found.besides
-    others = _candidates(search, readings, found.noise)
+        numbers = NumberSearch(search, better, [better.reading, *readings])
+        best, rivals, besides = numbers.found()
+    # Between what the numbers explain, and other readings that were close.
+    close = _candidates(search, readings, numbers.noise)
     if best.changes > 1:
-        best = _simplest(search, [best, *(other for other in others if other.changes)])
-        rivals, besides = (rivals, besides) if best is found.best else ((), ())
+        simplest = _simplest(search, [best, *(other for other in close if other.changes)])
+        best, rivals, besides = (best, rivals, besides) if simplest is best else (simplest, (), ())
     if best.changes:
         most = agreement(search, best.reading)
         rivals += tuple(
             other
-            for other in others
+            for other in close
             if 0 < other.changes <= best.changes
             and without_numbers(other.reading) != without_numbers(best.reading)
             and differences(other.reading) != differences(best.reading)
@@ -127,12 +138,11 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
         )
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
         besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
-    shares = explained(search, best.reading), explained(search, Reading())
+    shares = explained(search, best.reading), explained(search, plain)
     faults: tuple[str, ...] = ()
     if agreement(search, best.reading) >= AGREE:
-        own, base = _numbers_of(best.reading), without_numbers(best.reading)
-        faults = standing(search, found.noise, best, own, base)
-    return Decision(search, found.noise, best, rivals, besides, faults, shares)
+        faults = standing(search, numbers.noise, best, _numbers_of(best.reading), without_numbers(best.reading))
+    return Decision(search, numbers.noise, best, rivals, besides, faults, shares)
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
@@ -155,8 +165,8 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
 
 
 def _numbers_of(reading: Reading) -> tuple[str, ...]:
-    names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
-    names += [OFFSET] if reading.offset or reading.end else []
+    names = ["factor"] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
+    names += ["offset"] if reading.offset or reading.end else []
     return (*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name]))
 
 
@@ -168,18 +178,14 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     """
     best = min(candidates, key=lambda one: one.total)
     most, alike = agreement(search, best.reading), likeness(search, best.reading)
+    shares = [(one, agreement(search, one.reading)) for one in candidates]
     if alike < ALIKE:
-        better = [
-            one
-            for one in candidates
-            if agreement(search, one.reading) >= most and likeness(search, one.reading) >= ALIKE
-        ]
+        better = [one for one, share in shares if share >= most and likeness(search, one.reading) >= ALIKE]
         if better:
             return _simplest(search, better)
-
     as_good = [
         one
-        for one, share in ((one, agreement(search, one.reading)) for one in candidates)
+        for one, share in shares
         if (margin(one, best) < SURE and share >= _AS_GOOD * most)
         or (share >= most and likeness(search, one.reading) >= alike)
     ]
@@ -205,14 +211,14 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
 
 # What is fitted for each; half a pixel is a principal point too.
 FITTED = {
-    RAY: (ALONG,),
-    SCALE: (FACTOR,),
-    PLANES: (FACTOR, OFFSET),
-    FOCAL: (WIDE_X, WIDE_Y),
-    CENTRE: (PIXEL_X, PIXEL_Y),
-    TIME: (LATE,),
+    RAY: ("along",),
+    SCALE: ("factor",),
+    PLANES: ("factor", "offset"),
+    FOCAL: ("wide_x", "wide_y"),
+    CENTRE: ("pixel_x", "pixel_y"),
+    TIME: ("late_s",),
 }
-_DECIDES = {**{numbers: numbers for numbers in FITTED.values()}, (FACTOR, OFFSET): (OFFSET,)}
+_DECIDES = {**{numbers: numbers for numbers in FITTED.values()}, ("factor", "offset"): ("offset",)}
 _SECOND = 4  # times as sure: a number may stand in for what another convention leaves
 _NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
 # Below these a number is as stated; pixels, or a share of the width.
@@ -249,22 +255,12 @@ def matters(search: Search, name: str, found: Reading) -> bool:
     return abs(math.log(found.factor)) > _SCALE
 
 
-@attrs.frozen(eq=False)
-class Numbers:
-    """What was found: the best reading, those that fit as well, and what differs besides."""
-
-    best: Candidate
-    rivals: tuple[Candidate, ...]
-    besides: tuple[str, ...]
-    noise: Noise
-
-
 class NumberSearch:
     """Readings that differ from a leader in its numbers alone, each fitted to the fine pictures."""
 
     def __init__(self, search: Search, leader: Candidate, seeds: Sequence[Reading]) -> None:
         self.search, self.base = search, without_numbers(leader.reading)
-        self._always = (FACTOR, OFFSET) if ENCODING in differences(self.base) else ()
+        self._always = ("factor", "offset") if ENCODING in differences(self.base) else ()
         known = search.steps(self.base)
         self._names = [
             name
@@ -277,11 +273,14 @@ class NumberSearch:
             self._seeds += [search.best(way) for way in ways if way]
         self._models: dict[tuple[str, ...], Candidate] = {}
         self.noise = Noise.of(search.fine.residuals(leader.reading))
-        self._every = self._fit_all(leader.reading)
+        self._every = self._fit(leader.reading, [name for name in self._names if name != SCALE])
         self.noise = Noise.of(search.fine.residuals(self._every.reading))
 
-    def found(self) -> Numbers:
-        """Return which numbers differ: none, one convention, or two where one leaves too much."""
+    def found(self) -> tuple[Candidate, tuple[Candidate, ...], tuple[str, ...]]:
+        """Return the best reading, those that fit as well, and what differs besides.
+
+        No number of it differs, those of one convention, or of two where one leaves too much.
+        """
         nothing = self._candidate(self._fit(self.base, ()))
         needed = SURE if not nothing.changes else _SECOND * SURE
         gain = -_NO_WORSE if not nothing.changes else needed / 4
@@ -292,7 +291,7 @@ class NumberSearch:
             pairs = [model for model in self._of(2) if self._is_known(model, SURE) and margin(best, model) > SURE]
             best, rivals = self._least(best, pairs) if pairs else (best, rivals)
             besides = self._besides(best) if pairs else besides
-        return Numbers(self._square(best), rivals, besides, self.noise)
+        return self._square(best), rivals, besides
 
     def _square(self, best: Candidate) -> Candidate:
         """Return the reading with one factor for both focal lengths, unless two are surely better.
@@ -302,11 +301,9 @@ class NumberSearch:
         if FOCAL not in numbered(best.reading) or best.fitted is None:
             return best
         names = (*(name for name in best.fitted.names if name not in FITTED[FOCAL]), WIDE)
-        starts = (
-            attrs.evolve(best.reading, wide_x=wide, wide_y=wide) for wide in (best.reading.wide_x, best.reading.wide_y)
-        )
-        models = [self._candidate(self.search.fitted(start, names)) for start in starts]
-        one = min(models, key=lambda one: one.total)
+        wide = best.reading.wide_x, best.reading.wide_y
+        starts = (attrs.evolve(best.reading, wide_x=one, wide_y=one) for one in wide)
+        one = min((self._candidate(self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
         return one if margin(one, best) <= SURE else best
 
     def _of(self, count: int) -> Iterator[Candidate]:
@@ -340,7 +337,7 @@ class NumberSearch:
         """Return what surely differs besides, where all numbers at once fit surely better."""
         every = self._candidate(self._every)
         if every.total > best.total:  # it did not find there
-            every = self._candidate(self._fit_all(best.reading))
+            every = self._candidate(self._fit(best.reading, [name for name in self._names if name != SCALE]))
         if margin(best, every) <= SURE:
             return ()
         taken = numbered(best.reading)
@@ -351,10 +348,9 @@ class NumberSearch:
         )
 
     def _is_known(self, one: Candidate, needed: float) -> bool:
-        names = numbered(one.reading)
-        return bool(names) and all(
-            matters(self.search, name, one.reading) and self._sureness(one, name) > needed for name in names
-        )
+        names, search = numbered(one.reading), self.search
+        known = (matters(search, name, one.reading) and self._sureness(one, name) > needed for name in names)
+        return bool(names) and all(known)
 
     def _sureness(self, one: Candidate, name: str) -> float:
         """Return by how many standard errors a convention is not as stated."""
@@ -376,12 +372,98 @@ class NumberSearch:
             self._models[names] = self._candidate(self._fit(start, names))
         return self._models[names]
 
-    def _fit_all(self, start: Reading) -> Fitted:
-        return self._fit(start, [name for name in self._names if name != SCALE])
-
     def _fit(self, start: Reading, names: Sequence[str]) -> Fitted:
         numbers = dict.fromkeys(itertools.chain(self._always, *(FITTED[name] for name in names)))
         return self.search.fitted(start, tuple(numbers)) if numbers else Fitted(start)
 
     def _candidate(self, fitted: Fitted) -> Candidate:
         return self.search.candidate(fitted.reading, self.noise, len(differences(fitted.reading)), fitted)
+
+
+EXPLAINED = 0.98  # of the depths that nothing hides
+_CUT_OFF, _AT_MOST = 0.02, 1e-3  # share of the pixels at the largest depth; how near to it they are
+# What is fitted for each, and the least with a name: rad, per squared tangent, tangents, pixels.
+_OF_FAULT = {
+    "a turn between pose and camera": dict.fromkeys(TURN, 0.015),
+    "a lens that distorts": {"bend": 0.03},
+    "depth of other optics than the colour": {"depth_wide": 0.02, **dict.fromkeys(DEPTH_SHIFT, 0.75)},
+    "depth of another scale in each frame": {"scales": 0.01},
+}
+FAULTS = ("depth that is cut off", *_OF_FAULT)
+_SHIFTS = (-0.1, -0.05, 0.0, 0.05, 0.1)  # where a fit begins; shifts of the depth in shares of the width
+_STARTS = {**dict.fromkeys(TURN, (-0.12, 0.0, 0.12)), "bend": (-0.2, 0.0, 0.2), "depth_wide": (0.85, 1.0, 1.18)}
+_SURELY = 14.0  # standard errors of the answer's numbers, with a fault fitted beside them
+
+
+def explained(search: Search, reading: Reading) -> float:
+    """Return the share of the depths on surfaces that agree, of those that nothing nearer hides."""
+    known = _from_infinity(search.middle, reading) * math.copysign(1, reading.factor)
+    agree, behind = int((np.abs(known) < CLOSE).sum()), int((known > CLOSE).sum())
+    return agree / max(agree + behind, 1)
+
+
+def standing(search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading) -> tuple[str, ...]:
+    """Return those of FAULTS that explain what a reading leaves, or the frames as well as it.
+
+    own, base: the numbers of the reading, and the reading with them as stated.
+    """
+    found = [words for words, least in _OF_FAULT.items() if _stands(search, noise, best, own, base, least)]
+    if search.stated.may_be_buffer or (not best.changes and explained(search, best.reading) >= EXPLAINED):
+        return tuple(found)
+    depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in search.stated.frames]
+    most = (1 - _AT_MOST) * max(float(depth.max()) for depth in depths)
+    is_cut = float(np.median([float((depth > most).mean()) for depth in depths])) > _CUT_OFF
+    return (*FAULTS[: int(is_cut)], *found)
+
+
+def _stands(
+    search: Search, noise: Noise, best: Candidate, own: tuple[str, ...], base: Reading, least: dict[str, float]
+) -> bool:
+    width = search.stated.frames[0].depth.shape[1]
+    # A turn of a degree is half a pixel, which is the more common.
+    named = {name: limit * (1 + (PIXEL in differences(best.reading))) for name, limit in least.items()}
+    starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
+    values = itertools.product(*(starts[name] for name in least))
+    tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
+    begun = [min(tried, key=lambda one: search.candidate(one, noise, 1).total)]
+    if "depth_wide" in least:  # a shift of the depth alone looks like a principal point that is off
+        begun.append(attrs.evolve(base, depth_x=-best.reading.pixel_x, depth_y=-best.reading.pixel_y))
+    instead = [_fitted(search, one, tuple(least)) for one in begun]
+    beside = [_fitted(search, one, (*least, *own)) for one in (best.reading, *(found.reading for found in instead))]
+    gains = []
+    for one in beside:
+        found = [search.fine.residuals(reading) for reading in (best.reading, one.reading)]
+        known = ~np.isnan(found[0].depth + found[1].depth)  # elsewhere in the picture of depth are other gaps
+        before, after = (search.fine.by_block(np.where(known, cost(each, noise), np.nan))[0] for each in found)
+        gains.append(before - after)
+    nearest = int(np.argmax([gain.sum() for gain in gains]))
+    both, leaves = beside[nearest], standard_errors(gains[nearest])
+    sure = [off / error for name in own if name in both.names for off, error in [_off(both, name)]]
+    is_doubtful = max(sure, default=math.inf) < _SURELY and any(_has_a_name(one, named) for one in instead)
+    return is_doubtful or (leaves > SURE and _has_a_name(both, named))
+
+
+def _off(found: Fitted, name: str) -> tuple[float, float]:
+    """Return by how much a number is not as stated, and its standard error."""
+    value = np.asarray(getattr(found.reading, name))
+    off = np.abs(np.log(np.abs(value)) if name in LOGARITHMS else value).max()
+    return float(off), dict(zip(found.names, found.error, strict=True)).get(name, 0.0)
+
+
+def _has_a_name(found: Fitted, least: dict[str, float]) -> bool:
+    return any(off > max(most, SURE * error) for name, most in least.items() for off, error in [_off(found, name)])
+
+
+def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
+    """Return the reading with these numbers as the frames have them."""
+    if "scales" not in names:
+        return search.fitted(search.fitted(reading, names).reading, names)
+    pairs, count = search.middle.pairs, len(search.stated.frames)
+    rows = np.eye(count)[pairs[:, 0]] - np.eye(count)[pairs[:, 1]]
+    scales = np.zeros(count)
+    for _ in range(3):
+        found = search.middle.residuals(attrs.evolve(reading, scales=tuple(scales)))
+        with np.errstate(invalid="ignore"):
+            off = np.array([np.median(one[np.abs(one) < 1]) if (np.abs(one) < 1).any() else 0.0 for one in found.depth])
+        scales -= np.linalg.lstsq(rows, off, rcond=None)[0]
+    return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))

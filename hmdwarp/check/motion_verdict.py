@@ -1,9 +1,17 @@
-"""Which convention makes motion vectors explain the next frame, and whether any does."""
+"""Motion vectors and depth, as an engine gives them to a headset's runtime, and their verdict.
+
+Names are those of XrFrameSynthesisInfoEXT (XR_EXT_frame_synthesis 1), which has all of
+XrCompositionLayerSpaceWarpInfoFB (XR_FB_space_warp 2). docs/motion.md has every key.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
 import operator
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -11,11 +19,428 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..errors import listed
+from ..colour import linear_from_srgb, srgb8_from_linear
+from ..errors import InputError, listed
+from ..geometry import DepthLayer, Fov, Pose, View
+from ..options.named_files import PICTURE_FILE, named_in, opened
 from ..report import labelled_strip, magma
-from .motion_frames import BACKWARD, DOWN, IN, METRES, NDC, PIXELS, PROPERTIES, UV, Array, Convention, MotionFrames
-from .motion_places import BLOCKS, CANDIDATES, SCORED, Found, Pair, grid, inside, nearest_at, sampled
+from ..sources.sequences import read_colour, read_depth
+from ..sources.sequences.frame_files import number_of, numbers_of, read_json
+from ..sources.sequences.picture_files import EXR, NPY, read_exr
 from .search import SURE
+
+Array = NDArray[np.float64]
+Size = tuple[int, int]
+FILE = "motion.json"
+NDC, UV, PIXELS, METRES = "ndc", "uv", "pixels", "metres"
+DOWN, UP = "down", "up"
+FORWARD, BACKWARD = "current - previous", "previous - current"
+OUT, IN = "out", "in"
+# Each property of a convention, what it may be, and its name in text; the first is the extension's.
+PROPERTIES = {
+    "unit": ((NDC, UV, PIXELS, METRES), "unit"),
+    "y": ((DOWN, UP), "y axis"),
+    "sign": ((FORWARD, BACKWARD), "direction"),
+    "jitter": ((OUT, IN), "jitter"),
+}
+_ANGLES = ("angleLeft", "angleRight", "angleDown", "angleUp")
+# Pixels of colour: what is finer differs by sampling alone, what is coarser is light and shadow.
+_BLUR_PX = (1.0, 6.0)
+_TWO = "XR_FRAME_SYNTHESIS_INFO_USE_2D_MOTION_VECTOR_BIT_EXT"
+_VECTORS = ("motion", "vector", "velocity", "flow")  # layers of an EXR file that may hold them
+_PLANES, _INFINITE = ("minDepth", "maxDepth", "nearZ", "farZ"), "Infinity"
+
+
+@attrs.frozen
+class Convention:
+    """What the numbers of motion vectors mean; the default is that of XR_EXT_frame_synthesis."""
+
+    unit: str = NDC  # NDC: -1 to 1; UV: 0 to 1; PIXELS of colour; METRES along the eye's axes
+    y: str = DOWN
+    sign: str = FORWARD
+    jitter: str = OUT  # whether the sub-pixel jitter of the projections is in the vectors
+
+    def __attrs_post_init__(self) -> None:
+        for name, (values, _) in PROPERTIES.items():
+            if getattr(self, name) not in values:
+                raise InputError(f"{name} of motion vectors is {getattr(self, name)!r}: expected {', '.join(values)}")
+
+
+@attrs.frozen(eq=False)
+class MotionFrame:
+    """One frame of one eye; pictures have the top row first."""
+
+    name: str
+    colour: NDArray[np.uint8]  # (H, W, 3) sRGB
+    view: View  # without jitter
+    time_ns: int
+    # (h, w) of a depth buffer, as `planes` says; metres along -z without. None where it lacks.
+    depth: Array | None = None
+    # (h, w, 2 or 3) as stored, then times `scale` plus `offset`. None: the frame is a truth alone.
+    vectors: Array | None = None
+    planes: DepthLayer | None = DepthLayer()
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)
+    offset: tuple[float, ...] = (0.0, 0.0, 0.0)
+    jitter: tuple[float, ...] = (0.0, 0.0)  # pixels of colour by which the projection moves everything right and down
+    app_space_delta: Pose = attrs.field(factory=Pose)  # of this frame's space in that of the frame before
+
+    def __attrs_post_init__(self) -> None:
+        for name, array, shapes in (("depth", self.depth, ((),)), ("motion", self.vectors, ((2,), (3,), (4,)))):
+            if array is not None and (array.ndim < 2 or array.shape[2:] not in shapes or not array.size):
+                raise InputError(f"{self.name}: {name} has shape {array.shape}: expected (h, w), and 2 to 4 for motion")
+        if self.vectors is not None and self.depth is None:
+            raise InputError(f"{self.name}: motion vectors without depth: expected both, of any resolution")
+
+    @property
+    def size(self) -> Size:
+        """(w, h) of colour."""
+        return self.colour.shape[1], self.colour.shape[0]
+
+    @cached_property
+    def motion(self) -> Array:
+        """(h, w, 2 or 3) vectors with scale and offset."""
+        vectors: Any = self.vectors  # callers look for frames with vectors, which have depth
+        count = min(vectors.shape[2], 3)
+        return np.asarray(vectors[..., :count] * self.scale[:count] + self.offset[:count])
+
+    @cached_property
+    def inverse_depth(self) -> Array:
+        """(h, w) 1/m, NaN where there is none."""
+        depth: Any = self.depth
+        if self.planes is not None:
+            return self.planes.inverse_depth(depth)
+        with np.errstate(divide="ignore"):
+            return np.where(depth > 0, 1 / depth, np.nan)
+
+    @cached_property
+    def nearest_around(self) -> Array:
+        """(h, w) the largest inverse depth within a pixel."""
+        return np.asarray(ndimage.maximum_filter(np.nan_to_num(self.inverse_depth), 3))
+
+    @cached_property
+    def brightness(self) -> Array:
+        """(H, W) brightness without its finest detail and its shade."""
+        root = np.sqrt(linear_from_srgb(self.colour).mean(axis=2).astype(np.float64))
+        return np.asarray(np.subtract(*(ndimage.gaussian_filter(root, blur) for blur in _BLUR_PX)))
+
+
+@attrs.frozen(eq=False)
+class MotionFrames:
+    """Frames in the order of time. Errors: InputError for too few, and for what does not fit."""
+
+    frames: Sequence[MotionFrame]
+    stated: Convention = Convention()
+
+    def __attrs_post_init__(self) -> None:
+        times = [frame.time_ns for frame in self.frames]
+        if any(later <= one for one, later in zip(times, times[1:], strict=False)):
+            raise InputError("frames: displayTime does not rise: expected the frames in the order of time")
+        if not self.pairs:
+            raise InputError(f"{len(times)} frames: expected two or more with depth, with motion from the second on")
+        if len({frame.size for frame in self.frames}) > 1:
+            raise InputError(f"frames have colour of {sorted({f.size for f in self.frames})} pixels: expected one size")
+
+    @cached_property
+    def pairs(self) -> list[tuple[MotionFrame, MotionFrame]]:
+        """Each frame with vectors, and the one that they lead to: the last before with depth."""
+        rendered = [frame for frame in self.frames if frame.depth is not None]
+        return [(one, before) for before, one in zip(rendered, rendered[1:], strict=False) if one.vectors is not None]
+
+
+def read_motion(path: Path) -> MotionFrames:
+    """Return frames with motion vectors.
+
+    Parameters
+    ----------
+    path : Path
+        A folder with motion.json, or that file; docs/motion.md has every key.
+
+    Raises
+    ------
+    InputError
+        For what cannot be read, or does not fit together.
+    """
+    where = path / FILE if path.is_dir() else path
+    data = read_json(where, "an object with frames, as docs/motion.md has it")
+    rows, stated = data.pop("frames", None), data.pop("convention", {})
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise InputError(f"{where}: frames: expected a list of objects, one for each frame")
+    if not isinstance(stated, dict) or not stated.keys() <= PROPERTIES.keys():
+        raise InputError(f"{where}: convention is {stated}: expected an object of {', '.join(PROPERTIES)}")
+    folder = where.parent
+    found = [_frame(f"{where}: frame {k}", folder, {**_USUAL, **data, **row}) for k, row in enumerate(rows)]
+    return MotionFrames(found, Convention(**stated))
+
+
+_KEYS = ("colour", "depth", "motion", "pose", "fov", "displayTime", "subImage", "motionVectorSubImage", "depthSubImage")
+# What a frame is without its key; None: there must be one, or there is none.
+_USUAL: dict[str, Any] = {
+    **dict.fromkeys(_KEYS),
+    "jitter": (0, 0),
+    "layerFlags": (),
+    "motionVectorScale": (1, 1, 1, 0),
+    "motionVectorOffset": (0, 0, 0, 0),
+    "appSpaceDeltaPose": {"position": (0, 0, 0), "orientation": (0, 0, 0, 1)},
+    **dict(zip(_PLANES, (0.0, 1.0, 0.1, _INFINITE), strict=True)),
+    "depthUnit": "buffer",
+}
+
+
+def _frame(at: str, folder: Path, row: Mapping[str, Any]) -> MotionFrame:
+    if unknown := row.keys() - _USUAL.keys():
+        raise InputError(f"{at}: {', '.join(sorted(unknown))}: expected the keys of docs/motion.md")
+
+    def picture(key: str, image: str, read: Callable[[Path], NDArray[Any]]) -> Any:
+        if row[key] is None and key != "colour":
+            return None
+        if not isinstance(row[key], str):
+            raise InputError(f"{at}: {key} is {row[key]!r}: expected the name of a file")
+        return _cut(at, read(named_in(folder, row[key])), row[image])
+
+    colour = picture(
+        "colour", "subImage", lambda path: _array(path) if path.suffix.lower() == NPY else read_colour(path)
+    )
+    colour = colour[..., :3] if colour.dtype == np.uint8 else srgb8_from_linear(colour[..., :3])
+    depth = picture("depth", "depthSubImage", read_depth)
+    if depth is not None:  # of a buffer: integers are of their whole range
+        depth = depth / np.iinfo(depth.dtype).max if depth.dtype.kind in "iu" else depth.astype(np.float64)
+    vectors = picture("motion", "motionVectorSubImage", _vectors)
+    planes = [math.inf if row[key] == _INFINITE else number_of(at, key, row[key]) for key in _PLANES]
+    return MotionFrame(
+        row["colour"],
+        colour,
+        View(_pose(at, "pose", row["pose"]), Fov(*_numbers(at, "fov", row["fov"], _ANGLES))),
+        int(number_of(at, "displayTime", row["displayTime"], "nanoseconds")),
+        depth,
+        vectors[..., :2] if vectors is not None and _TWO in str(row["layerFlags"]) else vectors,
+        DepthLayer(*planes) if row["depthUnit"] == "buffer" else None,
+        _numbers(at, "motionVectorScale", row["motionVectorScale"], "xyzw")[:3],
+        _numbers(at, "motionVectorOffset", row["motionVectorOffset"], "xyzw")[:3],
+        _numbers(at, "jitter", row["jitter"], "xy"),
+        _pose(at, "appSpaceDeltaPose", row["appSpaceDeltaPose"]),
+    )
+
+
+def _numbers(at: str, key: str, value: Any, names: Sequence[str]) -> tuple[float, ...]:
+    """Return numbers of a list, or of an object with these names."""
+    return numbers_of(at, key, [value.get(name) for name in names] if isinstance(value, dict) else value, len(names))
+
+
+def _pose(at: str, key: str, value: Any) -> Pose:
+    if not isinstance(value, dict):
+        raise InputError(f"{at}: {key} is {value!r}: expected an XrPosef: position and orientation")
+    parts = (("position", "xyz"), ("orientation", "xyzw"))
+    return Pose(*(_numbers(at, f"{key}.{part}", value.get(part), names) for part, names in parts))
+
+
+def _cut(at: str, picture: NDArray[Any], image: Any) -> NDArray[Any]:
+    """Return the rectangle of an XrSwapchainSubImage, counted from the top left pixel."""
+    if image is None:
+        return picture
+    rect = image.get("imageRect") if isinstance(image, dict) else None
+    if not isinstance(rect, dict):
+        raise InputError(f"{at}: sub-image {image!r}: expected an imageRect of offset and extent")
+    x, y = map(int, _numbers(at, "offset", rect.get("offset"), "xy"))
+    wide, high = map(int, _numbers(at, "extent", rect.get("extent"), ("width", "height")))
+    found = picture[max(y, 0) : y + high, max(x, 0) : x + wide]
+    if min(x, y) < 0 or not found.size or found.shape[:2] != (high, wide):
+        raise InputError(f"{at}: sub-image of {wide}x{high} at {x}, {y}: the file has {picture.shape[1::-1]}")
+    return found
+
+
+def _vectors(path: Path) -> Array:
+    """Return (h, w, 2 to 4): of EXR the layer that is named so, else red, green and blue."""
+    if path.suffix.lower() == NPY:
+        return _array(path).astype(np.float64)
+    if path.suffix.lower() != EXR:
+        return read_colour(path) / 255.0
+    layers: dict[str, dict[str, NDArray[np.float32]]] = {}
+    for name, pixels in read_exr(path).channels.items():
+        layers.setdefault(name.rpartition(".")[0], {})[name.rpartition(".")[2].upper()] = pixels
+    named = [one for name, one in layers.items() if name.rpartition(".")[2].lower().startswith(_VECTORS)]
+    found = named[0] if named else layers.get("", {})
+    axes = "XYZ" if {*"XY"} <= found.keys() else "RGB"
+    # X, Y, Z and W are Blender's: to the frame before, and to the one after.
+    parts = [found[axis] for axis in (axes[:2] if "W" in found else axes) if axis in found]
+    if len(parts) < 2:
+        raise InputError(f"{path}: layers {', '.join(layers)}; expected R and G, or X and Y of a layer of vectors")
+    return np.stack(parts, axis=-1).astype(np.float64)
+
+
+def _array(path: Path) -> NDArray[Any]:
+    try:
+        with opened(path, PICTURE_FILE) as file:
+            found = np.load(file, allow_pickle=False)
+    except (ValueError, EOFError) as error:
+        raise InputError(f"{path}: not an .npy file of numbers ({error})") from error
+    if not isinstance(found, np.ndarray) or found.ndim != 3 or found.dtype.kind not in "fiu":
+        raise InputError(f"{path}: expected (h, w, channels) numbers")
+    return found
+
+
+_ACROSS, _DOWN = 20, 15  # blocks of a picture
+BLOCKS = _ACROSS * _DOWN
+SCORED = 5000  # pixels of each frame by which candidates are told apart
+_EDGE_PX, _EDGE = 3, 1.15  # pixels around, and ratio of distances: another surface is near
+_MISSED = 0.02  # of the brightness, beside what 0.75 pixels make: something else was there
+_FAR = 1e-3  # 1/m: what differs by less is equally far
+_SURFACE = 0.06  # share of the depth: what differs by less may be one surface that came nearer by itself
+
+CANDIDATES = tuple(Convention(*values) for values in itertools.product(*(values for values, _ in PROPERTIES.values())))
+
+
+@attrs.frozen(eq=False)
+class Pair:
+    """A frame with vectors, and the one before, sampled at the centres of the vectors' pixels."""
+
+    now: MotionFrame
+    before: MotionFrame
+    step: int = 1  # every so many pixels of the vectors, in both directions
+
+    @cached_property
+    def uv(self) -> Array:
+        """(h, w, 2) places in the picture, 0 to 1, y down."""
+        first, (high, wide) = self.step // 2, self.now.motion.shape[:2]
+        return grid((wide, high))[first :: self.step, first :: self.step]
+
+    @cached_property
+    def block(self) -> NDArray[np.intp]:
+        """(h, w) number of the block of the picture."""
+        across, down = (self.uv * (_ACROSS, _DOWN)).astype(np.intp).transpose(2, 0, 1)
+        return np.asarray(down * _ACROSS + across)
+
+    @cached_property
+    def one_surface(self) -> NDArray[np.bool_]:
+        """(h, w) whether no other surface is near in the picture."""
+        depth, wide = np.nan_to_num(self.inverse), 2 * _EDGE_PX + 1
+        nearest, farthest = ndimage.maximum_filter(depth, wide), ndimage.minimum_filter(depth, wide)
+        return np.asarray(nearest < farthest * _EDGE + 10 * _FAR)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """(h, w) 1/m of the frame's own depth there, NaN for none."""
+        return nearest_at(self.now.inverse_depth, self.uv)
+
+    @cached_property
+    def vectors(self) -> Array:
+        """(h, w, 2 or 3)."""
+        return self.now.motion[self.step // 2 :: self.step, self.step // 2 :: self.step]
+
+    @cached_property
+    def still(self) -> Array:
+        """(h, w, 3) places in the eye before of what is here, had it stood still, times 1/m."""
+        turn = self.then_view.pose.inverse() @ self.now.view.pose
+        along = along_of(self.now.view, self.uv - self.now.jitter / np.array(self.now.size))
+        return along @ turn.rotation_matrix.T + turn.position_m * np.nan_to_num(self.inverse)[..., None]
+
+    @cached_property
+    def expected(self) -> Array:
+        """(h, w) 1/m in the eye before, had it stood still; NaN for no depth."""
+        return np.asarray(self.inverse / np.maximum(-self.still[..., 2], 1e-6))
+
+    @cached_property
+    def then_view(self) -> View:
+        """The view of the frame before, in the space of this one."""
+        return self.before.view.at(self.now.app_space_delta.inverse() @ self.before.view.pose)
+
+    def places(self, convention: Convention) -> Array:
+        """Return (h, w, 2) where each pixel was in the picture before, 0 to 1, y down."""
+        now, before = (np.array(frame.jitter) / frame.size for frame in (self.now, self.before))
+        off = convention.jitter == OUT
+        here = self.uv - now if off else self.uv
+        way = self.vectors * (1 if convention.sign == FORWARD else -1)
+        way = way * np.array((1, 1 if convention.y == DOWN else -1, 1))[: way.shape[2]]
+        with np.errstate(all="ignore"):
+            if convention.unit == METRES:
+                place = along_of(self.now.view, here) / self.inverse[..., None]
+                place[..., :2] -= way[..., :2] * (1, -1)
+                depth = place[..., 2] - way[..., 2] if way.shape[2] > 2 else self.still[..., 2] / self.inverse
+                left, right, down, up = self.then_view.fov.tangents
+                x, y = (place[..., k] / np.where(depth < 0, -depth, np.nan) for k in (0, 1))  # NaN behind the eye
+                then = np.stack([(x - left) / (right - left), (up - y) / (up - down)], axis=-1)
+            else:
+                then = here - way[..., :2] * {NDC: 0.5, UV: 1.0, PIXELS: 1 / np.array(self.now.size)}[convention.unit]
+        return then + before if off else then
+
+
+def grid(size: Size) -> Array:
+    """Return (h, w, 2) centres of a picture's pixels, 0 to 1, y down."""
+    return np.stack(np.meshgrid(*((np.arange(count) + 0.5) / count for count in size)), axis=-1)
+
+
+def along_of(view: View, uv: Array) -> Array:
+    """Return (.., 3) directions in the eye through places of the picture, z = -1."""
+    left, right, down, up = view.fov.tangents
+    x, y = left + uv[..., 0] * (right - left), up - uv[..., 1] * (up - down)
+    return np.stack([x, y, -np.ones_like(x)], axis=-1)
+
+
+def sampled(picture: Array, uv: Array) -> Array:
+    """Return a picture's values at places, bilinear; NaN outside."""
+    high, wide = picture.shape
+    where = np.stack([uv[..., 1] * high - 0.5, uv[..., 0] * wide - 0.5])
+    found = ndimage.map_coordinates(picture, np.nan_to_num(where, nan=-9.0), order=1, mode="nearest")
+    return np.where(inside(uv), found, np.nan)
+
+
+def nearest_at(picture: NDArray[Any], uv: Array) -> NDArray[Any]:
+    """Return a picture's values of the nearest pixels, those at the border outside."""
+    high, wide = picture.shape[:2]
+    column, row = (np.clip(np.nan_to_num(uv[..., k]) * n, 0, n - 1).astype(np.intp) for k, n in enumerate((wide, high)))
+    return np.asarray(picture[row, column])
+
+
+def inside(uv: Array) -> NDArray[np.bool_]:
+    """Return which places lie in the picture."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(((uv > 0) & (uv < 1)).all(axis=-1))
+
+
+@attrs.frozen(eq=False)
+class Found:
+    """What a candidate finds in the frame before: differences of what should be the same."""
+
+    pair: Pair
+    uv: Array
+    seen: NDArray[np.bool_]  # in the picture before, and nothing nearer was there
+    elsewhere: NDArray[np.bool_]  # all that was there was farther: the surface was elsewhere
+    bright: Array  # brightness now less before
+    deep: Array  # inverse depth before less that expected, as a share of it
+
+    @classmethod
+    def of(cls, pair: Pair, convention: Convention) -> Found:
+        """Return what a convention finds."""
+        uv, expected = pair.places(convention), pair.expected
+        nearest, within = nearest_at(pair.before.nearest_around, uv), inside(uv) & np.isfinite(expected)
+        return cls(
+            pair,
+            uv,
+            within & (nearest <= expected * (1 + _SURFACE) + _FAR),
+            within & (nearest < expected * (1 - _SURFACE) - _FAR),
+            sampled(pair.now.brightness, pair.uv) - sampled(pair.before.brightness, uv),
+            (nearest_at(pair.before.inverse_depth, uv) - expected) / (expected + 1e-2),
+        )
+
+    def costs(self) -> Array:
+        """Return, by block, 0 for what is there as it should be, to 1 for what is not there."""
+        squared = (self.bright / _SCORE_NOISE) ** 2 + (np.clip(self.deep, -1, 1) / _DEPTH_NOISE) ** 2
+        return _by_block(self.pair, np.where(self.seen, np.nan_to_num(squared / (1 + squared), nan=1.0), 1.0))
+
+    @cached_property
+    def missed(self) -> NDArray[np.bool_]:
+        """Where something of another colour was."""
+        steep = np.linalg.norm(self.gradient, axis=-1)
+        return np.asarray(self.seen & (np.abs(np.nan_to_num(self.bright)) > _MISSED + 0.75 * steep))
+
+    @cached_property
+    def gradient(self) -> Array:
+        """(h, w, 2) change of the brightness before, per pixel of colour to the right and down."""
+        other = self.pair.before.brightness
+        steps = np.diag(1 / np.array(self.pair.now.size))
+        return np.stack(
+            [np.nan_to_num(sampled(other, self.uv + s) - sampled(other, self.uv - s)) / 2 for s in steps], axis=-1
+        )
+
 
 _NOISE = 0.004  # of the brightness: sampling and 8 bits leave half of it on the library's scenes
 # What costs half of what nothing does: of the brightness, of the depth as a share of it.
@@ -69,14 +494,6 @@ class Property:
         """Whether every other value is surely worse."""
         return self.margin >= SURE
 
-    def line(self) -> str:
-        """Return it in words."""
-        label = f"  {PROPERTIES[self.name][1]:<9}  "
-        if not self.told:
-            return f"{label}cannot be told from {text_of(self.other)}: that moves pixels by {self.moved_px:.2g}"
-        mark = "" if self.as_stated else "  <- not as stated"
-        return f"{label}{self.value}  ({self.margin:.0f} standard errors ahead){mark}"
-
 
 @attrs.frozen(eq=False)
 class Verdict:
@@ -118,7 +535,13 @@ class Verdict:
         if not self.explained:
             return []
         (x, y), (dx, dy) = self.contradictions.factor, self.contradictions.factor_error
-        lines = [one.line() for one in self.properties]
+        lines = []
+        for one in self.properties:
+            words = f"cannot be told from {text_of(one.other)}: that moves pixels by {one.moved_px:.2g}"
+            if one.told:
+                mark = "" if one.as_stated else "  <- not as stated"
+                words = f"{one.value}  ({one.margin:.0f} standard errors ahead){mark}"
+            lines.append(f"  {PROPERTIES[one.name][1]:<9}  {words}")
         lines += [f"  factor     {x:.3f} +- {1.96 * dx:.3f} across, {y:.3f} +- {1.96 * dy:.3f} down (95 %)"]
         if self.z is not None:
             slope, error = self.z
@@ -129,7 +552,28 @@ class Verdict:
 
     def code(self) -> list[str]:
         """Return C and GLSL that make of them what XR_EXT_frame_synthesis expects."""
-        return code_of(self) if self.verdict == "wrong" else []
+        if self.verdict != "wrong":
+            return []
+        found, now = self.best, self.frames.pairs[0][0]
+        back, down = -1.0 if found.sign == BACKWARD else 1.0, 1.0 if found.y == DOWN else -1.0
+        if found.unit == METRES:
+            return [
+                f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
+                "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
+                "motion.xyz = ndcPosition - then.xyz / then.w;",
+            ]
+        lines, (wide, high) = [], now.size
+        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / wide, 2 / high)}[found.unit]
+        factors = (back * units[0], back * down * units[1], -back if self.z and self.z[0] < 0 else back)
+        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
+            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
+            if name == "Scale" or any(stated):
+                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
+        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
+        if found.jitter == IN:
+            where = f"vec2(2.0 / {wide}, 2.0 / {high});  // pixels, y down"
+            lines.append(f"motion.xy -= (jitter - previousJitter) * {where}")
+        return lines
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
@@ -143,53 +587,37 @@ def text_of(convention: Convention) -> str:
     return f"{convention.unit}, y {convention.y}, {convention.sign}, jitter {convention.jitter}"
 
 
-def code_of(verdict: Verdict) -> list[str]:
-    """Return the lines that turn vectors as found into those of the extension."""
-    found, now = verdict.best, verdict.frames.pairs[0][0]
-    back = -1.0 if found.sign == BACKWARD else 1.0
-    down = 1.0 if found.y == DOWN else -1.0
-    lines = []
-    if found.unit == METRES:
-        lines += [
-            f"motion.xyz *= vec3({back:g}, {-down * back:g}, {back:g});  // now the way in the eye, y up",
-            "vec4 then = previousProjection * vec4(eyePosition - motion.xyz, 1.0);  // without jitter",
-            "motion.xyz = ndcPosition - then.xyz / then.w;",
-        ]
-    else:
-        units = {NDC: (1.0, 1.0), UV: (2.0, 2.0), PIXELS: (2 / now.size[0], 2 / now.size[1])}[found.unit]
-        factors = (back * units[0], back * down * units[1], -back if verdict.z and verdict.z[0] < 0 else back)
-        for name, stated in (("Scale", now.scale), ("Offset", now.offset)):
-            numbers = ", ".join(f"{value * factor:.9g}" for value, factor in zip(stated, factors, strict=True))
-            if name == "Scale" or any(stated):
-                lines.append(f"info.motionVector{name} = {{{numbers}, 0}};  // XrFrameSynthesisInfoEXT")
-        lines.append("// XR_FB_space_warp: motion.xyz *= vec3({:.9g}, {:.9g}, {:.9g});".format(*factors))
-    if found.jitter == IN and found.unit != METRES:
-        lines.append(
-            "motion.xy -= (jitter - previousJitter) * vec2(2.0 / {}, 2.0 / {});  // pixels, y down".format(*now.size)
-        )
-    return lines
-
-
 def check_motion(frames: MotionFrames) -> Verdict:
-    """Return which candidate explains each next frame, by colour and by depth."""
+    """Return which convention explains each next frame, by colour and by depth.
+
+    Parameters
+    ----------
+    frames : MotionFrames
+        As `read_motion` reads them.
+
+    Returns
+    -------
+    Verdict
+        The best of all conventions, those that fit as well, and what contradicts it.
+    """
     full = [Pair(now, before) for now, before in frames.pairs]
     pairs = [attrs.evolve(one, step=max(1, round(math.sqrt(one.vectors[..., 0].size / SCORED)))) for one in full]
-    costs = {one: np.concatenate([_by_block(pair, _cost(Found.of(pair, one))) for pair in pairs]) for one in CANDIDATES}
+    costs = {one: np.concatenate([Found.of(pair, one).costs() for pair in pairs]) for one in CANDIDATES}
     least = min(costs, key=lambda one: float(costs[one].sum()))
     alike = [one for one in CANDIDATES if _margin(costs[least], costs[one]) < SURE]
     stated = attrs.astuple(frames.stated)
     order = {one: (sum(map(operator.ne, attrs.astuple(one), stated)), float(costs[one].sum())) for one in alike}
     best = min(alike, key=order.__getitem__)
     rivals = tuple(one for one in alike if one != best and order[one][0] == order[best][0])
+    properties = []
+    for name, value in attrs.asdict(best).items():
+        margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
+        other = min(margins, key=margins.__getitem__)
+        apart = np.linalg.norm((full[0].places(other) - full[0].places(best)) * full[0].now.size, axis=-1)
+        as_stated = value == getattr(frames.stated, name)
+        properties.append(Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart))))
     found = [Found.of(pair, best) for pair in full]
-    return Verdict(
-        frames,
-        best,
-        rivals,
-        tuple(_property(frames, name, best, costs, full[0]) for name in PROPERTIES),
-        _contradictions(found),
-        _slope_of_z(found, best),
-    )
+    return Verdict(frames, best, rivals, tuple(properties), _contradictions(found), _slope_of_z(found, best))
 
 
 def _by_block(pair: Pair, values: Array) -> Array:
@@ -197,28 +625,11 @@ def _by_block(pair: Pair, values: Array) -> Array:
     return np.asarray(np.bincount(pair.block.ravel(), np.nan_to_num(values).ravel(), BLOCKS), np.float64)
 
 
-def _cost(found: Found) -> Array:
-    """Return 0 to 1: nothing for what is there as it should be, 1 for what is not there."""
-    squared = (found.bright / _SCORE_NOISE) ** 2 + (np.clip(found.deep, -1, 1) / _DEPTH_NOISE) ** 2
-    return np.where(found.seen, np.nan_to_num(squared / (1 + squared), nan=1.0), 1.0)
-
-
 def _margin(better: Array, worse: Array) -> float:
     """Return by how many standard errors one is better, over blocks."""
     apart = worse - better
     error = float(apart.std()) / math.sqrt(len(apart))
     return float(apart.mean()) / error if error > 0 else 0.0
-
-
-def _property(
-    frames: MotionFrames, name: str, best: Convention, costs: dict[Convention, Array], pair: Pair
-) -> Property:
-    value = getattr(best, name)
-    margins = {one: _margin(costs[best], costs[one]) for one in costs if getattr(one, name) != value}
-    other = min(margins, key=margins.__getitem__)
-    apart = np.linalg.norm((pair.places(other) - pair.places(best)) * pair.now.size, axis=-1)
-    as_stated = value == getattr(frames.stated, name)
-    return Property(name, value, as_stated, other, margins[other], float(np.nanmedian(apart)))
 
 
 def _contradictions(found: list[Found]) -> Contradictions:
@@ -233,17 +644,14 @@ def _contradictions(found: list[Found]) -> Contradictions:
         float(np.mean([ndimage.binary_opening(getattr(one, name), np.ones((2, 2))).mean() for one in found]))
         for name in ("elsewhere", "missed")
     )
-    factor, error = _factor(way[known], shift[known], matrix[known][:, (0, 1), (0, 1)])
     drift = float(np.linalg.norm(whole, axis=1).max())
-    return Contradictions(max(0, wrong - 1) / max(judged, 1), drift, elsewhere, missed, judged, factor, error)
-
-
-def _factor(way: Array, shift: Array, weight: Array) -> tuple[list[float], list[float]]:
-    """Return the factors of x and y that fit best and their standard errors, over blocks."""
+    # The factors of x and y that fit best and their standard errors, over blocks.
+    way, shift, weight = way[known], shift[known], matrix[known][:, (0, 1), (0, 1)]
     total = np.maximum((weight * way**2).sum(axis=0), 1e-12)
     slope = (weight * way * shift).sum(axis=0) / total
-    scatter = ((weight * way * (shift - slope * way)) ** 2).sum(axis=0)
-    return (1 + slope).tolist(), (np.sqrt(scatter) / total).tolist()
+    error = np.sqrt(((weight * way * (shift - slope * way)) ** 2).sum(axis=0)) / total
+    share, factor = max(0, wrong - 1) / max(judged, 1), (1 + slope).tolist()
+    return Contradictions(share, drift, elsewhere, missed, judged, factor, error.tolist())
 
 
 def _shifts(found: Found) -> tuple[NDArray[Any], ...]:
@@ -288,7 +696,18 @@ def _slope_of_z(found: list[Found], best: Convention) -> tuple[float, float] | N
 
 
 def motion_mismatch(verdict: Verdict) -> NDArray[np.uint8]:
-    """Return a strip: a frame, the one before, and that one moved as stated and as found."""
+    """Return a picture of what the vectors do.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        Of `check_motion`.
+
+    Returns
+    -------
+    (h, w, 3) uint8 array
+        A strip: a frame, the one before, and that one moved as stated and as found.
+    """
     now, before = verdict.frames.pairs[-1]
     pair, where = Pair(now, before), grid(now.size)
     panels = [("one frame", now.colour), ("the one before", before.colour)]

@@ -193,11 +193,20 @@ class Stated:
 
 
 def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -> Stated:
-    """Return the frames of a folder, of two folders (left and right eye) or of files.
+    """Return recorded frames as they are stated.
 
-    Of more than MOST, those where the camera moves most. options: facts that the files do not say.
-    Assumptions and notes of two folders are those of the first.
-    Errors: InputError; as sequences.open and Stated.
+    Parameters
+    ----------
+    paths : sequence of Path
+        A folder, two folders (left and right eye; assumptions and notes are those of the first), or
+        files. Of more than 24 frames, those where the camera moves most.
+    options : SequenceOptions, optional
+        Facts that the files do not say.
+
+    Raises
+    ------
+    InputError
+        As sequences.open, and as Stated.
     """
     if len(paths) > 1 and all(path.suffix.lower() in _FILES for path in paths):
         return Stated([_of_file(path, options or SequenceOptions()) for path in paths])
@@ -315,16 +324,43 @@ class Reading:
 
     def poses(self, stated: Stated) -> tuple[Array, Array]:
         """Return the matrices (n, 3, 3) and positions (n, 3) of world_from_eye."""
-        key = (self.order, self.inverse, self.axes, self.eyes_swapped, self.late_s)
-        if key not in stated.poses_read:
-            turn, place = _poses(stated, *key[:-1])
-            stated.poses_read[key] = _moved(stated, turn, place, self.late_s) if self.late_s else (turn, place)
-        turn, place = stated.poses_read[key]
-        if not (self.turn_x or self.turn_y or self.turn_z):
-            return turn, place
         from scipy.spatial.transform import Rotation
 
-        return turn @ Rotation.from_rotvec((self.turn_x, self.turn_y, self.turn_z)).as_matrix(), place
+        key = (self.order, self.inverse, self.axes, self.eyes_swapped, self.late_s)
+        if key not in stated.poses_read:
+            stated.poses_read[key] = self._read_poses(stated)
+        turn, place = stated.poses_read[key]
+        if self.turn_x or self.turn_y or self.turn_z:
+            turn = turn @ Rotation.from_rotvec((self.turn_x, self.turn_y, self.turn_z)).as_matrix()
+        return turn, place
+
+    def _read_poses(self, stated: Stated) -> tuple[Array, Array]:
+        from scipy.interpolate import CubicSpline
+        from scipy.spatial.transform import Rotation, RotationSpline
+
+        orientation, place = stated.orientation, stated.position
+        turn = Rotation.from_quat(orientation[:, [1, 2, 3, 0]] if self.order == "wxyz" else orientation).as_matrix()
+        if self.inverse:
+            turn = turn.transpose(0, 2, 1)
+            place = -np.einsum("nij,nj->ni", turn, place)
+        eye = eye_axes(self.axes)
+        if not np.array_equal(eye, np.eye(3)):
+            turn = turn @ eye.T
+            if np.linalg.det(eye) < 0:  # which of the world's axes is turned around makes no difference
+                turn, place = _MIRROR @ turn, place @ _MIRROR
+        if self.eyes_swapped:
+            assert stated.other_eye is not None
+            turn, place = turn[stated.other_eye], place[stated.other_eye]
+        if self.late_s:  # on smooth curves through the poses
+            times = stated.seconds
+            assert times is not None
+            turned, placed = np.empty_like(turn), np.empty_like(place)
+            for track in stated.tracks:
+                later = times[track] + self.late_s
+                turned[track] = RotationSpline(times[track], Rotation.from_matrix(turn[track]))(later).as_matrix()
+                placed[track] = CubicSpline(times[track], place[track])(later)
+            return turned, placed
+        return turn, place
 
     def inverse_depth(self, base: Array, ray: Array) -> Array:
         """Return the inverse depth, NaN for none.
@@ -340,39 +376,3 @@ class Reading:
         """Return the base that has an inverse depth: the inverse of inverse_depth()."""
         scaled = (inverse_depth - self.offset) / self.factor
         return (scaled / ray**self.along if self.along else scaled) + self.end
-
-
-def _poses(stated: Stated, order: str, inverse: bool, axes: str, eyes_swapped: bool) -> tuple[Array, Array]:
-    from scipy.spatial.transform import Rotation
-
-    orientation, place = stated.orientation, stated.position
-    if order == "wxyz":
-        orientation = orientation[:, [1, 2, 3, 0]]
-    turn = Rotation.from_quat(orientation).as_matrix()
-    if inverse:
-        turn = turn.transpose(0, 2, 1)
-        place = -np.einsum("nij,nj->ni", turn, place)
-    eye = eye_axes(axes)
-    if not np.array_equal(eye, np.eye(3)):
-        turn = turn @ eye.T
-        if np.linalg.det(eye) < 0:  # which of the world's axes is turned around makes no difference
-            turn, place = _MIRROR @ turn, place @ _MIRROR
-    if eyes_swapped:
-        assert stated.other_eye is not None
-        turn, place = turn[stated.other_eye], place[stated.other_eye]
-    return turn, place
-
-
-def _moved(stated: Stated, turn: Array, place: Array, late_s: float) -> tuple[Array, Array]:
-    """Return the poses of `late_s` later, on smooth curves through them."""
-    from scipy.interpolate import CubicSpline
-    from scipy.spatial.transform import Rotation, RotationSpline
-
-    times = stated.seconds
-    assert times is not None
-    turned, placed = np.empty_like(turn), np.empty_like(place)
-    for track in stated.tracks:
-        later = times[track] + late_s
-        turned[track] = RotationSpline(times[track], Rotation.from_matrix(turn[track]))(later).as_matrix()
-        placed[track] = CubicSpline(times[track], place[track])(later)
-    return turned, placed

@@ -14,9 +14,8 @@ from ..client.effects import effects
 from ..geometry import Fov, Pose, View
 from ..image.warper import Warper
 from ..metrics import psnr
-from ..pipeline.feed_layers import velocity_of
-from .motion_frames import BACKWARD, METRES, MotionFrame, MotionFrames
-from .motion_places import Pair, grid, nearest_at
+from ..pipeline.feed_coding import velocity_of
+from .motion_verdict import BACKWARD, METRES, MotionFrame, MotionFrames, Pair, grid, nearest_at
 
 _SAME_NS = 1000  # a frame at most so far from the instant is its truth
 
@@ -44,7 +43,23 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
     """Yield the frame `at` intervals after each that has vectors, read as stated.
 
     The head's motion between two frames goes on evenly, unless the true frame says where it was.
-    What moves by itself goes on with the velocity that its vectors give it. Errors: as Warper.
+    What moves by itself goes on with the velocity that its vectors give it.
+
+    Parameters
+    ----------
+    frames : MotionFrames
+        As `read_motion` reads them.
+    at : float
+        1 is the next frame, 0.5 half way to it, -0.5 half way back.
+
+    Yields
+    ------
+    Synthesised
+
+    Raises
+    ------
+    MachineError
+        As Warper.
     """
     size = frames.frames[0].size
     carried = ",".join(effect.name for effect in effects if "velocity" in effect.needs)
@@ -57,8 +72,15 @@ def synthesise(frames: MotionFrames, at: float = 1.0) -> Iterator[Synthesised]:
             with np.errstate(divide="ignore"):
                 depth_m = 1 / inverse
             velocity = velocity_of(vectors_of(pair, frames), rendered, inverse)[..., :3].astype(np.float32)
-            eye = in_space_of(now, truth) if truth else on_its_way(pair, at)
-            shown = jittered(truth.view.at(eye), truth) if truth else now.view.at(eye)
+            if truth is None:  # the eye goes on as from the frame before to this one
+                here, then = now.view.pose, pair.then_view.pose
+                turned = Rotation.from_rotvec(at * (then.rotation.inv() * here.rotation).as_rotvec())
+                place = here.position_m + at * (here.position_m - then.position_m)
+                shown = now.view.at(Pose(place, (here.rotation * turned).as_quat()))
+            else:  # where it was, in the space of this frame
+                spaces = {True: truth.app_space_delta, False: now.app_space_delta.inverse()}
+                eye = truth.view.pose if truth is now else spaces[truth.time_ns > now.time_ns] @ truth.view.pose
+                shown = jittered(truth.view.at(eye), truth)
             arguments: dict[str, Any] = {"colour": now.colour, "depth_m": depth_m, "rendered": rendered, "shown": shown}
             made = moving.warp(**arguments, layers={"velocity": velocity}, age_s=(time_ns - now.time_ns) * 1e-9)
             found = Synthesised(f"{number:04}", time_ns, made.colour)
@@ -93,17 +115,3 @@ def vectors_of(pair: Pair, frames: MotionFrames) -> tuple[NDArray[Any], NDArray[
     pose, fov, seconds = before.pose, before.fov, (pair.now.time_ns - pair.before.time_ns) * 1e-9
     eye = (*pose.position_m, *pose.orientation_xyzw, 0, 0, 0, 0, 0, 0, 1, fov.left, fov.right, fov.down, fov.up)
     return vectors, np.array([[1, 1, 1, 0, 0, 0, *ends, seconds, *eye]], np.float64)
-
-
-def in_space_of(now: MotionFrame, other: MotionFrame) -> Pose:
-    """Return the pose of another frame's eye in the space of this one."""
-    if other.time_ns > now.time_ns:
-        return other.app_space_delta @ other.view.pose
-    return now.app_space_delta.inverse() @ other.view.pose if other is not now else now.view.pose
-
-
-def on_its_way(pair: Pair, at: float) -> Pose:
-    """Return where the eye is that goes on as from the frame before to this one."""
-    now, before = pair.now.view.pose, pair.then_view.pose
-    turned = Rotation.from_rotvec(at * (before.rotation.inv() * now.rotation).as_rotvec())
-    return Pose(now.position_m + at * (now.position_m - before.position_m), (now.rotation * turned).as_quat())

@@ -73,10 +73,7 @@ class Check:
 
 
 def examine() -> list[Finding]:
-    """Check everything; takes a second, and up to half a minute if a driver hangs.
-
-    The processes that query drivers run at the same time.
-    """
+    """Check everything, drivers side by side; takes up to half a minute if one hangs."""
     found: dict[str, Finding] = {}
     with ThreadPoolExecutor() as pool:
         questions = ("gl", "devices", "openxr", *(["window"] if _has_display() else []))
@@ -93,10 +90,7 @@ def examine() -> list[Finding]:
 
 
 def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Facts:
-    """Return the last words of the probe `question` (gl, devices, openxr, window).
-
-    `error` is set where it crashed, hung or printed nothing.
-    """
+    """Return the last words of a probe, with `error` where it crashed or hung."""
     # -P: a numpy.py in the user's folder must not be taken for the real one.
     command = [sys.executable, "-P", "-m", "hmdwarp.cli._checks", question]
     try:

@@ -28,10 +28,7 @@ _WIDEST = 110  # longer lines are hard to read
 
 
 def console(*, stderr: bool = False) -> Console:
-    """Return a rich console whose gone reader is an ordinary BrokenPipeError.
-
-    The command line knows how to leave by that.
-    """
+    """Return a rich console whose gone reader is a BrokenPipeError, by which we leave."""
     from rich.console import Console
 
     class Terminal(Console):
@@ -129,10 +126,7 @@ def run_experiment(
     said: Said,
     required: Requirements | None = None,
 ) -> None:
-    """Run an experiment with its progress, tell what was found, then raise what failed.
-
-    what: the steps of its progress. required: of its rows.
-    """
+    """Run an experiment in steps of `what`, tell what was found, raise what failed."""
     if required is not None:
         required.prepare(force=options[0].force)
     with steps(what, quiet=said["quiet"]) as (progress, _):

@@ -76,7 +76,7 @@ def warp(said: Said) -> None:
     from ..image.warper import warp_image
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view
-    from ..sources.sequences.camera import scale_of
+    from ..sources.sequences.frame_files import scale_of
     from ..sources.sequences.recorded import in_metres
 
     options = WarpOptions.of(said)

@@ -11,11 +11,11 @@ from collections.abc import Callable
 import attrs
 import moderngl
 
-from ..frames import EyeImage, Needs, Surface
+from ..frames import EyeImage, Needs
 from ..geometry import view_map
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, Canvas, allocate
-from .inputs import PassInputs
+from ..gpu.textures import COLOUR, Canvas, Owner, allocate, bind_images
+from .inputs import PassInputs, as_image
 from .warps import Warp
 
 PictureOf = Callable[[EyeImage], moderngl.Texture]
@@ -35,27 +35,14 @@ class Carry:
         picture_of: returns rgba16f with coverage in alpha, of the image's size; a peeled surface
         comes as an image of its own.
         """
-        self._warp.run(
-            attrs.evolve(
-                inputs,
-                rendered=_swapped(inputs.rendered, picture_of),
-                others=tuple(_swapped(o, picture_of) for o in inputs.others),
-                recent=(),
-            ),
-            into,
-        )
+        rendered, *others = (_swapped(image, picture_of) for image in (inputs.rendered, *inputs.others))
+        self._warp.run(attrs.evolve(inputs, rendered=rendered, others=tuple(others), recent=()), into)
 
 
 def _swapped(image: EyeImage, picture_of: PictureOf) -> EyeImage:
-    peeled = tuple(
-        attrs.evolve(surface, colour=picture_of(as_image(image, surface))) for surface in image.get("peeled", ())
-    )
+    surfaces = image.get("peeled", ())
+    peeled = tuple(attrs.evolve(surface, colour=picture_of(as_image(image, surface))) for surface in surfaces)
     return attrs.evolve(image, colour=picture_of(image)).having(peeled=peeled or None)
-
-
-def as_image(image: EyeImage, surface: Surface) -> EyeImage:
-    """Return a surface of a layer as an image of its own."""
-    return EyeImage(image.view, surface.colour, surface.inverse_depth, drawn_ns=image.drawn_ns)
 
 
 def images_read(needs: Needs) -> int:
@@ -72,7 +59,7 @@ def pictures_read(needs: Needs) -> int:
     return (1 + int(needs.get("peeled", 0))) * (1 + needs.others.count + int(needs.get("views", 0)))
 
 
-class ShownDepth:
+class ShownDepth(Owner):
     """The shown picture's inverse depth: that of each rendered pixel in the shown view.
 
     It is carried along with the colour, so it passes through a half float: 2^-11 of the depth. At
@@ -84,8 +71,9 @@ class ShownDepth:
     ) -> None:
         self._gpu, self._carry, self._size = gpu, carry, shown_size
         self._here, self._take = (gpu.shaders.compute("fills/shown_depth.comp", PASS=k) for k in range(2))
-        self._rendered = [allocate(gpu.gl, rendered_size, COLOUR) for _ in range(pictures if carry.works else 0)]
-        self._carried = Canvas(gpu.gl, shown_size)
+        count = pictures if carry.works else 0
+        self._rendered = [self.own(allocate(gpu.gl, rendered_size, COLOUR)) for _ in range(count)]
+        self._carried = self.own(Canvas(gpu.gl, shown_size))
 
     def run(self, inputs: PassInputs, into: moderngl.Texture) -> None:
         """Write r32f: -1 where the warp left a hole, and everywhere if it cannot carry."""
@@ -94,10 +82,8 @@ class ShownDepth:
 
             def seen_from_here(image: EyeImage) -> moderngl.Texture:
                 forward, here = view_map(image.view, image.size, inputs.shown, self._size), next(free)
-                image.inverse_depth.bind_to_image(0, read=True, write=False)
-                here.bind_to_image(1, read=False, write=True)
-                named = {"rendered_inverse_depth": 0, "here": 1, "rendered_size": image.size}
-                self._here.uniforms.set(**named, H=forward.H, e=forward.e)
+                units = bind_images({"rendered_inverse_depth": image.inverse_depth}, {"here": here})
+                self._here.uniforms.set(rendered_size=image.size, H=forward.H, e=forward.e, **units)
                 self._here.run(*image.size)
                 self._gpu.barrier()
                 return here
@@ -106,14 +92,7 @@ class ShownDepth:
         else:
             self._carried.clear()
         self._gpu.barrier()
-        self._carried.texture.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=False, write=True)
-        self._take.uniforms.set(carried=0, shown_inverse_depth=1, shown_size=self._size)
+        units = bind_images({"carried": self._carried}, {"shown_inverse_depth": into})
+        self._take.uniforms.set(shown_size=self._size, **units)
         self._take.run(*self._size)
         self._gpu.barrier()
-
-    def close(self) -> None:
-        """Free its textures."""
-        for texture in self._rendered:
-            texture.release()
-        self._carried.release()

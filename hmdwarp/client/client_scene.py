@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Hashable
 from typing import Any, ClassVar, TypeVar, cast
 
-import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from ..frames.layers import Inbox
 from ..frames.layers.scene_parts import Delivery
 from ..geometry import View
 from ..gpu.context import Gpu
-from ..gpu.textures import SCALAR, allocate, drawing_into
+from ..gpu.textures import SCALAR, Owner, allocate, drawing_into
 from ..scenes import (
     ArrivedState,
     Pieces,
@@ -48,7 +47,7 @@ from .inputs import ShownPicture
 Size = tuple[int, int]
 
 
-class Store:
+class Store(Owner):
     """Something that the client keeps for all passes that ask for the same: on the GPU, or not.
 
     A strategy declares one next to its warp, effect or fill. Each is made at first use, and closed
@@ -77,9 +76,6 @@ class Store:
         holds, named for them, and `geometry_bytes` is there.
         """
         return []
-
-    def close(self) -> None:
-        """Free its buffers; the shader library owns the programs."""
 
 
 StoreT = TypeVar("StoreT", bound=Store)
@@ -160,7 +156,7 @@ class ClientScene:
 Light = TypeVar("Light", bound=Lighting)
 
 
-class Surfaces:
+class Surfaces(Owner):
     """The surfaces of a scene, drawn by the server's own passes: rgba16f and r32f inverse depth.
 
     kinds: of light; there are passes for each. samples: of each pixel, as the server has them:
@@ -168,18 +164,18 @@ class Surfaces:
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, *kinds: type[Lighting], samples: int = 1) -> None:
-        self.scene = scene
-        self._several = Multisampled(gpu, samples) if samples > 1 else None
+        self.scene, self._gpu = scene, gpu
+        self._several = self.own(Multisampled(gpu, samples)) if samples > 1 else None
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-        self._textures = SceneTextures(gpu, scene)
-        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
-        self._moving = moving_parts(gpu, scene, self._textures)
-        self._passes = {
-            kind: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, light=kind) for kind in kinds
-        }
-        self._gpu = gpu
+        textures = self.own(SceneTextures(gpu, scene))
+        self._buffers = self.own(SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], textures))
+        self._moving = [self.own(part) for part in moving_parts(gpu, scene, textures)]
+        self._framebuffers = self.own(Framebuffers(gpu.gl))
+        self._passes = {kind: self._passes_of(colour=True, light=kind) for kind in kinds}
         self._depth: ScenePasses | None = None
-        self._framebuffers = Framebuffers(gpu.gl)
+
+    def _passes_of(self, **how: Any) -> ScenePasses:
+        return self.own(ScenePasses(self._gpu, self.scene, self._buffers, moving=self._moving, **how))
 
     def reserve(self, size: Size) -> None:
         """Allocate what pictures of that size need."""
@@ -200,26 +196,12 @@ class Surfaces:
         self._several.draw(self._passes[kind], view, into.colour.texture, time_ns)
         if into.inverse_depth is not None:
             if self._depth is None:
-                self._depth = ScenePasses(self._gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+                self._depth = self._passes_of(colour=False)
             self._depth.draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
 
     def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
         depth = (into.inverse_depth,) if into.inverse_depth is not None else ()
         return self._framebuffers.over(into.colour.texture, *depth)
-
-    def close(self) -> None:
-        """Free its buffers; the shader library owns the programs."""
-        for passes in self._passes.values():
-            passes.close()
-        if self._several is not None:
-            self._several.close()
-        if self._depth is not None:
-            self._depth.close()
-        self._framebuffers.close()
-        for part in self._moving:
-            part.close()
-        self._buffers.close()
-        self._textures.close()
 
 
 class ReducedModel(Store):
@@ -237,23 +219,19 @@ class ReducedModel(Store):
     def drawn(self, *, lit: bool) -> DrawnModel:
         """Return the model with baked light, else with light of 1 everywhere (albedo)."""
         if lit not in self._drawn:
-            self._drawn[lit] = DrawnModel(self.client, self._scene if lit else unlit(self._scene))
+            self._drawn[lit] = self.own(DrawnModel(self.client, self._scene if lit else unlit(self._scene)))
         return self._drawn[lit]
 
     def shining(self) -> DrawnModel | None:
         """Return the model with what its textures emit alone, black elsewhere; None without any."""
         if None not in self._drawn and (scene := only_emission(self._scene)) is not None:
-            self._drawn[None] = DrawnModel(self.client, scene)
+            self._drawn[None] = self.own(DrawnModel(self.client, scene))
         return self._drawn.get(None)
 
     def weights(self) -> list[dict[str, Any]]:
         """Count it once, with light and without: that differs by three numbers a vertex."""
         share, texture = self.wanted
         return [{"share": share, "texture": texture, **weight_of(self._scene)}]
-
-    def close(self) -> None:
-        for model in self._drawn.values():
-            model.close()
 
 
 class DrawnModel(Surfaces):
@@ -263,8 +241,8 @@ class DrawnModel(Surfaces):
         super().__init__(client.gpu, scene, ConvergedLight, samples=client.server.samples)
         gpu, self._gl = client.gpu, client.gpu.gl
         self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
-        self._empty = gpu.gl.vertex_array(self._cover.program, [])
-        self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)
+        self._empty = self.own(gpu.gl.vertex_array(self._cover.program, []))
+        self._no_depth = self.own(allocate(gpu.gl, (1, 1), SCALAR))
 
     def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
         """Draw into the holes of `picture`; elsewhere copy its colour and inverse depth.
@@ -282,11 +260,6 @@ class DrawnModel(Surfaces):
         self._passes[ConvergedLight].draw_into(view, framebuffer, None, time_ns)
         gl.polygon_offset = 0.0, 0.0
 
-    def close(self) -> None:
-        super().close()
-        self._empty.release()
-        self._no_depth.release()
-
 
 class WholeScene(Store):
     """A scene that is drawn with all that is in it: mirrors, glass, overlays.
@@ -299,9 +272,8 @@ class WholeScene(Store):
     def __init__(self, client: ClientScene, wanted: Any) -> None:
         super().__init__(client, wanted)
         self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
-        self._is_own = self.scene is not client.scene
-        server = client.server
-        self._renderer = server if not self._is_own else server_of(server, self.scene)
+        is_own = self.scene is not client.scene
+        self._renderer = self.own(server_of(client.server, self.scene)) if is_own else client.server
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the whole picture."""
@@ -310,10 +282,6 @@ class WholeScene(Store):
 
     def weights(self) -> list[dict[str, Any]]:
         return [whole_weight(self.scene, self.wanted.share, self.wanted.texture)]
-
-    def close(self) -> None:
-        if self._is_own:
-            self._renderer.close()
 
 
 def server_of(server: Renderer, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
@@ -350,17 +318,6 @@ def whole_weight(scene: Scene, share: float = 1.0, texture: float = 1.0) -> dict
     return {"share": share, "texture": texture, **weight_of(scene), **packed}
 
 
-def share_of(default: float) -> float:
-    """Return a setting that is more than 0 and at most 1."""
-
-    def check(_: object, field: attrs.Attribute[float], value: float) -> None:
-        if not 0 < value <= 1:
-            raise ValueError(f"{field.name} is {value:g}: expected more than 0 and at most 1")
-
-    made: float = attrs.field(default=default, validator=check)
-    return made
-
-
 @receiver_of("scene_update")
 class ArrivingScene(Store):
     """What has arrived so far of the scene that a Delivery describes.
@@ -376,10 +333,9 @@ class ArrivingScene(Store):
         pieces = pieces_of(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
         self._pieces, self._inbox = pieces, Inbox()
         blank, gpu = pieces.blank(), client.gpu
-        self._light: ArrivingLight | None = None
-        if pieces.light is not None:
-            self._light = ArrivingLight(gpu, blank, pieces.light, pieces.most_blockers)
-        self._renderer = server_of(client.server, blank, self._light, changes=True)
+        light = pieces.light
+        self._light = self.own(ArrivingLight(gpu, blank, light, pieces.most_blockers)) if light is not None else None
+        self._renderer = self.own(server_of(client.server, blank, self._light, changes=True))
         self._first = set(pieces.first)
         self._here: set[int] = set()  # the meshes that have come
         self._scale_of = dict.fromkeys((texture for texture, _ in pieces.levels), 0.0)
@@ -456,11 +412,6 @@ class ArrivingScene(Store):
             "unpack_worst_ms": self._worst_ms,
         }
         return [weight]
-
-    def close(self) -> None:
-        self._renderer.close()
-        if self._light is not None:
-            self._light.close()
 
 
 def _places(renderer: Server, blank: Scene, pieces: Pieces) -> dict[tuple[int, bool], tuple[SceneBuffers, int]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 
 import attrs
 import moderngl
@@ -10,7 +11,7 @@ import moderngl
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
 from ..gpu.hidden import Grid, SeenView, Strips
-from ..gpu.textures import SCALAR, Canvas, allocate
+from ..gpu.textures import SCALAR, Canvas, Owner, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
@@ -18,7 +19,7 @@ from .effects import RenderedPass, ShownPass, Tools
 from .effects._base import ExpandPass
 from .effects.text import HeldPanel, PanelsPass, held_panels
 from .inputs import PassInputs, ShownPicture
-from .lens import SeenPanel
+from .lens import LensPass, SeenPanel
 from .plan import SHOWN_DEPTH, Plan
 from .warps import Output
 
@@ -50,7 +51,7 @@ class EyeResult:
 
 
 @attrs.frozen(eq=False)
-class _Canvases:
+class _Pictures:
     """One eye's pictures after the warp, each fill, each effect and on the panel."""
 
     warped: ShownPicture | None
@@ -59,16 +60,8 @@ class _Canvases:
     effects: tuple[Canvas, ...]
     panel: Canvas
 
-    def depths(self) -> set[moderngl.Texture]:
-        pictures = (*self.filled, self.warped) if self.warped is not None else ()
-        return {picture.inverse_depth for picture in pictures if picture.inverse_depth is not None}
 
-    def canvases(self) -> set[Canvas]:
-        pictures = (*self.filled, self.warped) if self.warped is not None else ()
-        return {*(picture.colour for picture in pictures), *self.effects, self.panel}
-
-
-class Compensator:
+class Compensator(Owner):
     """The passes of one plan for one pair of sizes.
 
     Everything is compiled and allocated at the start; run() only sets uniforms and dispatches.
@@ -91,68 +84,69 @@ class Compensator:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._blackened: dict[int, tuple[Hidden, Fov]] = {}
         self._panels_seen: dict[int, SeenPanel] = {}
+        # What a pass writes is visible to the next pass, to copies and to read-backs.
+        self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
+        names = ("effects", "client_depth", "fill", "lens", "carry", self._depth_stage)
+        self._stages: dict[str, AbstractContextManager[object]] = {
+            name: gpu.timer.stage(name, barrier=True) for name in names
+        }
+        self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
+        self._geometry = geometry
+        sizes = rendered_size, shown_size
         with gpu.shaders.hidden.skipping(hides):
-            self._geometry = geometry
-            self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
-            lens = None
+            drawn = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
+            self._client_depth = self.own(drawn)
+            lens: LensPass | None = None
             if plan.lens.is_pass:
                 assert headset is not None, "a plan with a lens is for a headset"
-                lens = plan.lens(gpu, headset, shown_size)
-            self._lens, self._any_lens = None if plan.fused else lens, lens
-            output = Output(
-                lens if plan.fused else None,
-                plan.scanout,
-                plan.makes_shown_depth and not plan.warps_twice,
-                None if plan.expands else plan.foveated.get("foveated"),
-            )
-            self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
-            self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
-            pictures = pictures_read(plan.warp_needs)
-            carry = self._carry = Carry(self._warp)
-            self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
-            self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-            # What a pass writes is visible to the next pass, to copies and to read-backs.
-            names = ("effects", "client_depth", "fill", "lens", "carry", self._depth_stage)
-            self._stages = {name: gpu.timer.stage(name, barrier=True) for name in names} | {"warp": self._warp.stage()}
-            self._fills = [
-                fill.entry(
-                    gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill)
-                )
-                for fill in plan.fills
-            ]
-            tools = Tools(
-                carry, pictures, images_read(plan.needs), geometry, lens if plan.fused else None, plan.hands_panels_on
-            )
-            self._expand = (
-                ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
-            )
+                lens = self.own(plan.lens(gpu, headset, shown_size))
+            fused_lens = lens if plan.fused else None
+            self._lens = None if plan.fused else lens
+            # Whose lens leaves out a part of the panel.
+            self._hiding = headset if hides and lens is not None else None
+            makes_depth = plan.makes_shown_depth and not plan.warps_twice
+            foveated = None if plan.expands else plan.foveated.get("foveated")
+            output = Output(fused_lens, plan.scanout, makes_depth, foveated)
+            self._warp = self.own(plan.warp(gpu, *sizes, plan.choice.settings, output, geometry))
+            self._stages["warp"] = self._warp.stage()
+            pictures, self._carry = pictures_read(plan.warp_needs), Carry(self._warp)
+            self._depth = self.own(ShownDepth(gpu, self._carry, pictures, *sizes)) if plan.warps_twice else None
+            self._fills = []
+            for fill in plan.fills:
+                read = plan.reads_depth_after(fill)
+                self._fills.append(self.own(fill.entry(gpu, *sizes, fill.settings, geometry, depth_read=read)))
+            tools = Tools(self._carry, pictures, images_read(plan.needs), geometry, fused_lens, plan.hands_panels_on)
+            parts = frozenset(plan.foveated)
+            self._expand = self.own(ExpandPass(gpu, parts, *sizes, tools)) if plan.expands else None
             made = [
-                planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
+                self.own(planned.made_by(gpu, frozenset(effect.name for effect in planned.effects), *sizes, tools))
                 for planned in plan.effect_passes
             ]
             self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
             self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
-            self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
-            self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
-            # Whose lens leaves out a part of the panel.
-            self._hiding = headset if hides and lens is not None else None
+            self._eyes = [self._pictures_of_one_eye() for _ in range(2)]
 
-    def _canvases_of_one_eye(self) -> _Canvases:
-        gl, size = self.gpu.gl, self.shown_size
+    def _pictures_of_one_eye(self) -> _Pictures:
         if self.plan.fused:
-            return _Canvases(None, (), (), (), Canvas(gl, size))
+            return _Pictures(None, (), (), (), self._canvas())
         has_depth = self.plan.makes_shown_depth
-        last = warped = ShownPicture(Canvas(gl, size), allocate(gl, size, SCALAR) if has_depth else None)
+        last = warped = ShownPicture(self._canvas(), self._scalar() if has_depth else None)
         filled = []
         for fill in self._fills:
             own_depth = has_depth and SHOWN_DEPTH in fill.writes
-            depth = allocate(gl, size, SCALAR) if own_depth and fill.depth_read else None
-            last = ShownPicture(Canvas(gl, size), depth if own_depth else last.inverse_depth)
+            depth = self._scalar() if own_depth and fill.depth_read else None
+            last = ShownPicture(self._canvas(), depth if own_depth else last.inverse_depth)
             filled.append(last)
-        effects = tuple(Canvas(gl, size) for _ in self._shown)
+        effects = tuple(self._canvas() for _ in self._shown)
         shown = effects[-1] if effects else last.colour
         by_fill = tuple((fill.entry.name, each.colour) for fill, each in zip(self.plan.fills, filled, strict=True))
-        return _Canvases(warped, tuple(filled), by_fill, effects, Canvas(gl, size) if self._lens else shown)
+        return _Pictures(warped, tuple(filled), by_fill, effects, self._canvas() if self._lens else shown)
+
+    def _canvas(self) -> Canvas:
+        return self.own(Canvas(self.gpu.gl, self.shown_size))
+
+    def _scalar(self) -> moderngl.Texture:
+        return self.own(allocate(self.gpu.gl, self.shown_size, SCALAR))
 
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
@@ -200,16 +194,18 @@ class Compensator:
 
     def _prepared(self, inputs: PassInputs) -> PassInputs:
         """Return the inputs with the rendered picture whole, and without what panels take out."""
-        inputs = inputs if self.plan.scanout else inputs.at_once()
+        if inputs.shown_last is not None and not self.plan.scanout:
+            inputs = inputs.at_once()
         if self._expand is not None:
             with self._stages["effects"]:
                 inputs = self._expand.run(inputs)
-        for taker in self._takers:
-            with self._stages["effects"]:
-                inputs = taker.take_out(inputs)
+        for shown in self._shown:
+            if shown.takes_out:
+                with self._stages["effects"]:
+                    inputs = shown.take_out(inputs)
         return inputs
 
-    def _hide(self, view: View, eye: int, made: _Canvases) -> None:
+    def _hide(self, view: View, eye: int, made: _Pictures) -> None:
         """Blacken what the lens hides in the warped picture, and once in those that follow.
 
         Later passes leave it as it is, or copy it; a gather only writes up to its outline.
@@ -218,14 +214,13 @@ class Compensator:
             self._hide_panel(made.panel)
             return
         self.gpu.barrier()
+        hide = self.gpu.shaders.hidden.hide
         of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
         if self._blackened.get(eye) != (view.hidden, view.fov):
             self._blackened[eye], of = (view.hidden, view.fov), "hidden"
-            for picture in made.filled:
-                self.gpu.shaders.hidden.hide(view, picture.colour, picture.inverse_depth)
-            for canvas in made.effects:
-                self.gpu.shaders.hidden.hide(view, canvas, None)
-        self.gpu.shaders.hidden.hide(view, made.warped.colour, made.warped.inverse_depth, of)
+            for picture in (*made.filled, *map(ShownPicture, made.effects)):
+                hide(view, picture.colour, picture.inverse_depth)
+        hide(view, made.warped.colour, made.warped.inverse_depth, of)
 
     def _set_views(self, inputs: PassInputs) -> None:
         """Let the hidden areas of these views count for the passes that follow."""
@@ -246,7 +241,7 @@ class Compensator:
             self.gpu.shaders.hidden.hide(seen, panel, None, "edge")
 
     def _finish(
-        self, inputs: PassInputs, made: _Canvases, warped: ShownPicture, panels: tuple[HeldPanel, ...]
+        self, inputs: PassInputs, made: _Pictures, warped: ShownPicture, panels: tuple[HeldPanel, ...]
     ) -> EyeResult:
         """Run everything after the warp."""
         if self._depth is not None and warped.inverse_depth is not None:
@@ -282,18 +277,3 @@ class Compensator:
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Ignore the stage times: a single plan has nothing to decide."""
-
-    def close(self) -> None:
-        """Free every texture and buffer of the plan."""
-        if self._expand is not None:
-            self._expand.close()
-        for owner in (self._any_lens, self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
-            if owner is not None:
-                owner.close()
-        for made in self._eyes:
-            for canvas in made.canvases():
-                canvas.release()
-            for depth in made.depths():
-                depth.release()
-        if self._client_depth is not None:
-            self._client_depth.release()

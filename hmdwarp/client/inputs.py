@@ -8,7 +8,7 @@ from functools import cached_property
 import attrs
 import moderngl
 
-from ..frames import EyeImage, Frame, Others
+from ..frames import EyeImage, Frame, Others, Surface
 from ..geometry import View
 from ..gpu.textures import Canvas
 
@@ -66,6 +66,11 @@ class PassInputs:
     def at_once(self) -> PassInputs:
         """Return the inputs for passes that cannot follow the scan-out: all rows at its middle."""
         return self if self.shown_last is None else attrs.evolve(self, shown=self.middle, shown_last=None)
+
+
+def as_image(image: EyeImage, surface: Surface) -> EyeImage:
+    """Return a surface of a layer as an image of its own."""
+    return EyeImage(image.view, surface.colour, surface.inverse_depth, drawn_ns=image.drawn_ns)
 
 
 @attrs.frozen(eq=False)

@@ -234,20 +234,25 @@ def build_plan(
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
     read = {*choice.entry.reads_for(choice.settings), *(name for each in chain for name in each.entry.reads)}
-    passes = _effect_passes(declared, choice.entry, read, fused, named, forbidden, draft)
-    rendered, shown = (
-        [planned for planned in passes if issubclass(planned.made_by, RenderedPass) is before]
-        for before in (True, False)
-    )
+    why_not = {each.name: _why_not(each, declared, choice.entry, read, fused, named, forbidden) for each in effects}
+    draft.left_out += [(name, why) for name, why in why_not.items() if why]
+    chosen = [effect for effect in effects if not why_not[effect.name]]
+    passes = [
+        PlannedEffect(made_by, tuple(effect for effect in chosen if effect.made_by is made_by))
+        for made_by in dict.fromkeys(effect.made_by for effect in sorted(chosen, key=lambda one: one.order))
+    ]
+    rendered = [planned for planned in passes if issubclass(planned.made_by, RenderedPass)]
     # Those whose work the display does.
-    handed = [planned for planned in shown if takes_panels and planned.is_for_display]
+    handed = [each for each in passes if each not in rendered and takes_panels and each.is_for_display]
     for effect in (effect for planned in handed for effect in planned.effects):
         draft.leave_out(effect.name, f"{takes_panels} composes them by itself, at its newest pose")
-    shown = [planned for planned in shown if planned not in handed]
+    shown = [planned for planned in passes if planned not in (*rendered, *handed)]
     _refuse_colour_in_light(passes, chain)
-    _plan_taken_out(shown, forced, draft)
-    for planned in rendered:
-        draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
+    for each in (each for each in shown if issubclass(each.made_by, ShownPass) and each.made_by.takes_out):
+        own = tuple(name for name in each.reads if name.startswith("client."))
+        draft.add("effects", f"{each.made_by.name} out", _why(each, forced), (*PICTURE, *own), PICTURE)
+    for each in rendered:
+        draft.add("effects", each.made_by.name, _why(each, forced), each.reads, each.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
     # Which passes, or which display, read the shown depth.
@@ -272,28 +277,26 @@ def build_plan(
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
         draft.add("lens", f"lens {chosen_lens.name}", f"chosen: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
-    elif distorts:
-        draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
-        draft.leave_out("lens", f"lens 'none': {chosen_lens.summary}")
+        untouched = f"{distorts} corrects the lens by itself" if distorts else f"lens 'none': {chosen_lens.summary}"
+        draft.leave_out("lens", untouched)
     foveated = _plan_foveated(fovea, choice, samples_grid=not passes, draft=draft)
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
-    compensated = effects.ordered(effect.name for planned in passes for effect in planned.effects)
     return Plan(
-        compensated,
-        choice,
-        chain,
-        chosen_lens,
-        fused,
-        follows,
-        (*rendered, *shown),
-        tuple(draft.steps),
-        tuple(draft.left_out),
-        bool(takes_depth),
-        bool(takes_panels) and any(effect.for_display for planned in passes for effect in planned.effects),
-        tuple(handed),
-        lit_by(indirect),
-        foveated,
+        effects=effects.ordered(effect.name for effect in chosen),
+        choice=choice,
+        fills=chain,
+        lens=chosen_lens,
+        fused=fused,
+        scanout=follows,
+        effect_passes=(*rendered, *shown),
+        steps=tuple(draft.steps),
+        left_out=tuple(draft.left_out),
+        hands_depth_on=bool(takes_depth),
+        hands_panels_on=bool(takes_panels) and any(effect.for_display for effect in chosen),
+        handed_on=tuple(handed),
+        lit=lit_by(indirect),
+        foveated=foveated,
     )
 
 
@@ -311,27 +314,6 @@ class _Draft:
         self.left_out.append((name, reason))
 
 
-def _effect_passes(
-    declared: Collection[str],
-    warp: type[Warp],
-    read: Collection[str],
-    fused: bool,
-    named: Collection[str],
-    forbidden: Collection[str],
-    draft: _Draft,
-) -> list[PlannedEffect]:
-    """Return the passes for the declared effects; leave out what this warp cannot do."""
-    chosen: list[Effect] = []
-    for effect in effects:
-        why_not = _why_not(effect, declared, warp, read, fused, named, forbidden)
-        if why_not:
-            draft.leave_out(effect.name, why_not)
-        else:
-            chosen.append(effect)
-    made_by = dict.fromkeys(effect.made_by for effect in sorted(chosen, key=lambda one: one.order))
-    return [PlannedEffect(each, tuple(effect for effect in chosen if effect.made_by is each)) for each in made_by]
-
-
 def _why_not(
     effect: Effect,
     declared: Collection[str],
@@ -341,30 +323,64 @@ def _why_not(
     named: Collection[str],
     forbidden: Collection[str],
 ) -> str:
-    if effect.name in forbidden:
-        return f"the scene calls for it, but it was forbidden: {effect.without}"
-    if effect.name not in declared:  # the only place that tests for an effect
-        unasked = effect.by_name_only and effect.name not in named
-        return f"only on request: --effects {effect.name}" if unasked else "nothing in the scene calls for it"
-    for name in effects.ordered(declared):
-        if effect.name in effects.get(name).instead_of:
-            return f"{name} stands in for it"
-    if effect.refines and effect.refines not in declared:
-        return f"it refines {effect.refines}, which is left out: {effect.without}"
-    if fused and not (effect.fuses or issubclass(effect.made_by, RenderedPass)):
-        return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
-    return _why_not_beside(warp, read, effect, named)
+    """Return the first reason for which an effect is not compensated, "" for none."""
+    name, made_by = effect.name, effect.made_by
+    is_asked, is_before = name in named, issubclass(made_by, RenderedPass)
+    instead = next((other for other in effects.ordered(declared) if name in effects.get(other).instead_of), "")
+    is_unread = is_before and not {*made_by.writes} & {*read}
+    through_lens = "the warp looks through the lens itself, so nothing can be composited between"
+    not_by_name = f"warp '{warp.name}' compensates nothing unless requested by name: {effect.without}"
+    reasons = (
+        (name in forbidden, f"the scene calls for it, but it was forbidden: {effect.without}"),
+        (name not in declared and effect.by_name_only and not is_asked, f"only on request: --effects {name}"),
+        (name not in declared, "nothing in the scene calls for it"),  # the only place that tests for an effect
+        (instead, f"{instead} stands in for it"),
+        (
+            effect.refines and effect.refines not in declared,
+            f"it refines {effect.refines}, which is left out: {effect.without}",
+        ),
+        (fused and not (effect.fuses or is_before), f"{through_lens}: {effect.without}"),
+        (warp.kind == "draw", f"warp '{warp.name}' {warp.without_effects}"),
+        (warp.imposter and not is_asked, not_by_name),
+        (made_by.carries and not warp.carries, f"warp '{warp.name}' carries nothing along: {effect.without}"),
+        (is_unread, f"nothing reads the picture that it would change: {effect.without}"),
+    )
+    return next((why for holds, why in reasons if holds), "")
 
 
-def _why_not_beside(warp: type[Warp], read: Collection[str], effect: Effect, named: Collection[str]) -> str:
-    if warp.kind == "draw":
-        return f"warp '{warp.name}' {warp.without_effects}"
-    if warp.imposter and effect.name not in named:
-        return f"warp '{warp.name}' compensates nothing unless requested by name: {effect.without}"
-    if effect.made_by.carries and not warp.carries:
-        return f"warp '{warp.name}' carries nothing along: {effect.without}"
-    unread = issubclass(effect.made_by, RenderedPass) and not {*effect.made_by.writes} & {*read}
-    return f"nothing reads the picture that it would change: {effect.without}" if unread else ""
+def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
+    if is_brought:
+        draft.leave_out("client_depth", "it comes with the pictures")
+    elif CLIENT_DEPTH not in warp.reads:
+        draft.leave_out("client_depth", f"warp '{warp.name}' does not read it")
+    elif client_geometry:
+        reason = f"warp '{warp.name}' reads the client's own depth"
+        draft.add("client_depth", "client_depth", reason, (), (CLIENT_DEPTH,))
+    else:
+        draft.leave_out("client_depth", "the client has no geometry to draw it from")
+
+
+def _plan_shown(
+    shown: Sequence[PlannedEffect], forced: Collection[str], fused: bool, takes_panels: str, draft: _Draft
+) -> None:
+    """Add the passes after the fills; after a fused warp they work on the display's picture."""
+    for planned in shown:
+        made_by, reason = planned.made_by, _why(planned, forced)
+        if takes_panels and any(effect.for_display for effect in planned.effects):
+            reason += f"; {takes_panels} composes those that nothing hides"
+        reads, writes = (
+            tuple(PANEL if fused and name == SHOWN else name for name in names)
+            for names in (planned.reads, made_by.writes)
+        )
+        draft.add("effects", made_by.name, reason, reads, writes)
+
+
+def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
+    known = {*brings, *((CLIENT_MODEL, CLIENT_SOFT_BODIES) if client_geometry else ())}
+    for step in steps:
+        if missing := [name for name in step.reads if name not in known]:
+            raise PlanError(f"{step.name} needs {' and '.join(dict.fromkeys(map(_described, missing)))}")
+        known.update(step.writes)
 
 
 def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
@@ -400,14 +416,8 @@ def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: b
     writes = tuple(EXPANDED[name] for name in found)
     (warp,) = (number for number, step in enumerate(draft.steps) if step.stage == "warp")
     readers = [step for step in draft.steps if {*writes} & {*step.reads}]
-    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear"
-    if (
-        samples_grid
-        and plain
-        and choice.entry.samples_grid
-        and readers == [draft.steps[warp]]
-        and found == ["foveated"]
-    ):
+    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear" and choice.entry.samples_grid
+    if samples_grid and plain and readers == [draft.steps[warp]] and found == ["foveated"]:
         reads = tuple(readable("foveated") if name in writes else name for name in readers[0].reads)
         told = f"{readers[0].reason}; samples frames that come coarser away from where the eye looks ({fovea})"
         draft.steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
@@ -427,41 +437,6 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
         if not names
         else f"forced, though the scene has nothing of {' and '.join(names)}: {what}"
     )
-
-
-def _plan_shown(
-    shown: Sequence[PlannedEffect], forced: Collection[str], fused: bool, takes_panels: str, draft: _Draft
-) -> None:
-    """Add the passes after the fills; after a fused warp they work on the display's picture."""
-    for planned in shown:
-        made_by, reason = planned.made_by, _why(planned, forced)
-        if takes_panels and any(effect.for_display for effect in planned.effects):
-            reason += f"; {takes_panels} composes those that nothing hides"
-        reads, writes = (
-            tuple(PANEL if fused and name == SHOWN else name for name in names)
-            for names in (planned.reads, made_by.writes)
-        )
-        draft.add("effects", made_by.name, reason, reads, writes)
-
-
-def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], draft: _Draft) -> None:
-    """Add what passes after the fills take out of the rendered pictures first."""
-    for planned in shown:
-        if issubclass(planned.made_by, ShownPass) and planned.made_by.takes_out:
-            own = tuple(name for name in planned.reads if name.startswith("client."))
-            draft.add("effects", f"{planned.made_by.name} out", _why(planned, forced), (*PICTURE, *own), PICTURE)
-
-
-def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
-    if is_brought:
-        draft.leave_out("client_depth", "it comes with the pictures")
-    elif CLIENT_DEPTH not in warp.reads:
-        draft.leave_out("client_depth", f"warp '{warp.name}' does not read it")
-    elif client_geometry:
-        reason = f"warp '{warp.name}' reads the client's own depth"
-        draft.add("client_depth", "client_depth", reason, (), (CLIENT_DEPTH,))
-    else:
-        draft.leave_out("client_depth", "the client has no geometry to draw it from")
 
 
 def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, depth_for: str, draft: _Draft) -> None:
@@ -503,12 +478,3 @@ def _described(name: str) -> str:
         if layer.readable() == name:
             return f"layer '{layer.name}' from the server ({layer.summary})"
     return f"{name}, which no pass before it writes"
-
-
-def _refuse_unwritten(steps: list[Step], brings: tuple[str, ...], client_geometry: bool) -> None:
-    known = {*brings, *((CLIENT_MODEL, CLIENT_SOFT_BODIES) if client_geometry else ())}
-    for step in steps:
-        missing = [name for name in step.reads if name not in known]
-        if missing:
-            raise PlanError(f"{step.name} needs {' and '.join(dict.fromkeys(map(_described, missing)))}")
-        known.update(step.writes)

@@ -29,9 +29,8 @@ from ..gpu.shaders import Uniforms
 from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
 from ..scenes import ATLAS, Background, Light, Scene, lamps_at
 from ..sources.server import Lighting
-from ..sources.server.parts import Drawing, parts
+from ..sources.server.parts import Drawing, Sender, Sending, parts
 from ..sources.server.passes import Viewport
-from ..sources.server.sending import Sender, Sending
 from .radiosity import (
     OFF_M,
     Transport,

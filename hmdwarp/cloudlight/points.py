@@ -26,16 +26,18 @@ from ..geometry import View
 from ..gpu.egl import clear_buffer
 from ..gpu.textures import Canvas, download, flip_rows, release_all
 from ..scenes import Mesh, Scene, Texture, lamps_at, morton
-from ..sources.server.parts import DrawContext, Drawing, parts
-from ..sources.server.sending import (
+from ..sources.server.parts import (
     FIRST_ROUND_TRIP_NS,
     NEAREST_M,
+    DrawContext,
+    Drawing,
     Head,
     Sender,
     Sending,
     boxes_at,
     distances,
     may_be_seen,
+    parts,
 )
 from .photons import octahedral
 from .radiosity import OFF_M, direct_light, of_atlas, transport_of

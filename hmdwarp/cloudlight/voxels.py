@@ -26,9 +26,8 @@ from ..gpu.textures import COLOUR, allocate, drawing_into, release_all
 from ..scenes import IndirectLight, Mesh, Scene, lights, lit_meshes, moved_meshes
 from ..sources.server import Lighting, SceneBuffers, ScenePasses
 from ..sources.server.parts import DrawContext, Drawing, Part, parts
-from ..sources.server.passes import Viewport
+from ..sources.server.passes import Moving, Viewport
 from ..sources.server.targets import MOST_SETTINGS, LastUsed
-from ..sources.server.upload import Moving
 from .radiosity import mean_colour
 
 Array = NDArray[np.float64]

@@ -1,10 +1,8 @@
 from ._base import Closed as Closed
 from ._base import Display as Display
 from ._base import DisplayOptions as DisplayOptions
-from ._base import EyePicture as EyePicture
 from ._base import Label as Label
 from ._base import Lost as Lost
-from ._base import Picture as Picture
 from ._base import TextPanel as TextPanel
 from ._base import Tick as Tick
 from .controls import CONTROLS as CONTROLS

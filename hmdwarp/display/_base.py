@@ -11,32 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MachineError
-from ..geometry import Eyes, View
+from ..geometry import Eyes
 from ..gpu.context import Gpu
-from ..gpu.textures import Canvas
 from ..headsets import Headset
 from ..options import option_of
 from ..pipeline.options import PipelineOptions
 from ..poses import PoseSource, PoseTrack
-from ..scenes import Panel
 from .controls import CONTROLS, Command, Control, Status
 
 if TYPE_CHECKING:
-    import moderngl
+    from ..pipeline.loop import Refresh
 
 
 class Closed(Exception):
-    """The user has finished: the window was closed, or the runtime ended the session.
-
-    args: the reason, in words.
-    """
+    """The user has finished: the window or the session was closed. args: the reason, in words."""
 
 
 class Lost(MachineError):
-    """The display went away during a run and may come back: `Display.reopen`.
-
-    The message says what happened.
-    """
+    """The display went away during a run and may come back: `Display.reopen`."""
 
 
 class TextPanel(Hashable, Protocol):
@@ -64,44 +56,6 @@ class TextPanel(Hashable, Protocol):
 
 
 Label = str | TextPanel  # shown over a picture; "" for nothing
-
-
-class ShownPanel(Protocol):
-    """A panel with the picture that it shows: premultiplied linear light, rgba16f."""
-
-    @property
-    def panel(self) -> Panel: ...
-
-    @property
-    def texture(self) -> moderngl.Texture: ...
-
-
-class EyePicture(Protocol):
-    """The finished picture of one eye."""
-
-    @property
-    def view(self) -> View:
-        """The view it was rendered to."""
-
-    @property
-    def panel(self) -> Canvas:
-        """Linear light after the lens, or before it for a display that corrects the lens itself."""
-
-    @property
-    def inverse_depth(self) -> moderngl.Texture | None:
-        """Inverse depth in 1/m, r32f, -1 where unknown; None unless the display takes depth."""
-
-    @property
-    def panels(self) -> Sequence[ShownPanel]:
-        """Those that the display composes, the farthest first; () unless it takes panels."""
-
-
-class Picture(Protocol):
-    """The finished pictures of one refresh, as `pipeline.loop.Refresh` has them."""
-
-    @property
-    def eyes(self) -> Sequence[EyePicture]:
-        """One for each view of Display.eyes, from the left."""
 
 
 @attrs.frozen
@@ -148,17 +102,12 @@ class Display(Protocol):
     All times are on the display's own clock, `now_ns`, which its pose source shares.
     """
 
-    @property
-    def name(self) -> str:
-        """Name of the source: openxr, desktop or offscreen."""
-
-    @property
-    def about(self) -> dict[str, str]:
-        """Its description by name, for headers and summaries (runtime, headset, ..)."""
-
-    @property
-    def gpu(self) -> Gpu:
-        """The context that it presents from; the display owns it."""
+    name: str  # of the source: openxr, desktop or offscreen
+    about: dict[str, str]  # its description by name, for headers and summaries (runtime, headset, ..)
+    gpu: Gpu  # the context that it presents from; the display owns it
+    distorts: str  # what corrects the lens instead of the plan, by name as in build_plan; "" for nothing
+    takes_depth: str  # what reads the picture's depth, likewise
+    takes_panels: str  # what composes panels itself, likewise
 
     @property
     def eyes(self) -> Eyes:
@@ -180,18 +129,6 @@ class Display(Protocol):
     def headset(self) -> Headset | None:
         """The headset whose lens the plan corrects; None where the runtime corrects it."""
 
-    @property
-    def distorts(self) -> str:
-        """What corrects the lens instead of the plan, by name as in build_plan; "" for nothing."""
-
-    @property
-    def takes_depth(self) -> str:
-        """What reads the picture's depth, by name as in build_plan; "" for nothing."""
-
-    @property
-    def takes_panels(self) -> str:
-        """What composes panels itself, by name as in build_plan; "" for nothing."""
-
     def now_ns(self) -> int:
         """Return the current time."""
 
@@ -203,7 +140,7 @@ class Display(Protocol):
         Errors: Closed; Lost.
         """
 
-    def show(self, refresh: Picture | None, label: Label = "") -> int:
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
         """Submit the picture of the tick that wait() returned; None for an empty one.
 
         label: text or a text panel over it. Return the time of submission.
@@ -211,16 +148,10 @@ class Display(Protocol):
         """
 
     def set_view(self, view: str) -> None:
-        """Switch to another view, see DisplayOptions.view.
-
-        Eyes, size and headset may change. A headset has only one view.
-        """
+        """Switch to another DisplayOptions.view: eyes, size and headset may change."""
 
     def restart(self) -> None:
-        """Prepare for something new to be looked at.
-
-        A recorded head begins anew; a window's mouse turns the head from now on, without a click.
-        """
+        """Let a recorded head begin anew, or a window's mouse turn the head without a click."""
 
     def commands(self) -> Sequence[Command]:
         """Return the user's requests since the last call."""
@@ -229,10 +160,7 @@ class Display(Protocol):
         """Show the status in the window's title and the control panel."""
 
     def reopen(self) -> bool:
-        """Reconnect after Lost; return whether the display is back. The gpu stays the same.
-
-        Errors: Closed.
-        """
+        """Reconnect after Lost; return whether it is back, with the same gpu. Errors: Closed."""
 
     def close(self) -> None:
         """Release everything, the gpu last, in any state. Safe to call twice."""

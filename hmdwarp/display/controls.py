@@ -82,15 +82,11 @@ def and_mouse(control: Control) -> str:
 
 
 def control(name: str) -> Control:
-    """Return the control of that name."""
     return next(control for control in CONTROLS if control.name == name)
 
 
 def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
-    """Return whether an open help must be closed now.
-
-    has_text_panel: whether a text panel is shown.
-    """
+    """Return whether an open help must be closed now, by whether a text panel is shown."""
     return not has_text_panel and any(control.name == "help" and control.needs_text_panel for control in controls)
 
 
@@ -136,7 +132,6 @@ class Status:
         return 1e3 / fmean(last) if last and fmean(last) > 0 else 0.0
 
     def title(self) -> str:
-        """Return one line for the window's title."""
         notice = f" - {self.notice}" if self.notice else ""
         if self.heading:
             return f"hmdwarp - {self.heading}{notice}"

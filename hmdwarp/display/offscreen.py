@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import moderngl
 
@@ -16,9 +17,12 @@ from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.track import LoopedSource
-from . import Command, DisplayOptions, Label, Picture, Status, Tick
+from . import Command, DisplayOptions, Label, Status, Tick
 from .desktop.window_system import SwitchableView
 from .present import Presenter
+
+if TYPE_CHECKING:
+    from ..pipeline.loop import Refresh
 
 AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 
@@ -46,34 +50,28 @@ class OffscreenDisplay(SwitchableView):
         self._owns, self.gpu = gpu is None, gpu if gpu is not None else Gpu()
         self._presenter = Presenter(self.gpu)
         self._target: moderngl.Framebuffer | None = None
-        self._texture: moderngl.Texture | None = None
         self._closed = False
         self.about = {"display": "offscreen", **options.about_trace(), "renderer": self.gpu.renderer}
 
     def now_ns(self) -> int:
-        """Return the time in nanoseconds."""
         return time.monotonic_ns() if self._real_time else self._at_ns
 
     def restart(self) -> None:
-        """Restart the recording."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Advance the time by one refresh: at once, or in real time when the next one begins."""
         self._at_ns += self._period_ns
         missed = max(0, (self.now_ns() - self._at_ns) // self._period_ns)
         self._at_ns += missed * self._period_ns
         time.sleep(max(0, self._at_ns - self.now_ns()) * 1e-9)
         return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns, missed=missed)
 
-    def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Draw the contents of a window into a framebuffer."""
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
         w, h = refresh.eyes[0].panel.size if refresh is not None else self.size
         count = self._view.count
         if self._target is None or self._target.size != (w * count, h):
             self._free_target()
-            self._texture = self.gpu.gl.texture((w * count, h), 4)
-            self._target = self.gpu.gl.framebuffer([self._texture])
+            self._target = self.gpu.gl.framebuffer([self.gpu.gl.texture((w * count, h), 4)])
         into, notice = self._target, self._presenter.notice(label)
         for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None
@@ -81,24 +79,20 @@ class OffscreenDisplay(SwitchableView):
         return self.now_ns()
 
     def _free_target(self) -> None:
-        for made in (self._target, self._texture):
-            if made is not None:
-                made.release()
-        self._target = self._texture = None
+        for made in () if self._target is None else (self._target, *self._target.color_attachments):
+            made.release()
+        self._target = None
 
     def commands(self) -> Sequence[Command]:
-        """Return nothing: it has no user."""
         return ()
 
     def show_status(self, status: Status) -> None:
         """Do nothing: it has no user."""
 
     def reopen(self) -> bool:
-        """Return False: it is never lost."""
         return False
 
     def close(self) -> None:
-        """Release everything."""
         if not self._closed:
             self._closed = True
             self._presenter.close()

@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections import OrderedDict
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import moderngl
@@ -15,22 +15,17 @@ from numpy.typing import NDArray
 
 from ..geometry import View
 from ..gpu.context import Gpu
-from ..gpu.shaders import Draw
+from ..gpu.shaders import Uniforms
 from ..gpu.textures import Canvas, allocate, upload
 from ._base import Label
 
-if TYPE_CHECKING:
-    from PIL.ImageFont import FreeTypeFont, ImageFont
-
 FRAMEBUFFER_SRGB = 0x8DB9
 Viewport = tuple[int, int, int, int]  # x, y, width, height in pixels, origin bottom left
+_Whole = tuple[Uniforms, moderngl.VertexArray]  # draws the whole viewport
 
 
 class Presenter:
-    """Draw finished pictures into framebuffers, one presenter for each Gpu.
-
-    Leaves all GL flags off, as passes expect.
-    """
+    """Draw finished pictures into framebuffers, one for each Gpu; leaves all GL flags off."""
 
     def __init__(self, gpu: Gpu) -> None:
         gl = self._gl = gpu.gl
@@ -39,14 +34,17 @@ class Presenter:
         self._nothing = Canvas(gl, (1, 1))
         self._nothing.clear()
         self._pictures: dict[tuple[bool, bool, bool], _Whole] = {}
-        self._depth = _Whole(gl, gpu.shaders.draw("display/whole.vert", "display/depth.frag"))
+        self._depth = self._whole("display/depth.frag")
+
+    def _whole(self, fragment: str, **defines: int) -> _Whole:
+        draw = self._shaders.draw("display/whole.vert", fragment, **defines)
+        return draw.uniforms, self._gl.vertex_array(draw.program, [])
 
     def prepare(self, *, hardware_srgb: bool) -> None:
         """Compile what show() uses; otherwise its first call does."""
         for scaled, noticed in product((False, True), repeat=2):
             defines = {"ENCODES": int(not hardware_srgb), "SCALED": int(scaled), "NOTICED": int(noticed)}
-            draw = self._shaders.draw("display/whole.vert", "display/picture.frag", **defines)
-            self._pictures[hardware_srgb, scaled, noticed] = _Whole(self._gl, draw)
+            self._pictures[hardware_srgb, scaled, noticed] = self._whole("display/picture.frag", **defines)
 
     def notice(self, label: Label) -> Notice | None:
         """Return the notice that show() can lay over the picture; None for "". Cached."""
@@ -74,15 +72,15 @@ class Presenter:
         key = (hardware_srgb, picture.size != size, notice is not None)
         if key not in self._pictures:
             self.prepare(hardware_srgb=hardware_srgb)
-        whole = self._pictures[key]
+        uniforms, array = self._pictures[key]
         picture.texture.use(0)
-        whole.uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))
+        uniforms.set(picture=0, picture_size=picture.size, place=tuple(viewport))
         if notice is not None:
             notice.ink.use(1)
-            whole.uniforms.set(ink=1, uv_from_pixel=notice.uv_from_pixel(size, eye))
+            uniforms.set(ink=1, uv_from_pixel=notice.uv_from_pixel(size, eye))
         # Off for a window too, which may be sRGB without a request for it.
         (self._gl.enable_direct if hardware_srgb else self._gl.disable_direct)(FRAMEBUFFER_SRGB)
-        self._draw(whole, into, viewport, moderngl.NOTHING)
+        self._draw(array, into, viewport, moderngl.NOTHING)
         self._gl.disable_direct(FRAMEBUFFER_SRGB)
 
     def depth(self, inverse_depth: moderngl.Texture, into: moderngl.Framebuffer, near_m: float) -> None:
@@ -92,45 +90,34 @@ class Presenter:
         far. A picture of another size is sampled pixel by pixel: depths must not be mixed. Colours
         stay.
         """
-        w, h = into.size
+        (w, h), (uniforms, array) = into.size, self._depth
         inverse_depth.use(0)
         ratio = (inverse_depth.width / w, inverse_depth.height / h)
-        self._depth.uniforms.set(inverse_depth=0, texel_from_pixel=ratio, near_m=near_m)
+        uniforms.set(inverse_depth=0, texel_from_pixel=ratio, near_m=near_m)
         colours, self._gl.depth_func = into.color_mask, "1"
         into.color_mask = _nothing_like(colours)
-        self._draw(self._depth, into, (0, 0, w, h), moderngl.DEPTH_TEST)
+        self._draw(array, into, (0, 0, w, h), moderngl.DEPTH_TEST)
         into.color_mask, self._gl.depth_func = colours, "<"
 
-    def _draw(self, whole: _Whole, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
+    def _draw(self, array: moderngl.VertexArray, into: moderngl.Framebuffer, viewport: Viewport, flags: int) -> None:
         """Draw without moderngl.Scope: it keeps framebuffers, and a runtime has ever new ones."""
         before, into.viewport = into.viewport, viewport
         into.use()
         self._gl.enable_only(flags)
-        whole.array.render(moderngl.TRIANGLES, vertices=3)
+        array.render(moderngl.TRIANGLES, vertices=3)
         self._gl.enable_only(moderngl.NOTHING)
         into.viewport = before
 
     def close(self) -> None:
-        """Free its own objects; the programs belong to the shader library."""
         self._notices.close()
         self._nothing.release()
-        for whole in (*self._pictures.values(), self._depth):
-            whole.array.release()
+        for _, array in (*self._pictures.values(), self._depth):
+            array.release()
         self._pictures.clear()
 
 
-class _Whole:
-    """A program that draws the whole viewport."""
-
-    def __init__(self, gl: moderngl.Context, draw: Draw) -> None:
-        self.uniforms, self.array = draw.uniforms, gl.vertex_array(draw.program, [])
-
-
 def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
-    """Return the largest part of `place`, centred, with the shape of a (w, h) picture.
-
-    The rest is for bars.
-    """
+    """Return the largest centred part of `place` with the shape of a (w, h) picture."""
     x, y, w, h = place
     scale = min(w / picture[0], h / picture[1])
     inside = (max(round(scale * picture[0]), 1), max(round(scale * picture[1]), 1))
@@ -177,45 +164,27 @@ class Notice:
         head, text below the middle; None for a viewport without an eye, text at its bottom. A text
         panel is centred in either case.
         """
-        pixel_from_uv = self._in_viewport(size) if eye is None else _seen(self._in_head(), eye, size)
+        (w, h), is_text = self.ink.size, isinstance(self.label, str)
+        if eye is None:
+            scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
+            # At whole pixels, letters of full size stay sharp.
+            middle = (size[1] - scale * h) / 2
+            left, bottom = (size[0] - scale * w) / 2, min(MARGIN * size[1], middle) if is_text else middle
+            pixel_from_uv = np.array([[scale * w, 0, round(left)], [0, scale * h, round(bottom)], [0, 0, 1.0]])
+        else:
+            w_m, h_m = (pixels * LINE_M / LINE_PX for pixels in (w, h))
+            scale = min(1.0, MAX_WIDTH_M / w_m, MAX_HEIGHT_M / h_m)
+            w_m, h_m = scale * w_m, scale * h_m
+            bottom = max((MIDDLE_M if is_text else TEXT_PANEL_MIDDLE_M) - h_m / 2, LOWEST_M)
+            in_head = np.array([[w_m, 0, -w_m / 2], [0, h_m, bottom], [0, 0, -AT_M]])
+            from_eye = in_head - np.outer(eye.head_from_eye.position_m, (0, 0, 1))
+            in_eye = eye.head_from_eye.rotation.as_matrix().T @ from_eye
+            pixel_from_uv = eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
         return np.asarray(np.linalg.inv(pixel_from_uv), np.float64)
-
-    @property
-    def _is_text(self) -> bool:
-        return isinstance(self.label, str)
-
-    def _in_viewport(self, size: tuple[int, int]) -> NDArray[np.float64]:
-        """Return pixels of the viewport from uv."""
-        w, h = self.ink.size
-        scale = min(1.0, MAX_SHARE * size[0] / w, MAX_SHARE * size[1] / h)
-        # At whole pixels, letters of full size stay sharp.
-        middle = (size[1] - scale * h) / 2
-        left, bottom = (size[0] - scale * w) / 2, min(MARGIN * size[1], middle) if self._is_text else middle
-        return np.array([[scale * w, 0, round(left)], [0, scale * h, round(bottom)], [0, 0, 1.0]])
-
-    def _in_head(self) -> NDArray[np.float64]:
-        """Return 3x3: (u, v, 1) to metres in the head's axes."""
-        w, h = (pixels * LINE_M / LINE_PX for pixels in self.ink.size)
-        scale = min(1.0, MAX_WIDTH_M / w, MAX_HEIGHT_M / h)
-        w, h = scale * w, scale * h
-        bottom = max((MIDDLE_M if self._is_text else TEXT_PANEL_MIDDLE_M) - h / 2, LOWEST_M)
-        return np.array([[w, 0, -w / 2], [0, h, bottom], [0, 0, -AT_M]])
-
-
-def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDArray[np.float64]:
-    """Return homogeneous pixels of the eye's picture from uv."""
-    head_from_eye = eye.head_from_eye
-    from_eye = in_head - np.outer(head_from_eye.position_m, (0, 0, 1))
-    in_eye = head_from_eye.rotation.as_matrix().T @ from_eye
-    seen: NDArray[np.float64] = eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
-    return seen
 
 
 class Notices:
-    """Textures of texts, each drawn once.
-
-    The least recently used one is dropped when there are too many.
-    """
+    """Textures of texts, each drawn once; the least recently used one is dropped when too many."""
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
@@ -246,7 +215,6 @@ class Notices:
         return Notice(label, texture)
 
     def close(self) -> None:
-        """Free the textures."""
         for notice in self._kept.values():
             notice.ink.release()
         self._kept.clear()
@@ -261,9 +229,12 @@ def text_ink(text: str) -> NDArray[np.uint8]:
     for line in text.splitlines():
         before, tab, after = line.partition("\t")
         rows += [(before, after)] if tab else [(part,) for part in textwrap.wrap(line, LETTERS_A_LINE) or [""]]
-    second_px = _widest(font, [row[0] for row in rows if len(row) == 2]) + COLUMN_PX
-    seconds = [row[1] for row in rows if len(row) == 2]
-    wide = max(_widest(font, [row[0] for row in rows]), _widest(font, seconds, second_px))
+
+    def widest(parts: list[str], from_px: int = 0) -> int:
+        return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)
+
+    second_px = widest([row[0] for row in rows if len(row) == 2]) + COLUMN_PX
+    wide = max(widest([row[0] for row in rows]), widest([row[1] for row in rows if len(row) == 2], second_px))
     size = (wide + 2 * PAD_PX, LINE_PX * len(rows) + PAD_PX)
     image = Image.new("L", size)
     draw = ImageDraw.Draw(image)
@@ -271,7 +242,3 @@ def text_ink(text: str) -> NDArray[np.uint8]:
         for column, part in enumerate(row):
             draw.text((PAD_PX + column * second_px, PAD_PX / 2 + number * LINE_PX), part, 255, font)
     return np.asarray(image)
-
-
-def _widest(font: FreeTypeFont | ImageFont, parts: list[str], from_px: int = 0) -> int:
-    return max((from_px + math.ceil(font.getlength(part)) for part in parts), default=0)

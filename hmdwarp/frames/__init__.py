@@ -10,8 +10,8 @@ from .frame import frame_bytes as frame_bytes
 from .frame import video_pixels as video_pixels
 from .layers import EyeSizes as EyeSizes
 from .layers import Surface as Surface
-from .layers.ids import BodyIds as BodyIds
 from .layers.others import Others as Others
+from .layers.pictures import BodyIds as BodyIds
+from .layers.pictures import Mirrored as Mirrored
+from .layers.pictures import Reflection as Reflection
 from .layers.pictures import Transparent as Transparent
-from .layers.reflection import Mirrored as Mirrored
-from .layers.reflection import Reflection as Reflection

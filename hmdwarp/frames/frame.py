@@ -121,8 +121,11 @@ class Frame:
 
     def pictures(self) -> list[tuple[int, EyeImage]]:
         """Return the number and the picture of each eye, a picture that both see once."""
-        first, *others = enumerate(self.eyes)
-        return [first, *(other for other in others if other[1].colour is not first[1].colour)]
+        found = [(0, self.eyes[0])]
+        for number, eye in enumerate(self.eyes):
+            if eye.colour is not self.eyes[0].colour:
+                found.append((number, eye))
+        return found
 
 
 class Needs(Mapping[str, Any]):

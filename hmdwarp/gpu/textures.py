@@ -6,8 +6,9 @@ row.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import moderngl
 import numpy as np
@@ -84,10 +85,50 @@ def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) ->
     return made[flags]
 
 
+def bind_images(
+    read: Mapping[str, Any] | None = None,
+    write: Mapping[str, Any] | None = None,
+    change: Mapping[str, Any] | None = None,
+    *,
+    first: int = 0,
+) -> dict[str, object]:
+    """Bind textures to image units from `first` on; return the uniforms that name the units.
+
+    By the names of these uniforms: what a shader loads from, what it stores into, and both.
+    """
+    units: dict[str, object] = {}
+    for textures, loads, stores in ((read, True, False), (write, False, True), (change, True, True)):
+        for name, texture in (textures or {}).items():
+            units[name] = unit = first + len(units)
+            chosen = texture.texture if isinstance(texture, Canvas) else texture
+            chosen.bind_to_image(unit, read=loads, write=stores)
+    return units
+
+
 def release_all(*things: Any) -> None:
     """Release textures, buffers, framebuffers or vertex arrays, in this order."""
     for thing in things:
         thing.release()
+
+
+T = TypeVar("T")
+
+
+class Owner:
+    """Something that owns textures, buffers and other owners, and frees them all at once."""
+
+    def own(self, thing: T) -> T:
+        """Return a thing, or None, that close() frees: the newest first."""
+        self.__dict__.setdefault("_owned", []).append(thing)
+        return thing
+
+    def close(self) -> None:
+        """Free what it owns."""
+        owned = self.__dict__.get("_owned", [])
+        while owned:
+            thing: Any = owned.pop()
+            if thing is not None:
+                (getattr(thing, "close", None) or thing.release)()
 
 
 def tiles(size: tuple[int, int], side: int) -> tuple[int, int]:

@@ -20,10 +20,7 @@ _ENDINGS, _TAKE_DEPTH = (".npz", ".png", ".jpg", ".jpeg", ".exr"), (".npz", ".ex
 
 
 def has_depth(path: Path) -> bool:
-    """Return whether a file of that name holds depth.
-
-    Errors: InputError for an ending that is not written; MachineError for EXR without its package.
-    """
+    """Return whether a file of that name holds depth. Errors: InputError; MachineError for EXR."""
     ending = path.suffix.lower()
     if ending not in _ENDINGS:
         raise InputError(f"{path}: expected a name that ends in {listed(_ENDINGS, 'or')}")
@@ -35,9 +32,8 @@ def has_depth(path: Path) -> bool:
 def write_image(path: Path, image: WarpedImage, shown: View) -> None:
     """Write a warped picture in linear light by the ending of the path. shown: its view.
 
-    .npz: linear light, coverage, depth_m and the view, as a frame has them, and time_ms as JSON
-    text. .png: sRGB, holes transparent. .jpg: sRGB, holes black. .exr: linear light, coverage in A,
-    depth in Z. Errors: as has_depth; else as write_bytes.
+    .npz: a frame, with time_ms as JSON text. .png: sRGB, holes transparent. .jpg: sRGB, holes
+    black. .exr: linear light, coverage in A, depth in Z. Errors: as has_depth, write_bytes.
     """
     if has_depth(path):
         with atomic(path) as temporary:

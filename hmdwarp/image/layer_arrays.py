@@ -16,9 +16,7 @@ from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..frames import Needs, Surface
 from ..frames.layers import layers
-from ..frames.layers.ids import BodyIds
-from ..frames.layers.pictures import Transparent
-from ..frames.layers.reflection import Reflection, Reflections
+from ..frames.layers.pictures import BodyIds, Reflection, Reflections, Transparent
 from ..geometry import Mirror, RigidState
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload

@@ -45,10 +45,7 @@ class PictureArrays:
         return width, height
 
     def repaired(self, chain: RepairChain) -> tuple[RawPicture, NDArray[np.float32]]:
-        """Return the picture with its depth repaired, and how sure that is, 0 to 1.
-
-        What has no colour stays a hole, whatever its depth.
-        """
+        """Return the picture with its depth repaired, and how sure that is: 0 without colour."""
         is_bytes = self.colour.dtype == np.uint8
         srgb = self.colour * np.float32(1 / 255) if is_bytes else srgb_from_linear(self.light.astype(np.float32))
         found = chain.run(srgb, self.inverse_depth.astype(np.float32))
@@ -101,10 +98,7 @@ class RawPicture(Arrays):
 def raw_picture(
     colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
 ) -> RawPicture:
-    """Return the picture as it is where the GPU can take it over, else as checked_picture has it.
-
-    Errors: InputError as checked_picture, for what shows without a look at every number.
-    """
+    """Return the picture as it is where the GPU can take it over, else checked_picture of it."""
     masks = [np.ma.getmask(array) for array in (colour, depth_m)]
     try:
         values, depth = np.asarray(colour), np.asarray(depth_m)
@@ -213,14 +207,11 @@ def checked_picture(
             "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
         )
     if scale is not None:
-        found = in_brief(scale)
-        if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale < math.inf:
-            raise InputError(f"depth_scale is {found}: expected metres per unit, a number above 0, such as 0.001")
-        if scale > 1:
-            raise InputError(
-                f"depth_scale is {found}: expected metres per unit, at most 1; where a metre has {found} units it is "
-                f"1/{found}"
-            )
+        found, wanted = in_brief(scale), "a number above 0, such as 0.001"
+        is_number = isinstance(scale, Real) and not isinstance(scale, bool) and 0 < scale < math.inf
+        if not is_number or scale > 1:
+            wanted = f"at most 1; where a metre has {found} units it is 1/{found}" if is_number else wanted
+            raise InputError(f"depth_scale is {found}: expected metres per unit, {wanted}")
         metres = depth_m.astype(np.float64) * float(scale)
     largest = is_largest(depth_m)
     unknown = hidden | depth_mask | largest
@@ -278,10 +269,7 @@ def _array(name: str, value: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]
 
 
 def checked_size(size: object) -> tuple[int, int]:
-    """Return (w, h) as plain integers.
-
-    Errors: InputError for anything else; the GPU's limit is checked later.
-    """
+    """Return (w, h) as plain integers. Errors: InputError; the GPU's limit is checked later."""
     try:
         width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
     except (TypeError, ValueError) as error:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -26,21 +28,15 @@ class HeldPicture:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
         self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-        # rgba16f: confidence in red, coverage in alpha.
-        self._confidence = allocate(gpu.gl, size, COLOUR) if has_confidence else None
-
-    @property
-    def sure(self) -> moderngl.Texture:
-        """The confidence, for a Warper with a repair."""
-        assert self._confidence is not None
-        return self._confidence
+        # rgba16f: confidence in red, coverage in alpha; for a Warper with a repair.
+        self.sure: Any = allocate(gpu.gl, size, COLOUR) if has_confidence else None
 
     def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
         nothing = np.zeros_like(confidence)
         upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
 
     def close(self) -> None:
-        release_all(*self.pair, *([] if self._confidence is None else [self._confidence]))
+        release_all(*self.pair, *filter(None, [self.sure]))
 
 
 class ForeignTextures:

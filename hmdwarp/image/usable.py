@@ -47,10 +47,8 @@ def usable_effects() -> list[str]:
 def plan_of(
     warp: str, fill: str, effects: str = "none", *, available: tuple[str, ...] = AVAILABLE, depth: bool = False
 ) -> Plan:
-    """Return the plan for a caller's own frames.
+    """Return the plan for a caller's own frames; available: what those are.
 
-    effects: names separated by commas, or "none". available: what the caller has. depth:
-    whether the depth of what is shown is wanted.
     Errors: InputError for what is no name, and for warp "auto"; PlanError for passes that read
     more; UnknownNameError.
     """
@@ -97,11 +95,9 @@ _BESIDE = {"upload", "repair", "carry", "download", "wait", "host", "auto"}
 def plans_of_levels(
     bench: Path | str | None, effects: str, depth: bool, budget_ms: float | None
 ) -> dict[QualityLevel, Plan]:
-    """Return the levels that a caller's own frames are enough for.
+    """Return the levels, of a bench.json or LEVELS, that a caller's own frames are enough for.
 
-    bench: the bench.json that says them; None takes LEVELS.
-    Errors: InputError for a budget that is no time, a file that is no bench.json, and where no
-    level is left; as plan_of.
+    Errors: InputError for a budget that is no time, and where no level is left; as plan_of.
     """
     if budget_ms is None:
         raise InputError("warp 'auto' keeps to a budget: give budget_ms, for the warp and fill of a picture")
@@ -120,8 +116,7 @@ def plans_of_levels(
 class AutoCompensator:
     """Runs the level that the governor chooses; drop-in for a Compensator.
 
-    All levels are compiled and allocated at the start, and timed on the first picture: then a
-    budget that nothing fits is an InputError.
+    All levels are timed on the first picture: then a budget that nothing fits is an InputError.
     """
 
     def __init__(

@@ -92,17 +92,15 @@ class WarpedImage:
     """A warped picture; row 0 is at the top."""
 
     colour: NDArray[Any]  # (h, w, 3), black in holes; see `encoding`
-    # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
-    # there, so less than 1 where that was a guess. A fill sets 1.
+    # (h, w), 0 in holes, else 1, which a fill sets too; with a repair less where the depth that
+    # brought the pixel there was a guess: its confidence.
     coverage: NDArray[np.float32]
     # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
     # the call. Of a chain each fill has its own, such as "fill memory".
     time_ms: dict[str, float]
     hole_share: float  # share of pixels without coverage after the warp and before the fill
     encoding: str = LINEAR  # of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32)
-    # (h, w) float32 metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
-    # requested.
-    depth_m: NDArray[Any] | None = None
+    depth_m: NDArray[Any] | None = None  # (h, w) metres along -z in the shown view, NaN unknown; None if not requested
 
     def __repr__(self) -> str:
         high, wide = self.coverage.shape
@@ -121,7 +119,7 @@ class WarpedImage:
 
 @attrs.frozen(eq=False)
 class Call:
-    """What Warper.warp and submit take, by name after the first four; see warp_image."""
+    """What Warper.warp and submit take; see there."""
 
     colour: ArrayLike
     depth_m: ArrayLike
@@ -130,14 +128,12 @@ class Call:
     others: Sequence[Other] = ()
     client_depth_m: ArrayLike | None = None
     layers: Mapping[str, Any] = MappingProxyType({})
-    panels: Sequence[Panel] | None = None  # for a Warper with effects="panels", or "panels,occluded_panels"
+    panels: Sequence[Panel] | None = None
     age_s: float = 0.0
     depth_scale: float | None = None
     encoding: str | None = None
     result: str | None = None
-    eye: int = 0  # or 1; a fill that remembers keeps the two apart
-    # Arrays of yours for the result by name (colour, coverage, depth_m), of any strides: uint8, or
-    # floats of any width; what it lacks is allocated.
+    eye: int = 0
     out: Mapping[str, NDArray[Any]] = MappingProxyType({})
 
     @cached_property
@@ -206,6 +202,7 @@ class _Flight:
     buffers: PixelBuffers
     plan: Plan  # what has run
     made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)  # what of the buffers has the result, by name
+    late: bool = False  # whether the caller's arrays may hold other pictures by now
 
 
 class Pending:
@@ -221,15 +218,14 @@ class Pending:
         """Return what warp() returns, waiting for the GPU; the same again each time.
 
         Its `time_ms` has what submit() and this took: `upload`, `download`, `wait` (for the GPU)
-        and `host` (all else). Passes run beside that: only a GPU with a clock of its own has them.
-        Errors: as warp; InputError where the Warper was closed first.
+        and `host` (all else), and passes where the GPU has a clock of its own. Errors: as warp;
+        InputError where the Warper was closed first.
         """
         if self._answer is None:
             with self._warper._gpu() as gpu:
                 self._warper._fetch(gpu, self)
-        if isinstance(self._answer, HmdwarpError):
-            raise self._answer
-        assert self._answer is not None, "it was fetched"
+        if not isinstance(self._answer, WarpedImage):
+            raise self._answer or AssertionError("it was fetched")
         return self._answer
 
 
@@ -241,8 +237,7 @@ class WarpedTextures:
     """
 
     colour: moderngl.Texture  # rgba16f: linear light, coverage in alpha, 0 in holes
-    # r32f in 1/m in the shown view, -1 where it is unknown; None unless asked for.
-    inverse_depth: moderngl.Texture | None
+    inverse_depth: moderngl.Texture | None  # r32f in 1/m in the shown view, -1 unknown; None unless asked for
     _warper: Warper = attrs.field(repr=False)  # keeps the textures
 
 
@@ -346,12 +341,15 @@ class Warper:
 
         Parameters
         ----------
-        call
-            The arguments of warp_image that a picture has, and of this Warper alone:
-            eye, 0 or 1: a fill that remembers keeps the two apart. out: arrays of yours for the
-            result by name (colour, coverage, depth_m), of any strides: uint8, or floats of any
-            width; what it lacks is allocated. panels are for effects="panels" (or, to be hidden by
-            what is nearer, "panels,occluded_panels").
+        colour, depth_m, rendered, shown, others, client_depth_m, layers, panels, age_s, depth_scale
+        encoding, result
+            As warp_image; panels are for a Warper with effects="panels" (or, to be hidden by what
+            is nearer, "panels,occluded_panels").
+        eye : int
+            0 or 1; a fill that remembers keeps the two apart.
+        out : mapping
+            Arrays of yours for the result by name (colour, coverage, depth_m), of any strides:
+            uint8, or floats of any width; what it lacks is allocated.
 
         Returns
         -------
@@ -364,7 +362,7 @@ class Warper:
         """
         with self._gpu() as gpu:
             gpu.timer.collect()
-            return self._ended(gpu, self._begun(gpu, call), frames=5)
+            return self._ended(gpu, self._begun(gpu, call), 4)
 
     @_taking(Call)
     def submit(self, call: Call) -> Pending:
@@ -399,13 +397,8 @@ class Warper:
 
         Parameters
         ----------
-        frames
-            Arguments of warp by name.
-
-        Raises
-        ------
-        InputError
-            As warp, in the place of the frame.
+        frames : iterable of mappings
+            Arguments of warp by name; an error comes in the place of the frame.
         """
         pending: deque[Pending] = deque()
         for frame in frames:
@@ -431,9 +424,9 @@ class Warper:
         self._check_out(call.out, result)
         client = None
         if call.client_depth_m is not None:
-            if (found := np.shape(call.client_depth_m)) != self.size[::-1]:
-                raise InputError(f"client_depth_m has shape {found}: expected {self.size[::-1]}, as the result")
-            grey = np.zeros((*found, 3), np.uint8)
+            if (shape := np.shape(call.client_depth_m)) != self.size[::-1]:
+                raise InputError(f"client_depth_m has shape {shape}: expected {self.size[::-1]}, as the result")
+            grey = np.zeros((*shape, 3), np.uint8)
             client = checked_picture(grey, call.client_depth_m, call.depth_scale).arrays()[1]
         self._count += 1
         if self.repair.steps:
@@ -472,28 +465,28 @@ class Warper:
             raise
         return flight
 
-    def _ended(self, gpu: Gpu, flight: _Flight, *, late: bool = False, frames: int = 4) -> WarpedImage:
+    def _ended(self, gpu: Gpu, flight: _Flight, frames: int = 3) -> WarpedImage:
         """Return the result, and free the buffers of the call. Errors: as warp.
 
-        late: the caller's arrays may hold other pictures by now. frames: from where a warning is
-        given to the caller.
+        frames: from where a warning is given to the caller.
         """
         try:
-            with gpu.timer.cpu_stage("wait") if late else nullcontext():
+            with gpu.timer.cpu_stage("wait") if flight.late else nullcontext():
                 flight.buffers.found.read()
             gpu.check_not_lost()
-            self._check_numbers(flight, late=late)
-            self._warn_about(flight, late=late, frames=frames)
+            self._check_numbers(flight)
+            share = flight.buffers.found.holes / (self.size[0] * self.size[1])
+            for note in self._notes(flight, share):
+                warnings.warn(note, stacklevel=frames)
             with gpu.timer.cpu_stage("download"):
                 arrays = self._give_out.arrays(flight.made, flight.call.out)
         finally:
             self._free_buffers.append(flight.buffers)
         times: dict[str, float] = {}
-        if not late:
+        if not flight.late:
             whole_ms = gpu.timer.lap_ms
             times = self._recorded(flight, gpu.timer.collect())
             times["host"] = max(whole_ms - sum(times.values()), 0.0)  # their sum is the call
-        share = self._hole_share(flight)
         return WarpedImage(arrays["colour"], arrays["coverage"], times, share, flight.result, arrays.get("depth_m"))
 
     def _fetch(self, gpu: Gpu, pending: Pending) -> None:
@@ -502,10 +495,11 @@ class Warper:
             return
         (flight, spent_ms, lap), pending._on_its_way = pending._on_its_way, None
         self._in_flight.remove(pending)
+        flight.late = True
         gpu.timer.lap()
         try:
             with gpu.timer.without_waiting():
-                image = self._ended(gpu, flight, late=True, frames=5)
+                image = self._ended(gpu, flight, 4)
         except HmdwarpError as error:
             pending._answer = error
             return
@@ -527,18 +521,18 @@ class Warper:
                 sent = self._take_in.send(mended, flight.buffers, number)
                 self._take_in.run(mended, sent, textures.pair, flight.buffers.found, number)
 
-    def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
+    def _picture(self, flight: _Flight, number: int) -> RawPicture:
         """Return a picture with the numbers that the GPU was sent."""
         picture = flight.pictures[number]
-        if not late or picture.checked is not None:
+        if not flight.late or picture.checked is not None:
             return picture
         return picture.as_sent(*self._take_in.sent(picture, flight.buffers, number))
 
-    def _check_numbers(self, flight: _Flight, *, late: bool = False) -> None:
+    def _check_numbers(self, flight: _Flight) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
         for number in range(len(flight.pictures)):
             if flight.buffers.found.is_doubtful(number, self.rendered_size):
-                self._picture(flight, number, late=late).as_checked()
+                self._picture(flight, number).as_checked()
 
     def _check_out(self, out: Mapping[str, NDArray[Any]], result: str) -> None:
         """Check the arrays that a result is written into. Errors: InputError."""
@@ -658,10 +652,7 @@ class Warper:
         return total
 
     def close(self) -> None:
-        """Free all textures and buffers.
-
-        Does nothing after the first time, after its context was closed, and in a forked process.
-        """
+        """Free all textures and buffers; nothing after the first time, and in a forked process."""
         gpu = _shared if self._own_gpu is None else self._own_gpu
         if self._dropped.alive and gpu is not None and not gpu.closed:
             with self._context():
@@ -694,36 +685,27 @@ class Warper:
             raise InputError("this Warper was made in another thread, with a context of that thread: call it there")
         return self._own_gpu.current()
 
-    def _warn_about(self, flight: _Flight, *, late: bool, frames: int) -> None:
-        """Warn of depth that is none, no measurement, or hardly in metres; of each once."""
-        largest: Sequence[str] = ()
+    def _notes(self, flight: _Flight, hole_share: float) -> Iterator[str]:
+        """Yield what to warn of: depth that is none, or hardly in metres, no picture; each once."""
         if _LARGEST not in self._warned:
-            checked = flight.pictures[0].checked
+            checked, largest = flight.pictures[0].checked, list[str]()
             if checked is not None:
-                largest = checked.notes
+                largest += checked.notes
             elif flight.buffers.found.has_largest(0):
-                largest = about_largest([self._picture(flight, 0, late=late).depth])
+                largest += about_largest([self._picture(flight, 0).depth])
             self._warned.update([_LARGEST] if largest else [])
-        unit = self._unit_notes(
-            lambda: self._picture(flight, 0, late=late).metres(), flight.call.views, "depth_scale={:g}"
-        )
-        corners = about_corners(self._picture(flight, 0, late=late)) if _CORNERS not in self._warned else []
-        self._warned.add(_CORNERS)  # of the first picture
-        # Where nothing fills holes, coverage tells of them.
-        is_made_up = flight.plan.fills and _HOLES not in self._warned
-        empty = about_holes(self._hole_share(flight), *flight.call.views) if is_made_up else []
-        self._warned.update([_HOLES] if empty else [])
-        for note in (*largest, *unit, *corners, *empty):
-            warnings.warn(note, stacklevel=frames)
-
-    def _hole_share(self, flight: _Flight) -> float:
-        return flight.buffers.found.holes / (self.size[0] * self.size[1])
+            yield from largest
+        yield from self._unit_notes(lambda: self._picture(flight, 0).metres(), flight.call.views, "depth_scale={:g}")
+        if _CORNERS not in self._warned:  # of the first picture
+            self._warned.add(_CORNERS)
+            yield from about_corners(self._picture(flight, 0))
+        if flight.plan.fills and _HOLES not in self._warned:  # where nothing fills holes, coverage tells of them
+            empty = about_holes(hole_share, *flight.call.views)
+            self._warned.update([_HOLES] if empty else [])
+            yield from empty
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
-        """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
-
-        depth: called for that one alone: metres. option: see about_unit.
-        """
+        """Return a note on depth (metres, called for once) at the first picture whose eye moves."""
         moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
         if _UNIT in self._warned or not moved_m:
             return []

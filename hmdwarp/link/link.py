@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 import attrs
 
@@ -201,7 +201,8 @@ class Link(Generic[Payload]):
         # When encoder, bottleneck and decoder are idle.
         self._encoder_ns = self._decoder_ns = 0
         self._free_ns: int | None = None
-        self._shown: tuple[TransitStats, Payload] | None = None
+        # Like those that arrive: its number, its transit, and the frame.
+        self._shown: tuple[int, TransitStats, Payload] | None = None
         self._counts = dict.fromkeys(attrs.fields_dict(Tally), 0)
         self._drawn = self._last_ready_ns = 0
         self._last_sent_ns: int | None = None
@@ -223,7 +224,7 @@ class Link(Generic[Payload]):
     @property
     def transit(self) -> TransitStats | None:
         """Transit statistics of the shown frame; None before the first."""
-        return self._shown[0] if self._shown is not None else None
+        return self._shown[1] if self._shown is not None else None
 
     def send(
         self,
@@ -284,7 +285,7 @@ class Link(Generic[Payload]):
         self._last_asked_ns = now_ns
         if arrived := self._arrived(now_ns):
             self._take(arrived)
-        return self._shown[1] if self._shown is not None else None
+        return self._shown[2] if self._shown is not None else None
 
     def needs_key(self, now_ns: int) -> bool:
         """Return whether the sender knows of a missing frame and has sent no key frame since.
@@ -300,9 +301,9 @@ class Link(Generic[Payload]):
         for *_, frame in held:
             self._wasted(frame)
         if shown is not None:
-            self._discard(shown[1])
+            self._discard(shown[2])
 
-    def _arrived(self, now_ns: int) -> list[tuple[TransitStats, Payload]]:
+    def _arrived(self, now_ns: int) -> list[tuple[int, TransitStats, Payload]]:
         """Return the frames that have been decoded since the last call, in sending order."""
         while self._under_way and self._under_way[0][0] <= now_ns:
             _, _, transit, frame = heapq.heappop(self._under_way)
@@ -319,29 +320,25 @@ class Link(Generic[Payload]):
             heapq.heappush(self._decoded, (transit.ready_ns, transit.number, transit, frame))
         arrived = []
         while self._decoded and self._decoded[0][0] <= now_ns:
-            arrived.append(heapq.heappop(self._decoded)[2:])
-        return sorted(arrived, key=_number)
+            arrived.append(heapq.heappop(self._decoded)[1:])
+        return sorted(arrived)  # no two have the same number
 
-    def _take(self, arrived: list[tuple[TransitStats, Payload]]) -> None:
+    def _take(self, arrived: list[tuple[int, TransitStats, Payload]]) -> None:
         """Show the newest, which may already be shown; discard the others, oldest first."""
         shown = self._shown
-        newer = shown is None or _number(arrived[-1]) > _number(shown)
+        newer = shown is None or arrived[-1][0] > shown[0]
         if newer:
             self._shown = arrived.pop()
             self._leave("shown")
-        for one in arrived:
-            self._leave("late" if shown is not None and _number(one) < _number(shown) else "superseded")
+        for number, *_ in arrived:
+            self._leave("late" if shown is not None and number < shown[0] else "superseded")
         leaving = [*arrived, shown] if newer and shown is not None else arrived
-        for _, frame in sorted(leaving, key=_number):
+        for *_, frame in sorted(leaving):
             self._discard(frame)
 
     def _leave(self, what: str) -> None:
         self._counts["under_way"] -= 1
         self._counts[what] += 1
-
-
-def _number(one: tuple[TransitStats, Any]) -> int:
-    return one[0].number
 
 
 # A common buffer size of routers; without a limit, delay and memory would grow for ever.

@@ -53,7 +53,7 @@ class Number:
                 # A text of digits is no number: what a caller typed into Python is used as it is.
                 found = float(number) if isinstance(number, Real) else math.nan
             except OverflowError:
-                found = math.copysign(math.inf, number)
+                found = math.inf if number > 0 else -math.inf
             least_met = found > self.least if self.above else found >= self.least
             if number is not None and not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)

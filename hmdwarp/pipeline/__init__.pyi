@@ -1,9 +1,9 @@
 from .channel import Changes as Changes
 from .channel import Channel as Channel
 from .channel import ChannelSetup as ChannelSetup
-from .frame_coder import CodedFrame as CodedFrame
-from .frame_coder import Coder as Coder
-from .frame_coder import Reads as Reads
+from .channel import CodedFrame as CodedFrame
+from .channel import Coder as Coder
+from .channel import Reads as Reads
 from .levels import QualityLevel as QualityLevel
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh

@@ -1,8 +1,9 @@
-"""Pictures of the feed through a codec, as the client would have them: both ends."""
+"""What crosses the feed: pictures through a codec, and further layers; both ends of it."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import itertools
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -10,9 +11,12 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import MachineError
-from ..frames.layers import PICTURE
-from ..geometry import View
+from ..errors import InputError, MachineError
+from ..frames import EyeImage, EyeSizes, Frame, Needs
+from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
+from ..frames.layers.pictures import FOVEATED
+from ..geometry import Fov, Fovea, FoveaGrid, Pose, View, grid_of
+from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import (
     AS_VIDEO,
     AS_VIDEO8,
@@ -38,40 +42,330 @@ from ..link.codec import (
     stops_of,
 )
 from ..sources.array_passes import LINEAR, SRGB8, Arrays
-from ..sources.feed import bounds
-from ..sources.feed.message import (
-    AV1,
-    DEPTH_CODES,
-    DEPTH_EXACT,
-    DEPTH_VIDEO,
-    DEPTH_VIDEO8,
-    H264,
-    HEVC,
-    INVERSE_DEPTH,
-    NONE,
-    RGBA8,
-    RGBA16F,
-    VP9,
-    Ask,
-    DepthCodes,
-    FrameMessage,
-    Picture,
-    Wish,
-)
-from .feed_layers import unpacked
-from .frame_coder import pixels_per_tangent
+from ..sources.feed import bounds, message
+from ..sources.feed.message import Ask, DepthCodes, FrameMessage, Picture, Wish
+from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
+from ..sources.server import Renderer
+from .channel import pixels_per_tangent
+
+Array = NDArray[np.float64]
+# Scale and offset of the vectors' x, y, z; metres at z = 0 and at z = 1; seconds since the frame
+# before; that frame's eye: pose, head_from_eye, angles.
+NUMBERS = 3 + 3 + 2 + 1 + 18
+# Halves are rounded within 2^-11 of their value, and what is computed from them as often again.
+_RELATIVE, _ABSOLUTE = 2.0**-10, 2.0**-20
+
+
+def velocity_of(parts: Sequence[NDArray[Any]], view: View, inverse_depth: NDArray[Any]) -> NDArray[np.float16]:
+    """Return (h, w, 4): m/s along the eye's axes, and 1 where something moves by itself.
+
+    parts: the vectors, and a row of NUMBERS. view, inverse_depth: of the picture. Vectors of lower
+    resolution are spread to the pixels around them whose depth is theirs. Errors: InputError.
+    """
+    if len(parts) != 2 or parts[0].ndim != 3 or parts[1].shape != (1, NUMBERS):
+        raise InputError(f"motion vectors: expected a picture of 4 numbers a pixel, and a row of {NUMBERS}")
+    with np.errstate(all="ignore"):  # whatever numbers come: what is not finite in the end does not move
+        vectors, told = parts[0].astype(np.float64), parts[1][0].astype(np.float64)
+        near, far, seconds = told[6:9]
+        finite = np.isfinite(np.delete(told, (6, 7))).all()
+        if not (finite and seconds > 0 and (near > 0 and far > 0 and near != far or near == far == 0)):
+            raise InputError(
+                f"motion vectors over {seconds:g} s, from {near:g} to {far:g} m: expected finite numbers, a time above "
+                "0, and two distances, or 0 and 0 for vectors of two numbers"
+            )
+        vectors = np.nan_to_num(vectors[..., :3], posinf=0, neginf=0) * told[:3] + told[3:6]
+        # The rows and columns of the picture that the centres of the vectors' pixels lie in.
+        own = [
+            ((np.arange(count) + 0.5) * many / count).astype(np.intp)
+            for many, count in zip(inverse_depth.shape, vectors.shape[:2], strict=True)
+        ]
+        depth = inverse_depth[np.ix_(*own)].astype(np.float64)
+        found = _velocity(vectors, told, view, depth)
+        return found if vectors.shape[:2] == inverse_depth.shape else _spread(found, depth, inverse_depth)
+
+
+# What an engine's z stands for, in 1/m: at z = 0 and at z = 1; None for vectors without z.
+ZRange = tuple[float, float] | None
+
+
+def _velocity(vectors: Array, told: Array, view: View, depth: Array) -> NDArray[np.float16]:
+    before = View(Pose(told[9:12], told[12:16]), Fov(*told[23:27]), Pose(told[16:19], told[19:23]))
+    near, far = told[6:8]
+    has_depth, of_z = depth > 0, None if near == far else (1 / near, 1 / far)
+    # The pixels' centres, from -1 to 1, y down.
+    rows, columns = (2 * (np.arange(count) + 0.5) / count - 1 for count in vectors.shape[:2])
+    x, y = np.meshgrid(columns, rows)
+    here = _points(view.fov.tangents, x, y, np.where(has_depth, depth, 1.0))
+    then_from_now = before.pose.relative_to(view.pose).inverse()
+    # In the eye before: where it would have been had it stood still, and where the vectors say.
+    still = then_from_now.rotation.apply(here.reshape(-1, 3)).reshape(here.shape) + then_from_now.position_m
+    now = _ndc(view.fov.tangents, here, of_z)
+    by_head = now - _ndc(before.fov.tangents, still, of_z)
+    if of_z is None:
+        # It had the depth that it would have, had it stood still.
+        vectors = np.dstack([vectors[..., :2], by_head[..., 2]])
+    place = now - vectors
+    inverse = -1 / still[..., 2] if of_z is None else of_z[0] + place[..., 2] * (of_z[1] - of_z[0])
+    # Behind the eye nothing was seen.
+    then = _points(before.fov.tangents, place[..., 0], place[..., 1], np.where(inverse > 0, inverse, np.nan))
+    rounding = _RELATIVE * np.abs(vectors) + _ABSOLUTE
+    moves = has_depth & (np.abs(vectors - by_head) > rounding).any(axis=2) & np.isfinite(then).all(axis=2)
+    velocity = np.zeros((*depth.shape, 4))
+    back = then_from_now.rotation.inv()
+    velocity[moves, :3] = back.apply((still - then)[moves]) / told[8]
+    velocity[moves, 3] = 1
+    return np.clip(velocity, -65504, 65504).astype(np.float16)
+
+
+def _points(tangents: Array, x: Array, y: Array, inverse_depth: Array) -> Array:
+    """Return points in the eye's axes."""
+    left, right, down, up = tangents
+    along = np.stack([left + (right - left) * (x + 1) / 2, up - (up - down) * (y + 1) / 2, -np.ones_like(x)], axis=-1)
+    return along / inverse_depth[..., None]
+
+
+def _ndc(tangents: Array, points: Array, of_z: ZRange) -> Array:
+    """Return x, y from -1 to 1, y down, and z as the engine has it, 0 without."""
+    left, right, down, up = tangents
+    inverse = -1 / points[..., 2]
+    x, y = points[..., 0] * inverse, points[..., 1] * inverse
+    z = np.zeros_like(x) if of_z is None else (inverse - of_z[0]) / (of_z[1] - of_z[0])
+    return np.stack([2 * (x - left) / (right - left) - 1, 2 * (up - y) / (up - down) - 1, z], axis=-1)
+
+
+def _spread(found: NDArray[np.float16], depth: Array, inverse_depth: NDArray[Any]) -> NDArray[np.float16]:
+    """Return, for each pixel, the velocity of that of the four around it whose depth is nearest."""
+    shape, best = inverse_depth.shape, np.full(inverse_depth.shape, np.inf)
+    out = np.zeros((*shape, 4), np.float16)
+    places = [(np.arange(many) + 0.5) * count / many - 0.5 for many, count in zip(shape, depth.shape, strict=True)]
+    for steps in itertools.product((0, 1), repeat=2):
+        rows, columns = (
+            np.clip(np.floor(place).astype(np.intp) + step, 0, count - 1)
+            for place, step, count in zip(places, steps, depth.shape, strict=True)
+        )
+        apart = np.abs(depth[np.ix_(rows, columns)] - inverse_depth)
+        nearer = apart < best
+        out[nearer] = found[np.ix_(rows, columns)][nearer]
+        best[nearer] = apart[nearer]
+    return out
+
+
+_KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
+_NOTHING = np.zeros((0, 0))  # sent of a layer that adds nothing to a frame, so that it is told
+VELOCITY, FOVEA_GRID = "velocity", "foveated"
+# In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
+_LARGEST = 1e6
+_MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
+
+
+def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) -> Wanted | None:
+    """Return what to ask a server for; other layers are the client's. views: as shown."""
+    of_server = [layer for layer in map(layers.get, needs) if not layer.of_client]
+    amounts = tuple((layer.name, layer.stated(needs[layer.name])) for layer in of_server)
+    return Wanted(amounts, shown_size, tuple(view.fov for view in views)) if amounts else None
+
+
+def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
+    """Return the fovea that is needed or None, the pictures it makes coarser, and the rest."""
+    found = [name for name in FOVEATED if name in needs]
+    stand_for = frozenset(picture for name, picture in zip(FOVEATED, PICTURE, strict=True) if name in found)
+    rest = Needs(**{name: amount for name, amount in needs.items() if name not in FOVEATED})
+    return needs[found[0]] if found else None, stand_for, rest
+
+
+def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
+    """Return the grid of each eye's foveated pictures.
+
+    size: of the whole ones. Errors: Undecodable.
+    """
+    grids = []
+    for of_eye in frame.layers or ({},) * len(frame.views):
+        parts = of_eye.get(FOVEA_GRID, ())
+        try:
+            if len(parts) != 1 or unpacked_bytes([{FOVEA_GRID: parts}]) > _MOST_TABLE:
+                raise InputError(f"{len(parts)} grids of a foveated picture: expected one")
+            numbers = parts[0].numbers() if isinstance(parts[0], Packed) else parts[0]
+            grids.append(grid_of(numbers, frame.size))
+        except (BadPart, InputError) as error:
+            raise Undecodable(str(error)) from error
+        if grids[-1].size != size:
+            raise Undecodable(f"a foveated picture of {grids[-1].size} pixels: expected {size}")
+    return tuple(grids)
+
+
+def needs_of_client(wanted: Wanted | None) -> Needs:
+    """Return what a client wants. Errors: InputError for a layer that frames cannot carry."""
+    found: dict[str, Any] = {}
+    for name, stated in wanted.layers if wanted is not None else ():
+        if name not in layers.names() or layers.get(name).of_client or layers.get(name).always:
+            raise InputError(f"there is no layer '{name}' here")
+        try:
+            found[name] = layers.get(name).amount_of(stated)
+        except (TypeError, ValueError, OverflowError) as error:
+            why = str(error).partition("\n")[0]
+            raise InputError(
+                f"there is no {stated} of layer '{name}' ({why}): docs/feed.md says how much there is"
+            ) from error
+    return Needs(**found)
+
+
+def _amounts(wanted: Wanted | None) -> dict[str, Any]:
+    """Return the amounts of the layers that were requested from here."""
+    stated = () if wanted is None else wanted.layers
+    return {name: layers.get(name).amount_of(how) for name, how in stated}
+
+
+def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
+    """Return what the sizes of layers follow from. size: of the rendered picture."""
+    return EyeSizes(size, wanted.size, wanted.fovs)
+
+
+def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
+    """Return the needed layers of each eye as arrays; what both share is in the first one's.
+
+    packs: without loss, for a slow network.
+    """
+
+    def parts(layer: type[Layer], data: Any) -> list[NDArray[Any] | Packed]:
+        drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(data)]
+        numbers = layer.numbers(data)
+        found: list[NDArray[Any] | Packed] = [packed(picture) if packs else picture for picture in drawn]
+        return [*found, *([numbers] if numbers is not None else [] if drawn else [_NOTHING])]
+
+    return tuple(
+        {name: parts(layers.get(name), eye[name]) for name in needs if not (number and layers.get(name).per_frame)}
+        for number, eye in enumerate(frame.eyes)
+    )
+
+
+def unpacked(frame: FrameMessage) -> FrameMessage:
+    """Return the frame with numbers in place of packed parts, and velocities of motion vectors.
+
+    Its depth must be decoded. Errors: Undecodable.
+    """
+    if not frame.layers:
+        return frame
+    try:
+        found = tuple(
+            {
+                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
+                for name, parts in of_eye.items()
+            }
+            for of_eye in frame.layers
+        )
+        for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
+            if len(of_eye.get(VELOCITY, ())) > 1:
+                if isinstance(frame.inverse_depths[eye], bytes):
+                    raise InputError("motion vectors without depth")
+                of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, frame.inverse_depth(eye))]
+    except (BadPart, InputError) as error:
+        raise Undecodable(str(error)) from error
+    return attrs.evolve(frame, layers=found)
+
+
+def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int]) -> FrameMessage:
+    """Return the frame with the requested layers alone: others are never unpacked.
+
+    drawn: (w, h) of the whole picture.
+    Errors: Undecodable where one claims to be larger than requested.
+    """
+    names = _amounts(wanted)
+    found = tuple({name: of_eye[name] for name in of_eye if name in names} for of_eye in frame.layers)
+    for of_eye in found:
+        for name, parts in of_eye.items():
+            assert wanted is not None
+            layer, sizes = layers.get(name), sizes_of(wanted, drawn)
+            most = bounds.most_beside(drawn) if layer.size_class == OWN else layer.bytes(names[name], sizes)
+            if unpacked_bytes([{name: parts}]) > most + _MOST_TABLE:
+                raise Undecodable(f"layer '{name}' claims to be larger than requested")
+    return attrs.evolve(frame, layers=found)
+
+
+def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | None = None) -> str:
+    """Return why a frame's layers are not the requested ones, "" if they are.
+
+    drawn: (w, h) of the whole picture where that is foveated.
+    """
+    if wanted is None:
+        return ""
+    sizes, amounts = sizes_of(wanted, drawn or frame.size), _amounts(wanted)
+    for eye, of_eye in enumerate(frame.layers or ({},) * len(frame.views)):
+        for name, amount in amounts.items():
+            layer = layers.get(name)
+            if eye and layer.per_frame:
+                continue
+            if name not in of_eye:
+                return f"the server sends no layer '{name}'"
+            if wrong := next(filter(None, _misfits_of(layer, layer.pictures(amount), list(of_eye[name]), sizes)), ""):
+                return f"layer '{name}' of the server: {wrong}"
+    return ""
+
+
+def _misfits_of(layer: type[Layer], formats: Sequence[str], parts: list[Any], sizes: EyeSizes) -> Iterator[str]:
+    """Yield why the parts are no layer's: what follows on the first reason may not run."""
+    pictures, numbers = parts[: len(formats)], [one for one in parts[len(formats) :] if one.shape[1:] != (0,)]
+    if len(pictures) < len(formats) or len(numbers) > 1:
+        yield f"{len(parts)} parts: expected {len(formats)} pictures"
+    for one, form in zip(pictures, formats, strict=True):
+        if form == BYTES:
+            if one.dtype != np.uint8 or len(one) != 1:
+                yield f"{one.dtype} of shape {one.shape}: expected a row of bytes"
+            continue
+        channels, dtype = _KINDS[form]
+        wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
+        shape = (high, wide, channels) if channels > 1 else (high, wide)
+        if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
+            yield f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
+        if one.shape != shape or one.dtype != np.dtype(dtype):
+            yield f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
+        if one.dtype.kind == "f" and not np.isfinite(one).all():
+            yield "numbers that are not finite"
+    if numbers and (numbers[0].dtype != np.float64 or not (np.abs(numbers[0]) <= _LARGEST).all()):
+        yield f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
+    yield layer.misfit(pictures, numbers[0] if numbers else None)
+
+
+def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wanted: Wanted | None) -> list[EyeImage]:
+    """Return the eyes with the wanted layers, in textures of the server's pools."""
+
+    def data_of(layer: type[Layer], amount: Any, parts: Sequence[Any], drawn_ns: int) -> Any:
+        formats, sent = layer.pictures(amount), list[Any]()
+        for one, form in zip(parts, formats, strict=False):
+            if form == BYTES:
+                sent.append(one.ravel())
+                continue
+            sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
+            upload(sent[-1], one)
+        return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, drawn_ns)
+
+    shared, found = dict[str, Any](), []
+    for eye, of_eye in zip(eyes, parts, strict=True):
+        own = dict[str, Any]()
+        for name, amount in _amounts(wanted).items():
+            layer = layers.get(name)
+            if name not in shared:
+                (shared if layer.per_frame else own)[name] = data_of(layer, amount, of_eye[name], eye.drawn_ns)
+        found.append(eye.having(**shared, **own))
+    return found
+
 
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
-_CODECS = {H264: "h264", HEVC: "hevc", VP9: "vp9", AV1: "av1"}
-_RAW_COLOURS = {RGBA16F: "float16", RGBA8: "srgb8"}
-_RAW_DEPTHS = {INVERSE_DEPTH: "float32", DEPTH_CODES: "uint16"}
+_CODECS = {message.H264: "h264", message.HEVC: "hevc", message.VP9: "vp9", message.AV1: "av1"}
+_RAW_COLOURS = {message.RGBA16F: "float16", message.RGBA8: "srgb8"}
+_RAW_DEPTHS = {message.INVERSE_DEPTH: "float32", message.DEPTH_CODES: "uint16"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
-_WORK = {H264: 1, HEVC: 4, VP9: 1, AV1: 3}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
-_BYTES = {H264: 20, HEVC: 55, VP9: 90, AV1: 55}, {DEPTH_VIDEO: 65, DEPTH_VIDEO8: 65, DEPTH_EXACT: 40}
+_WORK = (
+    {message.H264: 1, message.HEVC: 4, message.VP9: 1, message.AV1: 3},
+    {message.DEPTH_VIDEO: 2, message.DEPTH_VIDEO8: 2},
+)
+_BYTES = (
+    {message.H264: 20, message.HEVC: 55, message.VP9: 90, message.AV1: 55},
+    {message.DEPTH_VIDEO: 65, message.DEPTH_VIDEO8: 65, message.DEPTH_EXACT: 40},
+)
 _FORMATS = {name: number for number, name in _CODECS.items()}
-_DEPTHS = {AS_VIDEO: DEPTH_VIDEO, AS_VIDEO8: DEPTH_VIDEO8}
+_DEPTHS = {AS_VIDEO: message.DEPTH_VIDEO, AS_VIDEO8: message.DEPTH_VIDEO8}
 _VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
@@ -88,7 +382,7 @@ def wish_of(
     step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
     return Wish(
         _FORMATS[coding.codec],
-        _DEPTHS.get(coding.depth, DEPTH_EXACT),
+        _DEPTHS.get(coding.depth, message.DEPTH_EXACT),
         coding.crf,
         rate_hz,
         coding.bitrate_mbit or 0.0,
@@ -99,7 +393,8 @@ def wish_of(
 def reading(wish: Wish, pictures: Collection[str]) -> Wish:
     """Return the wish without what nothing reads. pictures: as of PoseRequest."""
     colour, depth = (
-        kind if name in pictures else NONE for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
+        kind if name in pictures else message.NONE
+        for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
     )
     return attrs.evolve(wish, colour=colour, depth=depth)
 
@@ -136,9 +431,11 @@ def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:
 
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
-    if frame.depth == DEPTH_CODES:
+    if frame.depth == message.DEPTH_CODES:
         return max(0.55 * depth.step for depth in frame.inverse_depths if isinstance(depth, DepthCodes))
-    return {DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(frame.depth, 0.0)
+    return {message.DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(
+        frame.depth, 0.0
+    )
 
 
 def codec_of(colour: int) -> str:
@@ -162,7 +459,7 @@ def videos_for_browsers() -> dict[str, int]:
     for name in VIDEOS:
         with suppress(MachineError):
             check_codec(name)
-            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][DEPTH_VIDEO8]
+            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][message.DEPTH_VIDEO8]
     return found
 
 
@@ -189,22 +486,20 @@ class FeedEncoder:
 
     def encode(self, frame: FrameMessage) -> FrameMessage:
         """Return the frame, coded: the next of its stream."""
-        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        coded = [eye.encode(colour, depth) for eye, colour, depth in pairs]
         place, self._place = self._place, self._place + 1
-        colours, depths = (tuple(of_eye) for of_eye in zip(*coded, strict=True))
-        stops = [np.array([[eye.stops]], np.float64) for eye in self._eyes]
-        layers = tuple(
-            {**of_eye, LIGHT: [row]} if LIGHT in of_eye and row.any() else of_eye
-            for of_eye, row in zip(frame.layers, stops, strict=False)
-        )
+        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        colours, depths = zip(*(eye.encode(colour, depth, not place) for eye, colour, depth in sides), strict=True)
+        layers = [dict(of_eye) for of_eye in frame.layers]
+        for of_eye, eye in zip(layers, self._eyes, strict=False):
+            if LIGHT in of_eye and eye.stops:
+                of_eye[LIGHT] = [np.array([[eye.stops]], np.float64)]
         return attrs.evolve(
             frame,
-            layers=layers,
+            layers=tuple(layers),
             colours=colours,
             inverse_depths=depths,
-            colour=self.wish.colour or RGBA16F,
-            depth=self.wish.depth or INVERSE_DEPTH,
+            colour=self.wish.colour or message.RGBA16F,
+            depth=self.wish.depth or message.INVERSE_DEPTH,
             coded_size=self.size,
             begins=place == 0,
             place=place,
@@ -214,29 +509,29 @@ class FeedEncoder:
 class _EyeEncoder:
     def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
         self._colour: ColourEncoder | None = None
-        self._video: DepthVideoEncoder | None = None
-        self._depth: DepthEncoder | None = None
+        self._depth: DepthVideoEncoder | DepthEncoder | None = None
         if wish.colour in _CODECS:
             codec, mbit = codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
             self._colour = ColourEncoder(codec, size, wish.rate_hz, wish.crf, mbit)
+        step = wish.depth_step or STEP
         if wish.depth in _VIDEOS:
-            self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP, _VIDEOS[wish.depth])
-        elif wish.depth == DEPTH_EXACT:
-            self._depth = DepthEncoder(size, wish.depth_step or STEP)
+            self._depth = DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
+        elif wish.depth == message.DEPTH_EXACT:
+            self._depth = DepthEncoder(size, step)
         # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
-        self.stops, self._first = 0, True
+        self.stops = 0
 
-    def encode(self, colour: Any, depth: Any) -> tuple[Any, Any]:
-        first, self._first = self._first, False
+    def encode(self, colour: Any, depth: Any, key: bool) -> tuple[Any, Any]:
         if self._colour is not None:
             if colour.dtype == np.float16:
                 light = np.ascontiguousarray(colour[..., :3])
                 self.stops = max(stops_of(light), self.stops)
                 colour = bytes_from_light(light, self.stops)
-            colour, _ = self._colour.encode(colour[..., :3], first)
-        if self._video is not None:
-            return colour, self._video.encode(depth).data
-        return colour, depth if self._depth is None else self._depth.encode(depth)
+            colour, _ = self._colour.encode(colour[..., :3], key)
+        if self._depth is not None:
+            coded = self._depth.encode(depth)
+            depth = coded.data if isinstance(coded, Packet) else coded
+        return colour, depth
 
 
 class FeedDecoder:
@@ -256,7 +551,19 @@ class FeedDecoder:
             found = self._decoded(frame)
         if not found.is_finite:
             raise Undecodable("numbers that are not finite in its pictures")
-        return _with_light(unpacked(found))
+        found = unpacked(found)
+        # Linear light where the bytes reach beyond 1.
+        colours = list(found.colours)
+        for eye, of_eye in enumerate(found.layers):
+            colour, rows = colours[eye], of_eye.get(LIGHT, ())
+            stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
+            if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
+                continue
+            if len(stops) != 1 or stops[0] not in STOPS:
+                raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
+            light = light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0]))
+            colours[eye] = np.concatenate([light, (colour[..., 3:] > 0).astype(np.float16)], axis=-1)
+        return attrs.evolve(found, colours=tuple(colours))
 
     def _decoded(self, frame: FrameMessage) -> FrameMessage:
         if not frame.is_coded:
@@ -268,28 +575,10 @@ class FeedDecoder:
         self.wants_anew = True
         if self._coded_as != coded_as:
             raise Undecodable("another format, size or number of eyes than where the stream began")
-        pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
-        found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
+        sides = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
+        colours, depths = zip(*(eye.decode(frame, colour, depth) for eye, colour, depth in sides), strict=True)
         self.wants_anew = False
-        colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
         return attrs.evolve(frame, colours=colours, inverse_depths=depths)
-
-
-def _with_light(frame: FrameMessage) -> FrameMessage:
-    """Return the frame with linear light where its bytes reach beyond 1. Errors: Undecodable."""
-    colours = list(frame.colours)
-    for eye, of_eye in enumerate(frame.layers):
-        colour, rows = colours[eye], of_eye.get(LIGHT, ())
-        stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
-        if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
-            continue
-        if len(stops) != 1 or stops[0] not in STOPS:
-            raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
-        covered = (colour[..., 3:] > 0).astype(np.float16)
-        colours[eye] = np.concatenate(
-            [light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0])), covered], axis=-1
-        )
-    return attrs.evolve(frame, colours=tuple(colours))
 
 
 class _EyeDecoder:
@@ -301,7 +590,7 @@ class _EyeDecoder:
     def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:
         if self._video is not None:
             depth = self._video.decode(Packet(frame.place, frame.begins, depth))
-        elif frame.depth == DEPTH_EXACT:
+        elif frame.depth == message.DEPTH_EXACT:
             depth = self._depth.decode(depth)
         elif isinstance(depth, DepthCodes):
             depth = depth.numbers()
@@ -309,6 +598,6 @@ class _EyeDecoder:
             self._colour.begin(frame.place, frame.begins)
             light = self._colour.decode(colour, frame.place)
             # A video has no coverage: what has no depth was not drawn. Without depth all of it was.
-            drawn = np.full(light.shape[:2], True) if frame.depth == NONE else depth >= 0
+            drawn = np.full(light.shape[:2], True) if frame.depth == message.NONE else depth >= 0
             colour = np.dstack([light, np.where(drawn, 255, 0).astype(np.uint8)])
         return colour, depth

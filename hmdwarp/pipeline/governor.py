@@ -17,7 +17,6 @@ from ..client.compensator import Compensator, EyeResult, Stages
 from ..client.inputs import PassInputs
 from ..client.plan import Plan
 from ..errors import HmdwarpError
-from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
 from .levels import QualityLevel, best_within
 
@@ -121,63 +120,52 @@ class Governor:
         """
         if not (math.isfinite(total_ms) and total_ms >= 0):
             raise HmdwarpError(f"a refresh took {total_ms} ms: expected a finite time from 0")
+        stay = self._stay
         self._refresh += 1
-        if self._refresh - self._stay.arrived < SETTLING:
+        if self._refresh - stay.arrived < SETTLING:
             return None
-        self._stay.window.append(total_ms)
+        stay.window.append(total_ms)
         over = min(max(total_ms / self.budget_ms - 1, -CLIP), CLIP)
-        self._stay.evidence = min(max(0.0, self._stay.evidence + over), ENOUGH)
-        if self._stay.evidence == 0:
-            self._stay.against.clear()
+        stay.evidence = min(max(0.0, stay.evidence + over), ENOUGH)
+        if stay.evidence == 0:
+            stay.against.clear()
         else:
-            self._stay.against.append(total_ms)
-        if self._stay.evidence >= ENOUGH and self._at > 0:
-            return self._down()
-        if len(self._stay.window) == WINDOW:
-            self._learn(median(self._stay.window))
-            return self._up(median(self._stay.window))
-        return None
+            stay.against.append(total_ms)
+        if stay.evidence >= ENOUGH and self._at > 0:
+            return self._down(median(stay.against))
+        return self._up(median(stay.window)) if len(stay.window) == WINDOW else None
 
-    def _down(self) -> Change:
-        time_ms = median(self._stay.against)
+    def _down(self, time_ms: float) -> Change:
         self._learn(time_ms)
         fits = [k for k in range(self._at) if max(self._expected(k, time_ms)) <= self.budget_ms]
         to = fits[-1] if fits else 0
-        self._judge_climb()
+        if self._stay.climbed:
+            # A move up that soon led down has failed, of dearer levels too; one that lasted
+            # cancels one failure.
+            failures = self._failures[self._at]
+            if self._refresh - self._stay.arrived >= TRIAL * BACK_OFF**failures:
+                self._failures[self._at] = max(0, failures - 1)
+            else:
+                self._failures[self._at :] = [max(failures + 1, f) for f in self._failures[self._at :]]
         expected = max(self._expected(to, time_ms))
         fate = f"{self.levels[to]} is expected to take {expected:.2f} ms" + ("" if fits else ", the least there is")
         return self._change(
             to, time_ms, f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
         )
 
-    def _judge_climb(self) -> None:
-        """Count a move up that soon led down as a failure, also of dearer levels.
-
-        One that lasted cancels one failure.
-        """
-        if self._stay.climbed:
-            failures = self._failures[self._at]
-            lasted = self._refresh - self._stay.arrived >= TRIAL * BACK_OFF**failures
-            if lasted:
-                self._failures[self._at] = max(0, failures - 1)
-            else:
-                self._failures[self._at :] = [max(failures + 1, f) for f in self._failures[self._at :]]
-
     def _up(self, time_ms: float) -> Change | None:
+        self._learn(time_ms)
+        room, ready = self._stay.room, []
         for k in range(self._at + 1, len(self.levels)):
-            self._stay.room[k] = self._stay.room[k] + 1 if self._hoped(k, time_ms) <= MARGIN * self.budget_ms else 0
-        ready = [
-            k
-            for k in range(self._at + 1, len(self.levels))
-            if self._stay.room[k] >= PATIENCE * BACK_OFF ** self._failures[k]
-        ]
+            room[k] = room[k] + 1 if self._hoped(k, time_ms) <= MARGIN * self.budget_ms else 0
+            if room[k] >= PATIENCE * BACK_OFF ** self._failures[k]:
+                ready.append(k)
         if not ready:
             return None
         to = ready[-1]
         reason = (
-            f"{self.level} takes {time_ms:.2f} ms, and for {self._stay.room[to]} refreshes {self.levels[to]} has "
-            "been expected within "
-            f"{MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, time_ms):.2f} ms"
+            f"{self.level} takes {time_ms:.2f} ms, and for {room[to]} refreshes {self.levels[to]} has been expected "
+            f"within {MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, time_ms):.2f} ms"
         )
         return self._change(to, time_ms, reason)
 
@@ -223,10 +211,7 @@ class AdaptiveCompensator:
     def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
         self._governor, self._compensators = governor, dict(compensators)
         self.changes: list[Change] = []
-
-    @property
-    def gpu(self) -> Gpu:
-        return self._running.gpu
+        self.gpu = self._running.gpu
 
     @property
     def plan(self) -> Plan:

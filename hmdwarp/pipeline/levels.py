@@ -54,23 +54,29 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     without a time or a FLIP are ignored.
     Errors: InputError if no combination was measured, or no case is common to all.
     """
-    combined, shared = _compared(rows)
-    return front([_level(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
+    return _levels_and_cases(rows)[0]
 
 
-def _compared(
-    rows: Iterable[Row],
-) -> tuple[dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]], set[tuple[Any, ...]]]:
-    """Return figures of each warp and fill by case, and the cases that all have in common.
-
-    Errors: as levels_from.
-    """
-    measured = _measured(rows)
-    pixels = [row["size"][0] * row["size"][1] for row, _ in measured]
-    measured = _of_one_machine([each for each, count in zip(measured, pixels, strict=True) if count == max(pixels)])
+def _levels_and_cases(rows: Iterable[Row]) -> tuple[tuple[QualityLevel, ...], set[tuple[Any, ...]]]:
+    """Return levels_from the rows, and the cases that their means are taken over."""
+    measured = []
+    for row in rows:
+        total, error = row["time_ms"]["total"]["median"], row["quality"]["flip"]["mean"]
+        if total is not None and error is not None and total > 0:
+            measured.append((row, (float(total), float(error), row["quality"]["psnr_db"]["mean"])))
+    if not measured:
+        raise InputError(
+            "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
+        )
+    most = max(_pixels(row) for row, _ in measured)
+    measured = [each for each in measured if _pixels(each[0]) == most]
+    # Times of two machines are not comparable.
+    host = Counter(_host(row) for row, _ in measured).most_common(1)[0][0]
     combined: dict[tuple[str, str], dict[tuple[Any, ...], list[Figures]]] = {}
     for row, figures in measured:
-        combined.setdefault((row["warp"], row["fill"]), {}).setdefault(_case(row), []).append(figures)
+        if _host(row) == host:
+            case = tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
+            combined.setdefault((row["warp"], row["fill"]), {}).setdefault(case, []).append(figures)
     shared = set.intersection(*(set(cases) for cases in combined.values()))
     if not shared:
         raise InputError(
@@ -78,7 +84,24 @@ def _compared(
             "compared: "
             "measure all of them with the same traces, scenes and latencies"
         )
-    return combined, shared
+    levels = []
+    for (warp, fill), cases in combined.items():
+        times, errors, psnr = zip(*(figures for case in shared for figures in cases[case]), strict=True)
+        levels.append(QualityLevel(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr)))
+    return front(levels), shared
+
+
+def _pixels(row: Row) -> int:
+    return int(row["size"][0] * row["size"][1])
+
+
+def _host(row: Row) -> Any:
+    return (row.get("machine") or {}).get("host")
+
+
+def _mean(values: tuple[float, ...]) -> float:
+    # fsum: the mean must not depend on the order of the rows.
+    return math.fsum(values) / len(values)
 
 
 def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
@@ -88,17 +111,21 @@ def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
     have as many pixels) and the number of cases that the means are taken over.
     Errors: as levels_from; InputError for a budget that is not positive, or in which nothing fits.
     """
-    rows = list(rows)
-    levels, (_, shared) = levels_from(rows), _compared(rows)
+    levels, shared = _levels_and_cases(rows)
     at = best_within(levels, budget_ms)
-    following = _entry(levels[at + 1]) if at + 1 < len(levels) else None
-    terms = {"sizes": sorted({case[_CASE.index("size")] for case in shared}), "cases": len(shared)}
+    entry, *following = (
+        {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
+        for one in levels[at : at + 2]
+    )
+    # 'iterative:seed=forward,steps=3' has {'seed': 'forward', 'steps': '3'}.
+    settings = levels[at].warp.partition(":")[2].split(",")
     return {
         "budget_ms": float(budget_ms),
-        **_entry(levels[at]),
-        "settings": settings_of(levels[at].warp),
-        **terms,
-        "next": following,
+        **entry,
+        "settings": dict(part.split("=", 1) for part in settings if "=" in part),
+        "sizes": sorted({case[_CASE.index("size")] for case in shared}),
+        "cases": len(shared),
+        "next": following[0] if following else None,
     }
 
 
@@ -110,11 +137,9 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name:
     budget_ms = check_budget(budget_ms, name)
     fitting = [number for number, level in enumerate(levels) if level.total_ms <= budget_ms]
     if not fitting:
-        cheapest = levels[0]
         raise InputError(
-            f"{name} {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
-            f"{cheapest.total_ms:.2f} ms per eye: "
-            "allow that much, or use a smaller size"
+            f"{name} {budget_ms:g} ms: nothing is that fast here; the cheapest, {levels[0]}, takes "
+            f"{levels[0].total_ms:.2f} ms per eye: allow that much, or use a smaller size"
         )
     return fitting[-1]
 
@@ -131,61 +156,6 @@ def check_budget(budget_ms: float | None, name: str) -> float:
     return budget_ms
 
 
-def settings_of(warp: str) -> dict[str, str]:
-    """Return the settings of a warp's spec.
-
-    'iterative:seed=forward,steps=3' gives {'seed': 'forward', 'steps': '3'}.
-    """
-    _, _, settings = warp.partition(":")
-    return dict(part.split("=", 1) for part in settings.split(",") if "=" in part)
-
-
-def _entry(level: QualityLevel) -> dict[str, Any]:
-    return {
-        "warp": level.warp,
-        "fill": level.fill,
-        "total_ms": level.total_ms,
-        "flip": level.error,
-        "psnr_db": level.psnr_db,
-    }
-
-
-def _measured(rows: Iterable[Row]) -> list[tuple[Row, Figures]]:
-    found = []
-    for row in rows:
-        total = row["time_ms"]["total"]["median"]
-        error = row["quality"]["flip"]["mean"]
-        if total is None or error is None or not total > 0:
-            continue
-        found.append((row, (float(total), float(error), row["quality"]["psnr_db"]["mean"])))
-    if not found:
-        raise InputError(
-            "no combination of warp and fill was measured with a time and a FLIP: run the benchmark with both"
-        )
-    return found
-
-
-def _of_one_machine(measured: list[tuple[Row, Figures]]) -> list[tuple[Row, Figures]]:
-    """Return the rows of the machine that has the most: times of two are not comparable."""
-    hosts = Counter((row.get("machine") or {}).get("host") for row, _ in measured)
-    (most, _), *_ = hosts.most_common(1)
-    return [found for found in measured if (found[0].get("machine") or {}).get("host") == most]
-
-
-def _case(row: Row) -> tuple[Any, ...]:
-    return tuple(tuple(value) if isinstance(value := row.get(key), list) else value for key in _CASE)
-
-
-def _level(warp: str, fill: str, figures: list[Figures]) -> QualityLevel:
-    times, errors, psnr = zip(*figures, strict=True)
-    return QualityLevel(warp, fill, _mean(times), _mean(errors), None if None in psnr else _mean(psnr))
-
-
-def _mean(values: tuple[float, ...]) -> float:
-    # fsum: the mean must not depend on the order of the rows.
-    return math.fsum(values) / len(values)
-
-
 def front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
     """Return those that nothing as cheap is more accurate than, from the cheapest on."""
     front: list[QualityLevel] = []
@@ -200,8 +170,7 @@ def read_rows(path: Path) -> list[Row]:
 
     Errors: InputError naming the file and its fault.
     """
-    wanted = attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote")
-    bench = json_in(path, wanted)
+    bench = json_in(path, attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote"))
     if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
         raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
     if bench.get("schema") != report.SCHEMA:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import attrs
 
 from ..client.compensator import Compensator, EyeResult
@@ -164,19 +166,19 @@ class Loop:
 
         Frames may carry more layers, for plans that run on the same refresh.
         """
-        rendered = frame.eyes[eye].only(needs)
-        asked, kept = needs.others, self.history
-        found = [frame.eyes[1 - eye]] if asked.other_eye else []
-        found += rendered.carried.get("views", ())
-        found += [before.eyes[eye] for before in kept.frames[: asked.past]]
-        late = [before.eyes[eye] for before in kept.recent[: asked.recent]]
-        return rendered, _alike(found, rendered, needs), _alike(late, rendered, needs)
+        rendered, asked, kept = frame.eyes[eye].only(needs), needs.others, self.history
+        beside = [frame.eyes[1 - eye]] if asked.other_eye else []
+        beside += rendered.carried.get("views", ())
+        others = _alike(beside, kept.frames[: asked.past], eye, rendered, needs)
+        return rendered, others, _alike([], kept.recent[: asked.recent], eye, rendered, needs)
 
 
-def _alike(images: list[EyeImage], rendered: EyeImage, needs: Needs) -> Several:
-    """Return those of the picture's size, for which passes are made, with the needed layers."""
+def _alike(images: list[EyeImage], frames: Sequence[Frame], eye: int, like: EyeImage, needs: Needs) -> Several:
+    """Return images, and an eye's of frames, that passes for `like` fit, with the needed layers."""
+    for before in frames:
+        images.append(before.eyes[eye])
     found = []
     for one in images:
-        if one.colour.size == rendered.colour.size:
+        if one.colour.size == like.colour.size:
             found.append(one.only(needs) if one.carried else one)
     return tuple(found)

@@ -202,38 +202,19 @@ class ProxyOptions(Declared):
                 )
         return super().values_of(said)
 
-    def within(self, total_ms: float) -> Self:
-        """Return the same proxy on a way of that latency, which it divides as by default: 3 to 1.
+    def link(self, network: LinkOptions) -> LinkOptions:
+        """Return the link from the server to the proxy.
 
-        What remains of the total is that of the link to the client.
-        """
-        return attrs.evolve(self, latency_ms=_BEFORE * total_ms)
-
-    @property
-    def coding(self) -> Coding:
-        """How frames are coded on their way to the proxy."""
-        return Coding(self.codec)
-
-    def links(self, network: LinkOptions) -> tuple[LinkOptions, LinkOptions]:
-        """Return the link from the server to the proxy, and the one from there to the client.
-
-        The server's rate, and the time that it takes to render, belong to the first; the proxy
-        sends a picture at each refresh, and takes the time that it needs. All else is the second's.
+        The server's rate, and the time that it takes to render, belong to it; the proxy sends a
+        picture at each refresh, and takes the time that it needs. All else is the client's link's.
         """
         stages = network.response
-        first = LinkOptions(
-            server_rate_hz=network.server_rate_hz,
-            response=None if stages is None else StageTimes(render=stages.render),
-        )
-        last = attrs.evolve(
-            network, server_rate_hz=None, response=None if stages is None else attrs.evolve(stages, render=None)
-        )
-        return first, last
+        response = None if stages is None else StageTimes(render=stages.render)
+        return LinkOptions(server_rate_hz=network.server_rate_hz, response=response)
 
     def longest_ms(self, network: LinkOptions) -> float:
         """Return how long frames are under way to the proxy at most, 0 without a proxy."""
-        first, _ = self.links(network)
-        return first.longest_ns(round(self.latency_ms * 1e6)) / 1e6 if self.on else 0.0
+        return self.link(network).longest_ns(round(self.latency_ms * 1e6)) / 1e6 if self.on else 0.0
 
     def __str__(self) -> str:
         passes = self.warp if self.fill == "none" else f"{self.warp} + {self.fill}"
@@ -627,7 +608,11 @@ class PipelineOptions(Declared):
     @property
     def client_link(self) -> LinkOptions:
         """The link to the client: the network, less what belongs to the one before a proxy."""
-        return self.proxy.links(self.network)[1] if self.proxy.on else self.network
+        if not self.proxy.on:
+            return self.network
+        stages = self.network.response
+        response = None if stages is None else attrs.evolve(stages, render=None)
+        return attrs.evolve(self.network, server_rate_hz=None, response=response)
 
     @property
     def total_latency_ms(self) -> float:
@@ -682,12 +667,34 @@ class PipelineOptions(Declared):
         """Return the options with this warp and fill, in place of an automatic choice."""
         return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None, levels=())
 
+    def to_proxy(self) -> Self:
+        """Return the options of the way to the proxy, where pictures end without a lens."""
+        proxy = self.proxy
+        return attrs.evolve(
+            self,
+            strategy="",
+            client="",
+            warp=proxy.warp,
+            fill=proxy.fill,
+            guard=proxy.guard,
+            rendered_size=None,
+            lens="none",
+            fused=False,
+            scanout_ms=0.0,
+            latency_ms=proxy.latency_ms,
+            network=proxy.link(self.network),
+            coding=Coding(proxy.codec),
+            proxy=ProxyOptions(),
+        )
+
     def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
         """Return the options over a link that others share; what they set of it themselves stays.
 
         latency_ms: of the whole way, on which a proxy stands where there is one.
         """
-        proxy = self.proxy.within(latency_ms) if self.proxy.on else self.proxy
+        proxy = self.proxy
+        if proxy.on:  # which divides the way as by default
+            proxy = attrs.evolve(proxy, latency_ms=_BEFORE * latency_ms)
         return attrs.evolve(
             self,
             latency_ms=latency_ms - (proxy.latency_ms if proxy.on else 0.0),

@@ -17,7 +17,7 @@ from ..client.plan import Plan
 from ..client.variants import parse_fills, parse_indirect, parse_warp
 from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
-from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
+from ..geometry import Eyes, Guard, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
 from ..link import LinkOptions
@@ -29,18 +29,17 @@ from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
-from .channel import Channel, ChannelSetup
-from .frame_coder import Coder
+from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import (
-    age_over_ns,
-    check_room,
+    check_held,
+    expected_age_ns,
     eye_sizes,
     guarded_size,
-    held_over,
+    latency_ns,
     proxy_plan_for,
     refreshes_of,
     rendered_entry,
@@ -214,33 +213,32 @@ class ProxySource(Source):
 
         Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
         """
-        asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
-        (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)
-        eyes = GuardedEyes(target.eyes, requested.guard, requested.size)
+        way, gpu, rate_hz = options.to_proxy(), target.gpu, target.rate_hz
+        plan, eyes = proxy_plan_for(options, server.scene), GuardedEyes(target.eyes, requested.guard, requested.size)
         if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
-            raise InputError(f"--proxy-warp {asked.warp} looks into the other eye's picture, and there is one eye")
-        made = eye_sizes(asked.guard, eyes, guarded_size(requested.guard, target.eyes, requested.size))
-        held = held_over(first, asked.latency_ms, rate_hz, plan.needs)
-        check_room(gpu, plan.needs, made, GuardBand.of(asked.guard), held, asked.latency_ms)
-        refresh_ns = refreshes_of(asked.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
-        latency_ns = round(asked.latency_ms * 1e6)
-        if first.is_plain:
+            raise InputError(f"--proxy-warp {way.warp} looks into the other eye's picture, and there is one eye")
+        made = eye_sizes(way.guard_band, eyes, guarded_size(requested.guard, target.eyes, requested.size))
+        check_held(gpu, way, plan.needs, made, rate_hz)
+        refresh_ns = refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
+        link_ns = latency_ns(way)
+        if way.network.is_plain:
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
-            latency_ns = min(latency_ns, max(0, round(refresh_ns) - 2))
-        age_ns = age_over_ns(first, asked.latency_ms, round(refresh_ns), rate_hz)
+            link_ns = min(link_ns, max(0, round(refresh_ns) - 2))
+        age_ns = expected_age_ns(way, round(refresh_ns), rate_hz)
         geometry = client_scene(options, server.scene, server, stack)
         # What it shows is for the requested head; what the server draws is seen later.
-        request = PoseRequest(KnownHead(), requested.for_server, made.shown, asked.guard, plan.needs, age_ns=age_ns)
-        frames, coder = ServerFrames(server, request, eyes), Coder.of(asked.coding, rate_hz, age_ns)
-        link = (first, latency_ns, rate_hz, coder)
+        guard = options.proxy.guard
+        request = PoseRequest(KnownHead(), requested.for_server, made.shown, guard, plan.needs, age_ns=age_ns)
+        frames, coder = ServerFrames(server, request, eyes), Coder.of(way.coding, rate_hz, age_ns)
         about = {
-            "latency_ms": asked.latency_ms,
+            "latency_ms": way.latency_ms,
             "total_latency_ms": options.total_latency_ms,
-            "warp": asked.warp,
-            "fill": asked.fill,
+            "warp": way.warp,
+            "fill": way.fill,
             "effects": list(plan.effects),
-            "rendered": rendered_entry(asked.guard, made, plan.needs),
+            "rendered": rendered_entry(guard, made, plan.needs),
         }
+        link = (way.network, link_ns, rate_hz, coder)
         return Proxy(frames, geometry, request, plan, eyes, made.rendered, link, about, stack)
 
 

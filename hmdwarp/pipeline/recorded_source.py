@@ -1,36 +1,176 @@
-"""Recorded frames as a source: their display, their head, and notes on them."""
+"""Recorded frames in the place of a scene: their display and head, and what gives them."""
 
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Mapping
 from collections.abc import Sequence as Several
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Self
 
 import attrs
 import numpy as np
 
 from ..errors import InputError
-from ..geometry import Fov, GuardBand, Pose
+from ..frames import EyeImage, Frame, Needs
+from ..geometry import Fov, Guard, GuardBand, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
-from ..poses import LoadedTrace, PoseTrack
+from ..poses import LoadedTrace, Origin, PoseSample, PoseTrack
 from ..poses.assumptions import unstated
 from ..poses.quaternions import multiply, rotate
 from ..poses.track import Moment
+from ..scenes import Scene
 from ..sources import sequences
-from ..sources.repairs import parse_repairs
-from ..sources.sequences import Sequence
+from ..sources.array_passes import SRGB8, Arrays, Scaling
+from ..sources.repairs import RepairChain, parse_repairs
+from ..sources.sequences import RecordedFrame, Sequence
+from ..sources.server import Renderer, Target
 from .options import RECORDING, PipelineOptions
-from .recorded_renderer import MomentOf, RecordedRenderer
-from .source import Options, Source, nothing
+from .source import MomentOf, Options, Source, nothing
 
 Size = tuple[int, int]
+# Decoded frames that are kept: those under way, and the truth next to them; fewer of large ones.
+_KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
+_PIXEL_BYTES = 3 + 4
+_AS_RECORDED = RepairChain()
+_NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
+_ANOTHER = 1.0  # pixel that the truth may be off without a note
 _SAME_PLACE_M = 1e-4  # of a right eye: at 0.5 m less than 0.02 degrees, below a pixel
 _SAME_FOV = 1e-6  # rad, far below a pixel
 LEAST_SHOWN = 16  # pixels on each side that a guard band must leave
 _WIDEST_RIM = 0.1  # of the picture's smaller side
+
+
+class RecordedRenderer(Renderer):
+    """A renderer whose pictures are recorded, with the exact pose and field of view of each.
+
+    The requested view is ignored: a late frame is all that the camera took, for every eye
+    the same picture, and the truth that part of it which the display shows. Pixels without depth
+    keep their colour. The sequence's repair mends late frames, the truth stays as it was recorded.
+    Another size than the recording's is made by averaging light and taking the nearest depth.
+
+    moment_of: where the recording is at an instant; by default it is played once, from 0.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, sequence: Sequence, moment_of: MomentOf = Moment) -> None:
+        super().__init__(gpu, scene)
+        self._sequence, self._moment_of = sequence, moment_of
+        # Gives the truth of the right eye; None where that was not recorded.
+        self.right = RecordedRenderer(gpu, scene, sequence.right, moment_of) if sequence.right else None
+        self._times = [frame.time_ns for frame in sequence.frames]
+        fit = _KEPT_BYTES // (math.prod(sequence.frames[0].size) * _PIXEL_BYTES)
+        self._pixels = lru_cache(min(max(fit, _LEAST_KEPT), _KEPT))(_pixels)
+
+    def taken_by(self, moment: Moment) -> RecordedFrame:
+        """Return the last frame that has been seen by then, in the direction of playing."""
+        if moment.is_backwards:
+            at = min(bisect_left(self._times, moment.since_ns), len(self._times) - 1)
+        else:
+            at = max(0, bisect_right(self._times, moment.since_ns) - 1)
+        return self._sequence.frames[at]
+
+    def content(self, time_ns: int) -> object:
+        """Return which frame has been taken by then."""
+        return self.taken_by(self._moment_of(time_ns)).time_ns
+
+    def nearest_to(self, time_ns: int) -> RecordedFrame:
+        """Return the frame nearest to an instant, the earlier of two."""
+        before = bisect_right(self._times, time_ns) - 1
+        beside = [i for i in (before, before + 1) if 0 <= i < len(self._times)]
+        return self._sequence.frames[min(beside, key=lambda i: (abs(self._times[i] - time_ns), i))]
+
+    def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Return the frame nearest to the instant, as far as the view reaches: its truth."""
+        return self._image(self.nearest_to(self._moment_of(time_ns).since_ns), view.fov, size, into)
+
+    def draw_frame(
+        self,
+        views: Several[View],
+        drawn_ns: int,
+        size: Size,
+        guard: Guard = 1.0,
+        needs: Needs | None = None,
+        shown_size: Size | None = None,
+        age_ns: int = 0,
+        pictures: bool | None = True,
+    ) -> Frame:
+        """Return the last frame that was taken by now, all of it, always with its picture."""
+        moment, rendered = self._moment_of(drawn_ns), guarded_eyes(views, guard, size)[1]
+        taken = self.taken_by(moment)
+        taken_ns = drawn_ns - abs(moment.since_ns - taken.time_ns)
+        image = self._image(taken, taken.fov, rendered, repair=self._sequence.repair)
+        image = attrs.evolve(image, drawn_ns=taken_ns)
+        return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
+
+    def close(self) -> None:
+        """Free the pools, those of the right eye too."""
+        super().close()
+        if self.right is not None:
+            self.right.close()
+
+    def truth_facts(
+        self, shown: Several[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
+    ) -> tuple[dict[str, Any], str]:
+        """Return how far the truth is from what was shown, and that in a sentence or two.
+
+        truth_offset: median and most of time_ms, turn_deg and move_m. The truth is the recorded
+        frame nearest to the shown instant.
+        """
+        rows = []
+        for shown_ns, pose in shown:
+            frame = self.nearest_to(shown_ns)
+            x, y, z, w = frame.pose.relative_to(pose).unit_quaternion
+            turn_deg = math.degrees(2 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w)))
+            move_m = float(np.linalg.norm(frame.pose.position_m - pose.position_m))
+            rows.append((abs(frame.time_ns - shown_ns) * 1e-6, turn_deg, move_m))
+        offsets = {
+            name: {"median": round(float(np.median(column)), 6), "most": round(max(column), 6)}
+            for name, column in zip(("time_ms", "turn_deg", "move_m"), zip(*rows, strict=True), strict=True)
+        }
+        facts = {"eyes": 1, "truth_offset": offsets}
+        if not any(offset["most"] > _NOTHING for offset in offsets.values()):
+            return facts, "The truth is the recorded frame of the shown instant itself."
+        parts = ", ".join(
+            f"{offsets[name]['median']:.{digits}f} {unit} (at most {offsets[name]['most']:.{digits}f})"
+            for name, unit, digits in (("time_ms", "ms", 1), ("turn_deg", "degrees", 2), ("move_m", "m", 3))
+        )
+        text = f"The truth is the recorded frame nearest to the shown instant, off by {parts} in the median."
+        if offsets["turn_deg"]["median"] * pixels_per_degree > _ANOTHER or not own_head:
+            text += " That is another view than the one shown: the figures count this difference as error."
+        return facts, text
+
+    def _image(
+        self, taken: RecordedFrame, fov: Fov, size: Size, into: Target | None = None, repair: RepairChain = _AS_RECORDED
+    ) -> EyeImage:
+        target = into if into is not None else self.acquire(size)
+        self.take_in(self._pixels(taken, fov, size, repair), target)
+        view = attrs.evolve(taken.view, fov=fov)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
+
+
+def _pixels(taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain) -> Arrays:
+    """Return a frame in (w, h) pixels: whole ones of it as they are.
+
+    fov: what they show, within that of the frame.
+    """
+    colour, depth = taken.read()
+    if repair.steps:
+        depth = repair.run(colour * np.float32(1 / 255), inverse_depth_from_metres(depth)).inverse_depth
+    # The field of view in the pixels of the frame, where a millionth of one is rounding.
+    (wide, high), (left, right, down, up) = taken.size, taken.fov.tangents.tolist()
+    west, east, south, north = fov.tangents.tolist()
+    columns = [(side - left) * wide / (right - left) for side in (west, east)]
+    rows = [(up - side) * high / (up - down) for side in (north, south)]
+    box = tuple(round(at, 6) for at in (columns[0], rows[0], columns[1], rows[1]))
+    left, top, right, bottom = math.floor(box[0]), math.floor(box[1]), math.ceil(box[2]), math.ceil(box[3])
+    scaling = None
+    if box != (left, top, right, bottom) or size != (right - left, bottom - top) or taken.hidden is not None:
+        seen_rows = None if taken.hidden is None else taken.hidden.rows(fov, size)
+        scaling = Scaling(size, (box[0] - left, box[1] - top, box[2] - left, box[3] - top), seen_rows)
+    part = np.s_[top:bottom, left:right]
+    return Arrays(colour[part], SRGB8, depth[part], is_inverse=bool(repair.steps), is_apart=True, scaling=scaling)
 
 
 class RecordingSource(Source):
@@ -89,7 +229,17 @@ class RecordingSource(Source):
 
     @cached_property
     def _suggested(self) -> list[str]:
-        return [*_about_rim(self.sequence), *sequences.depth_notes(self.sequence)]
+        ends = self.sequence.frames[0], self.sequence.frames[-1]
+        rims, notes = [frame.rim() for frame in ends], sequences.depth_notes(self.sequence)
+        # A rim is where it is in all frames; what is wider is more likely a background.
+        if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
+            return [*notes]
+        # The adjacent line is blended with it.
+        return [
+            f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. "
+            f"If that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were.",
+            *notes,
+        ]
 
     @property
     def about(self) -> str:
@@ -127,9 +277,24 @@ class RecordingSource(Source):
     def head(self, trace: LoadedTrace | None) -> LoadedTrace:
         """Return the recording's own motion, or a head that begins where the camera does."""
         sequence = self.sequence
-        if trace is not None:
-            return _beside(trace, sequence)
-        return LoadedTrace(sequence.track, sequence.path, sequence.layout, [], [], "", "", axes_assumed=False)
+        if trace is None:
+            return LoadedTrace(sequence.track, sequence.path, sequence.layout, [], [], "", "", axes_assumed=False)
+        track, start = trace.track, sequence.frames[0].pose
+        turn, first = start @ Pose((0, 0, 0), track.orientation_xyzw[0]).inverse(), track.position_m[0]
+        kept = track.time_ns - track.start_ns <= sequence.frames[-1].time_ns  # it ends where the recording does
+        turned = np.array(turn.orientation_xyzw)
+        moved = PoseTrack(
+            track.time_ns[kept] - track.start_ns,
+            start.position_m + rotate(turned, track.position_m[kept] - first),
+            multiply(turned, track.orientation_xyzw[kept]),
+            name=track.name,
+            origin=track.origin,
+            axes=track.axes,
+            epoch_ns=track.epoch_ns + track.start_ns,
+            max_gap_ns=track.max_gap_ns,
+            gaze=None if track.gaze is None else track.gaze[kept],
+        )
+        return attrs.evolve(trace, track=moved)
 
     def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> RecordedRenderer:
         """Return what gives the frames; mirrors and edges are as they were recorded."""
@@ -151,62 +316,22 @@ def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_
                 f"{sequence.path}: {first.name} and {frame.name} have different fields of view: expected one for all, "
                 "as the display has; replay those of each camera by themselves"
             )
-    fov, size = _middle_of(first.fov, first.size, guard or GuardBand())
-    hidden = first.hidden.polygons if first.hidden is not None else ()
-    return camera_display(str(sequence.path), fov, size, sequence.rate_hz or 1.0, eye_distance_m, hidden)
-
-
-def _middle_of(fov: Fov, size: Size, guard: GuardBand) -> tuple[Fov, Size]:
-    """Return the part of a field of view that a guard band leaves, in whole pixels."""
-    tangents, kept, sides = fov.tangents, [], []
-    for axis, factor in enumerate((guard.x, guard.y)):
-        low, high = tangents[2 * axis : 2 * axis + 2]
-        left = round(size[axis] / factor)
-        if left < min(LEAST_SHOWN, size[axis]):
+    guard, tangents, kept, sides = guard or GuardBand(), first.fov.tangents, [], []
+    for (low, high), pixels, factor in zip(tangents.reshape(2, 2), first.size, (guard.x, guard.y), strict=True):
+        left = round(pixels / factor)
+        if left < min(LEAST_SHOWN, pixels):
             raise InputError(
-                f"{guard} leaves {left} of the {size[axis]} recorded pixels on one axis: expected at least "
-                f"{LEAST_SHOWN}; use a smaller guard"
+                f"{guard} leaves {left} of the {pixels} recorded pixels on one axis: expected at least {LEAST_SHOWN}; "
+                "use a smaller guard"
             )
-        # As much to either side of the camera's axis as the guard band says.
-        before = round((size[axis] - left) * abs(low) / (abs(low) + abs(high)))
-        per_pixel = (high - low) / size[axis]
+        # As much to either side of the camera's axis as the guard band says, in whole pixels.
+        before, per_pixel = round((pixels - left) * abs(low) / (abs(low) + abs(high))), (high - low) / pixels
         kept.append(left)
         sides += [low + before * per_pixel, low + (before + left) * per_pixel]
-    return (fov, size) if tuple(kept) == size else (Fov.from_tangents(sides), (kept[0], kept[1]))
-
-
-def _beside(trace: LoadedTrace, sequence: Sequence) -> LoadedTrace:
-    """Return a head that begins where the camera does, cut off when the recording ends."""
-    track, start = trace.track, sequence.frames[0].pose
-    turn, first = start @ Pose((0, 0, 0), track.orientation_xyzw[0]).inverse(), track.position_m[0]
-    kept = track.time_ns - track.start_ns <= sequence.frames[-1].time_ns
-    turned = np.array(turn.orientation_xyzw)
-    moved = PoseTrack(
-        track.time_ns[kept] - track.start_ns,
-        start.position_m + rotate(turned, track.position_m[kept] - first),
-        multiply(turned, track.orientation_xyzw[kept]),
-        name=track.name,
-        origin=track.origin,
-        axes=track.axes,
-        epoch_ns=track.epoch_ns + track.start_ns,
-        max_gap_ns=track.max_gap_ns,
-        gaze=None if track.gaze is None else track.gaze[kept],
-    )
-    return attrs.evolve(trace, track=moved)
-
-
-def _about_rim(sequence: Sequence) -> list[str]:
-    """Return what to say of a rim without a picture, nothing where there is none."""
-    ends = sequence.frames[0], sequence.frames[-1]
-    rims = [frame.rim() for frame in ends]
-    # A rim is where it is in all frames; what is wider is more likely a background.
-    if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
-        return []
-    # The adjacent line is blended with it.
-    return [
-        f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. If "
-        f"that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were."
-    ]
+    size = (kept[0], kept[1])
+    fov = first.fov if size == first.size else Fov.from_tangents(sides)
+    hidden = first.hidden.polygons if first.hidden is not None else ()
+    return camera_display(str(sequence.path), fov, size, sequence.rate_hz or 1.0, eye_distance_m, hidden)
 
 
 def _degrees(fov: Fov) -> tuple[float, float]:

@@ -29,8 +29,19 @@ from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, Fram
 from ..sources.feed.options import FeedOptions, public_key, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of, codes_video, left_out, raw_form, reading
-from .feed_layers import fovea_of, grids_of, misfit, wanted_alone, wanted_of
+from .feed_coding import (
+    FeedDecoder,
+    codec_of,
+    codes_video,
+    fovea_of,
+    grids_of,
+    left_out,
+    misfit,
+    raw_form,
+    reading,
+    wanted_alone,
+    wanted_of,
+)
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6

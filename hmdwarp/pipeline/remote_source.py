@@ -12,7 +12,7 @@ from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE
-from ..frames.layers.foveated import FoveatedPicture
+from ..frames.layers.pictures import FoveatedPicture
 from ..geometry import Eyes, Pose, View, guarded_eyes, looking
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR
@@ -25,12 +25,10 @@ from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, public_key, secret_in
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
-from .feed_layers import made
+from .feed_coding import arrays_of, codes_video, depth_error, left_out, made, wish_of
 from .options import REMOTE, SERVER_SCENE, PipelineOptions
-from .recorded_renderer import MomentOf
 from .remote import Answer, Pending, Remote, ViewsApart
-from .source import FirstRequest, FrameSource, Options, PoseRequest, Source, nothing
+from .source import FrameSource, MomentOf, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
 
 
@@ -78,16 +76,19 @@ class RemoteSource(Source):
                 "use another one, or name that scene by --scene, too"
             )
 
-    def measured(self, options: Options, first: FirstRequest) -> Options:
-        """Connect, send what people do, and return the options with the measured latency."""
+    def measured(self, options: Options, **first: Any) -> Options:
+        """Connect, send what people do, and return the options with the measured latency.
+
+        first: head and views of one instant, rate_hz, needs and pictures as of PoseRequest; holds,
+        keeps and say as of Remote.
+        """
         assert options.size is not None
-        remote = self.remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
-        remote.pictures = first.pictures
-        wanted = (RAW[self.feed.raw], options.coding, first.rate_hz, first.views, options.size)
+        remote = self.remote = Remote(self.feed, **{name: first[name] for name in ("holds", "keeps", "say")})
+        remote.pictures, head, views, rate_hz = first["pictures"], first["head"], first["views"], first["rate_hz"]
+        wanted = (RAW[self.feed.raw], options.coding, rate_hz, views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
-        longest_ns += self._added_ns
-        remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
+        longest_ns = remote.measure(head, views, options.guard_band, options.size, first["needs"]) + self._added_ns
+        remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / rate_hz)
         if self.scene.inputs is not None:
             remote.act(self.scene.inputs)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)

@@ -21,11 +21,10 @@ from ..geometry.cube import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 from ..headsets import Headset
-from ..link import LinkOptions
 from ..options import AUTO, DEFAULT_GUARD, Choice
 from ..platforms import memory_bytes
 from ..scenes import CONVERGED, Scene
-from .options import PROXY, RECORDING, PipelineOptions, ProxyOptions
+from .options import PROXY, RECORDING, PipelineOptions
 
 Size = tuple[int, int]
 
@@ -41,12 +40,9 @@ def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     try:
         return guarded_eyes(eyes.views(Pose()), band, size)[1]
     except InputError as error:
-        raise InputError(f"{band} on {_named(eyes)}: {error}; use a smaller one") from error
-
-
-def _named(eyes: Eyes) -> str:
-    name = getattr(eyes, "name", "")
-    return f"headset '{name}'" if name else "these eyes"
+        name = getattr(eyes, "name", "")
+        of = f"headset '{name}'" if name else "these eyes"
+        raise InputError(f"{band} on {of}: {error}; use a smaller one") from error
 
 
 def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
@@ -82,26 +78,6 @@ def rendered_text(entry: Mapping[str, Any]) -> str:
     return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees"
 
 
-def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: int, latency_ms: float) -> None:
-    """Check the GL size limit and the memory.
-
-    Errors: InputError beyond the GL limit; MachineError where the frames alone would fill the
-    machine's memory.
-    """
-    check_size(gpu.gl, sizes.shown)
-    rendered_size = sizes.rendered
-    if max(rendered_size) > gpu.max_texture_size:
-        found = f"{GuardBand.of(guard)} makes frames of {rendered_size[0]}x{rendered_size[1]} pixels"
-        raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
-    needed = frames * sum(frame_bytes(needs, sizes).values())
-    if gpu.is_software and needed > memory_bytes():
-        raise MachineError(
-            f"--latency {latency_ms:g} ms keeps {frames} frames of 2x{rendered_size[0]}x{rendered_size[1]} pixels, "
-            f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
-            "use a smaller --size, a shorter --latency or a lower --rate"
-        )
-
-
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
 # refresh at 60 Hz, not a little more.
 _SAME_REFRESH = 1e-3
@@ -118,41 +94,49 @@ def refreshes_of(latency_ms: float, rate_hz: float) -> int:
 
 
 def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
-    """Return the largest number of frames alive at once, as held_over does."""
-    return held_over(options.client_link, options.latency_ms, rate_hz, needs)
-
-
-def held_over(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs) -> int:
-    """Return the largest number of frames alive at once over a link.
+    """Return the largest number of frames alive at once.
 
     Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
     read.
     """
+    link, latency_ms = options.client_link, options.latency_ms
     sends_hz, kept = link.sends_hz(rate_hz), needs.others.past + needs.others.recent
     if link.is_plain:
         # Those sent since the refresh before, less the latency.
         return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + kept
-    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + kept
+    return link.most_under_way(latency_ns(options), sends_hz) + 2 + kept
 
 
 def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
-    """Return the mean age of a frame when it is seen, as age_over_ns does."""
-    return age_over_ns(options.client_link, options.latency_ms, plain_ns, rate_hz)
-
-
-def age_over_ns(link: LinkOptions, latency_ms: float, plain_ns: int, rate_hz: float) -> int:
-    """Return the mean age of a frame over a link when it is seen.
+    """Return the mean age of a frame when it is seen.
 
     plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
     """
+    link = options.client_link
     stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
-    newest_ns = plain_ns if link.is_plain else link.typical_ns(round(latency_ms * 1e6))
+    newest_ns = plain_ns if link.is_plain else link.typical_ns(latency_ns(options))
     return newest_ns + round(stays_ns / 2)
 
 
 def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
-    """Check that the largest number of frames alive at once fits. Errors: as check_room."""
-    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
+    """Check the GL size limit, and that the largest number of frames alive at once fits.
+
+    Errors: InputError beyond the GL limit; MachineError where the frames alone would fill the
+    machine's memory.
+    """
+    check_size(gpu.gl, sizes.shown)
+    wide, high = sizes.rendered
+    if max(sizes.rendered) > gpu.max_texture_size:
+        found = f"{options.guard_band} makes frames of {wide}x{high} pixels"
+        raise InputError(f"{found}: expected at most {gpu.max_texture_size} on each side (this GPU's limit)")
+    count = frames_held(options, rate_hz, needs)
+    needed = count * sum(frame_bytes(needs, sizes).values())
+    if gpu.is_software and needed > memory_bytes():
+        raise MachineError(
+            f"--latency {options.latency_ms:g} ms keeps {count} frames of 2x{wide}x{high} pixels, "
+            f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
+            "use a smaller --size, a shorter --latency or a lower --rate"
+        )
 
 
 def smaller_size(gpu: Gpu, options: PipelineOptions, size: tuple[int, int]) -> str:
@@ -198,12 +182,7 @@ def guard_notes(options: PipelineOptions, weight: dict[str, Any]) -> list[str]:
     ]
 
 
-def plans_for(
-    options: PipelineOptions,
-    headset: Headset | None,
-    scene: Scene | None,
-    **beyond: Any,
-) -> list[Plan]:
+def plans_for(options: PipelineOptions, headset: Headset | None, scene: Scene | None, **beyond: Any) -> list[Plan]:
     """Return the plans of a run: one, or one for each level that it chooses from.
 
     beyond, errors: as build_plan_for.
@@ -220,15 +199,13 @@ def build_plan_for(
     scene: Scene | None,
     *,
     shares_frames: bool = False,
-    distorts: str = "",
-    takes_depth: str = "",
-    takes_panels: str = "",
+    **beyond: str,
 ) -> Plan:
     """Return the plan of a run. Without a scene, only the names are checked.
 
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
-    distorts, takes_depth, takes_panels: as in build_plan.
+    beyond: distorts, takes_depth, takes_panels of build_plan.
     Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
     not for the scene; InputError for a lens correction on a headset without a lens.
     """
@@ -236,18 +213,10 @@ def build_plan_for(
         raise InputError(
             f"headset '{headset.name}' has no lens, so --lens {options.lens} cannot be applied: use --lens none"
         )
-    plan = (
-        _plan_behind_proxy(options, scene, distorts)
-        if options.source_kind is PROXY
-        else _plan_of_all(
-            options,
-            scene,
-            shares_frames=shares_frames,
-            distorts=distorts,
-            takes_depth=takes_depth,
-            takes_panels=takes_panels,
-        )
-    )
+    if options.source_kind is PROXY:
+        plan = _plan_behind_proxy(options, scene, beyond.get("distorts", ""))
+    else:
+        plan = _plan_of_all(options, scene, shares_frames, **beyond)
     check_suited(scene, plan.choice, options.indirect)
     if options.client_name:
         check_client(plan, load_client(options.client_name))
@@ -265,21 +234,30 @@ def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None
         raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
 
 
-def _plan_of_all(options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, **beyond: str) -> Plan:
+def _plan(selected: Any, options: PipelineOptions, **more: Any) -> Plan:
+    """Return the plan that compensates what is selected, with what all plans take of options."""
+    return build_plan(
+        selected,
+        options.warp,
+        options.fill,
+        options.lens,
+        brings=options.source_kind.layers,
+        fused=options.fused,
+        scanout=options.scanout_ms > 0 and options.follow_scanout,
+        **more,
+    )
+
+
+def _plan_of_all(options: PipelineOptions, scene: Scene | None, shares_frames: bool, **beyond: str) -> Plan:
     """Return the plan of who gets the server's frames. beyond: as in build_plan."""
     called_for, kind = effects.of(scene) if scene is not None else (), options.source_kind
     # What recorded frames show is not known, so that what is forced is never without content.
     selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
     try:
-        plan = build_plan(
+        plan = _plan(
             selected,
-            options.warp,
-            options.fill,
-            options.lens,
+            options,
             client_geometry=kind.has_geometry,
-            brings=kind.layers,
-            fused=options.fused,
-            scanout=options.scanout_ms > 0 and options.follow_scanout,
             named=selected if shares_frames else effects.forced(options.effects),
             forced={*selected} - {*called_for},
             forbidden={*called_for} - {*selected},
@@ -304,18 +282,7 @@ def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:
 
     Errors: as build_plan_for.
     """
-    alone = attrs.evolve(
-        options,
-        strategy="",
-        proxy=ProxyOptions(),
-        warp=options.proxy.warp,
-        fill=options.proxy.fill,
-        lens="none",
-        fused=False,
-        scanout_ms=0.0,
-        client="",
-    )
-    return build_plan_for(alone, None, scene)
+    return build_plan_for(options.to_proxy(), None, scene)
 
 
 def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: str) -> Plan:
@@ -323,17 +290,7 @@ def _plan_behind_proxy(options: PipelineOptions, scene: Scene | None, distorts: 
     done = f"the proxy compensates it, as far as its warp '{options.proxy.warp}' can"
     compensated = proxy_plan_for(options, scene).effects
     try:
-        plan = build_plan(
-            (),
-            options.warp,
-            options.fill,
-            options.lens,
-            client_geometry=False,
-            brings=options.source_kind.layers,
-            fused=options.fused,
-            scanout=options.scanout_ms > 0 and options.follow_scanout,
-            distorts=distorts,
-        )
+        plan = _plan((), options, client_geometry=False, distorts=distorts)
     except PlanError as error:
         raise PlanError(
             f"{error}; a proxy sends the finished picture alone: show it by --warp none or rotation"

@@ -22,7 +22,7 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, Pose, View, looking
+from ..geometry import Eyes, Guard, GuardBand, Pose, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions, scaled_size
@@ -43,11 +43,12 @@ from ..scenes import (
     scenes,
 )
 from ..sources.server import Renderer, Server
-from .channel import Channel, ChannelSetup
-from .frame_coder import Coder, Reads
+from .channel import Channel, ChannelSetup, Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
-from .recorded_renderer import MomentOf
 from .remote import Remote
+
+# Where recorded frames are at an instant.
+MomentOf = Callable[[int], Moment]
 
 
 @attrs.define(eq=False)
@@ -224,23 +225,6 @@ def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str
 Options = TypeVar("Options", bound=PipelineOptions)
 
 
-@attrs.frozen(eq=False, kw_only=True)
-class FirstRequest:
-    """The first request to a server elsewhere, to measure the way to it."""
-
-    # Of one instant.
-    head: PoseSample
-    views: Sequence[View]
-    rate_hz: float
-    needs: Needs
-    # As of PoseRequest.
-    pictures: frozenset[str]
-    # See Remote.
-    holds: bool
-    keeps: bool
-    say: Callable[[str], None]
-
-
 class Source:
     """A scene that is drawn here; the other sources say where they differ.
 
@@ -302,10 +286,10 @@ class Source:
                 why, remedy = "recorded frames have one eye", "multi:eye=own looks into older frames alone"
             raise InputError(f"{why}, and this warp or fill looks into the other eye's picture: {remedy}")
 
-    def measured(self, options: Options, first: FirstRequest) -> Options:
+    def measured(self, options: Options, **first: Any) -> Options:
         """Connect where frames come from elsewhere, and return the options with the way's latency.
 
-        Errors: as Remote.measure.
+        first: the first request, see RemoteSource. Errors: as Remote.measure.
         """
         return options
 

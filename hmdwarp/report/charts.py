@@ -67,7 +67,6 @@ class Look:
 
 
 def css_variables(dark: bool) -> str:
-    """Return the CSS declarations of the colours of charts, for light or dark paper."""
     return " ".join(f"{CSS_VARIABLES[stand_in]}: {tones[dark]};" for stand_in, tones in _TONES.items())
 
 
@@ -76,10 +75,7 @@ Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
 
 @contextmanager
 def drawing(content: object, font_size: float = 9) -> Iterator[None]:
-    """Set Matplotlib up for a chart of `content`.
-
-    The same content gives the same text, and two charts of one page share no ids.
-    """
+    """Set Matplotlib up: the same content gives the same text; charts share no ids."""
     from matplotlib import rc_context
 
     salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
@@ -119,10 +115,7 @@ class Drawn(str):
 
 
 def svg_text(figure: Any) -> Drawn:
-    """Return a figure drawn in stand-in colours as an <svg> element to stand in the page.
-
-    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
-    """
+    """Return a figure as an <svg> element of a page, which sets width and colours."""
     figure.patch.set_visible(False)
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -172,7 +165,6 @@ def canvas(
 
 
 def empty_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = None) -> Figure:
-    """Return an empty figure of that size."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -201,14 +193,12 @@ def legend(where: Axes | FigureBase, handles: Sequence[Any], **style: Any) -> No
 
 
 def mark(label: str = "", **style: Any) -> Any:
-    """Return a line or marker for a legend, in ink unless the style has a colour."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], label=label, **{"color": INK, **style})
 
 
 def name_rows(axes: Axes, names: Sequence[str], above: float = 0.6) -> None:
-    """Name the rows of a chart, the first on top."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.4, -above)
 
@@ -272,30 +262,27 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True, 
     """
     content = [(line.label, line.value.tobytes()) for line in series]
     with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
-        drawn = [_draw(axes, number, line, points) for number, line in enumerate(series)]
+        drawn = 0
+        for number, band in enumerate(map(binned, series)):
+            if not len(band.mean):
+                continue
+            drawn, look = drawn + 1, Look.of(number)
+            marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
+            if (band.high > band.low).any():
+                axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
+            style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
+            axes.plot(band.time_s, band.mean, color=look.color, label=series[number].label, markersize=3, **style)
         axes.margins(x=0.01)
         if from_zero:
             axes.set_ylim(bottom=0)
             axes.set_ylim(top=max(axes.get_ylim()[1], 1e-9))
-        if not any(drawn):
+        if not drawn:
             not_measured(axes)
-        elif len(drawn) > 1:
+        elif len(series) > 1:
             handles, _ = axes.get_legend_handles_labels()
             above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 2}
             legend(axes, handles, **above, borderaxespad=0, handlelength=2.5)
         return svg_text(axes.get_figure())
-
-
-def _draw(axes: Axes, number: int, series: Series, points: bool) -> bool:
-    band, look = binned(series), Look.of(number)
-    if not len(band.mean):
-        return False
-    marker = look.marker if len(band.mean) <= (_MOST_POINTS - 1 if points else _FEW_POINTS) else ""
-    if (band.high > band.low).any():
-        axes.fill_between(band.time_s, band.low, band.high, color=look.color, alpha=0.2, linewidth=0)
-    style: Style = {"linestyle": _DASHES[number], "linewidth": 1.0 if points else 1.3, "marker": marker}
-    axes.plot(band.time_s, band.mean, color=look.color, label=series.label, markersize=3, **style)
-    return True
 
 
 _NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
@@ -377,15 +364,11 @@ class Spot:
     number: int | None
 
     def mark(self, name: str) -> Any:
-        """Return its line of a legend."""
         return mark(f"{self.number} {name}", **attrs.asdict(self.look), linestyle="none", markersize=5)
 
 
 def draw_spots(axes: Axes, spots: Sequence[Spot], *, higher: bool = False) -> None:
-    """Draw methods with their intervals, those of a look joined, the front filled, on a staircase.
-
-    higher: whether a higher error measure is better. A chart of nothing says so.
-    """
+    """Draw methods, those of a look joined, the front filled. higher: whether higher is better."""
     if not spots:
         axes.set_xticks([])
         axes.set_yticks([])

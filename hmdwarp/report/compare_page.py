@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..metrics import PRIMARY, Figure, pareto
+from ..metrics import PRIMARY, pareto
 from ..scenes.options import KNOWS
 from . import page
 from .bench.page import suite_section
@@ -43,7 +43,7 @@ def _named(row: Row) -> str:
 
 
 def _columns() -> Iterator[Column]:
-    text, number, mb = Column.of_text, Column.of_number, 1e-6
+    text, number = Column.of_text, Column.of_number
     yield from (text("trace"), text("scene"), number("latency_ms"), text("strategy", shown=_named))
     yield from (text("warp"), text("fill"), *metric_columns(intervals=False), *RATED)
     yield number("client_ms", "client", "ms an eye", 1)
@@ -51,8 +51,8 @@ def _columns() -> Iterator[Column]:
     yield number("mbit_s", "link", "Mbit/s", 1)
     yield number("up_mbit_s", "poses back", "Mbit/s", 2)
     yield number("decoded_mpx_s")
-    yield Column(Figure("start_bytes", "before the first frame", "MB", 1, mb), lambda row: row.get("start_bytes"))
-    yield Column(Figure("client_bytes", "held", "MB", 0, mb), lambda row: row.get("client_bytes"))
+    yield number("start_bytes", "before the first frame", "MB", 1, 1e-6)
+    yield number("client_bytes", "held", "MB", 0, 1e-6)
     yield text("unfit", value=lambda row: "; ".join(f"{who}: {why}" for who, why in row["unfit"].items() if why))
 
 
@@ -68,10 +68,7 @@ COSTS = ("client_ms", "mbit_s")
 
 
 def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.Page:
-    """Return the page from the content of compare.json.
-
-    data: also `cases`, how many there are where `rows` are the first. pictures: of each row.
-    """
+    """Return the page from compare.json; `cases`: of how many `rows` are the first."""
     rows: list[Row] = list(data["rows"])
     count, groups = len(data["strategies"]), cases(rows, OF_COMPARE)
     picture_of = {id(row): picture for row, picture in zip(rows, pictures, strict=True)}
@@ -191,7 +188,7 @@ def _strip(group: Case, picture_of: Mapping[int, Pictures]) -> list[page.Picture
     """Return the truth and what each strategy shows."""
     from PIL import Image
 
-    strip = []
+    strip: list[page.Picture] = []
     for row in (row for row in _ordered(group.rows) if "nothing" not in row):
         shown, truth = picture_of[id(row)]()
         pictures = [] if strip else [("what should be seen", truth)]

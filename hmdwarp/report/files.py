@@ -29,10 +29,7 @@ _NO_PLACE = frozenset({errno.ENOENT, errno.ENAMETOOLONG, errno.ENOTEMPTY})
 
 
 def write_error(error: OSError, path: Path) -> HmdwarpError:
-    """Return the one-line error for a failed write to `path`.
-
-    MachineError for a full disk, InputError for a place that cannot be written.
-    """
+    """Return the error of a failed write: MachineError for a full disk, else InputError."""
     why = error.strerror or str(error)
     if error.errno in (errno.EEXIST, errno.ENOTDIR):
         return InputError(
@@ -49,10 +46,7 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
 
 @attrs.define
 class Partial:
-    """A new file next to the one that it will become; what killed runs left of that one is deleted.
-
-    Errors: OSError where it cannot be made.
-    """
+    """A new file beside its final one, less what killed runs left of it. Errors: OSError."""
 
     path: Path
     # Holds a lock while this file is written, so that no other run takes it for one left behind.
@@ -60,7 +54,6 @@ class Partial:
 
     @classmethod
     def of(cls, final: Path) -> Partial:
-        """Make the file."""
         while True:
             path = final.with_name(f".{final.name[:_STEM]}.{uuid.uuid4().hex[:8]}.part")
             handle = os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666)
@@ -72,7 +65,6 @@ class Partial:
         return cls(path, handle)
 
     def close(self) -> None:
-        """Delete it, unless it was renamed. May be called again."""
         with suppress(OSError):
             self.path.unlink()
         if self._handle >= 0:
@@ -96,10 +88,7 @@ def _sweep(final: Path, but: Path) -> None:
 
 
 def lock(handle: int, *, wait: bool = False) -> bool:
-    """Lock an open file or folder until it is closed; return whether it was not locked already.
-
-    A file system without locks locks nothing.
-    """
+    """Lock an open file or folder until it is closed; return whether it was free."""
     try:
         platforms.lock(handle, wait=wait)
     except OSError:
@@ -131,10 +120,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def keep_private(*paths: Path) -> None:
-    """Let only their owner read or enter files and folders, however they were made.
-
-    What belongs to others stays as it is, and so does all on a disk without permissions.
-    """
+    """Let only their owner read or enter files and folders, as far as they are ours."""
     for path in paths:
         with suppress(OSError):
             if not path.is_symlink():
@@ -157,16 +143,14 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a whole file. Errors: InputError or MachineError naming the path."""
     with _opened(path) as file:
         file.write(content)
 
 
 def write_text(path: str | os.PathLike[str], content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
-    write_bytes(
-        path, content.encode(errors="replace")
-    )  # a file name that is no text (in a command, a note) holds lone surrogates
+    # A file name that is no text (in a command, a note) holds lone surrogates.
+    write_bytes(path, content.encode(errors="replace"))
 
 
 def write_stream(
@@ -181,9 +165,8 @@ def write_stream(
         raise InputError(f"{path} is a directory: expected the name of a file to write")
     if source is not None:
         refuse_source(path, source)
-    text = None if binary else "utf-8"
-    newline = None if binary else "\n"
-    with atomic(path) as temporary, temporary.open("wb" if binary else "w", encoding=text, newline=newline) as stream:
+    how: Any = {"mode": "wb"} if binary else {"mode": "w", "encoding": "utf-8", "newline": "\n"}
+    with atomic(path) as temporary, temporary.open(**how) as stream:
         write(stream)
 
 
@@ -241,16 +224,15 @@ def write_csv(path: str | os.PathLike[str], rows: Iterable[Mapping[str, Any]], c
     Texts are inert_text.
     Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
     """
-    known = set(columns)
     with atomic(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         for row in rows:
-            if not known.issuperset(row):
+            if unknown := set(row).difference(columns):
                 raise HmdwarpError(
-                    f"{path}: a row has {', '.join(sorted(set(row) - known))}, which are no columns of this table"
+                    f"{path}: a row has {', '.join(sorted(unknown))}, which are no columns of this table"
                 )
-            writer.writerow(["" if row.get(name) is None else _field(row[name]) for name in columns])
+            writer.writerow([_field(row.get(name)) for name in columns])
 
 
 _FORMULA = re.compile(r"[\s']*[=+\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")  # the wide ones too, as Excel reads them
@@ -268,6 +250,8 @@ def raw_text(cell: str) -> str:
 
 
 def _field(value: Any) -> Any:
+    if value is None:
+        return ""
     if isinstance(value, str):
         return inert_text(value)
     # repr(np.float64) would write "np.float64(1.0)"; float() is the same number.
@@ -289,10 +273,7 @@ _PAPER, _INK, _GAP = (255, 255, 255), (60, 60, 60), 6
 
 
 def magma(error_map: NDArray[Any]) -> Pixels:
-    """Colour an error map as FLIP does, from dark (no error) to bright.
-
-    error_map: (h, w) bytes, or floats 0..1; returns (h, w, 3).
-    """
+    """Colour an error map, (h, w) bytes or floats 0..1, as FLIP does, from dark to bright."""
     levels = np.asarray(error_map)
     if levels.dtype != np.uint8:
         levels = np.rint(np.clip(levels, 0, 1) * 255).astype(np.uint8)
@@ -340,7 +321,11 @@ def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Pi
     if not panels:
         raise HmdwarpError("a strip of pictures needs at least one panel")
     height = panels[0][1].shape[0]
-    images = [_scaled(picture, height) for _, picture in panels]
+    images = []
+    for image in (Image.fromarray(np.ascontiguousarray(picture)) for _, picture in panels):
+        how = Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
+        size = max(1, round(image.width * height / image.height)), height
+        images.append(image if image.height == height else image.resize(size, how))
     columns = columns or len(panels)
     cell = max(image.width for image in images) + _GAP
     text = max(11, round(height / 24), round(columns * cell / 80))  # 10 pixels where the strip is shown 800 wide
@@ -360,18 +345,6 @@ def panels_in(strip: Pixels, count: int, height: int) -> list[Pixels]:
     """Return the panels of a labelled_strip of one row, the first of which is so high."""
     cell = (strip.shape[1] + _GAP) // count
     return [strip[-height:, at * cell : (at + 1) * cell - _GAP] for at in range(count)]
-
-
-def _scaled(picture: Pixels, height: int) -> Any:
-    from PIL import Image
-
-    image = Image.fromarray(np.ascontiguousarray(picture))
-    if image.height == height:
-        return image
-    width = max(1, round(image.width * height / image.height))
-    return image.resize(
-        (width, height), Image.Resampling.NEAREST if image.height < height else Image.Resampling.LANCZOS
-    )
 
 
 def png_bytes(picture: NDArray[Any]) -> bytes:

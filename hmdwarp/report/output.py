@@ -92,10 +92,7 @@ class OutputFolder:
             raise
 
     def path(self, name: str) -> Path:
-        """Return the path to write the file `name` to; its subfolders are made.
-
-        Errors: ValueError for a name outside the folder.
-        """
+        """Return the path to write a file to, in its subfolder. Errors: ValueError."""
         staged = self._staging / name
         if Path(name).is_absolute() or ".." in Path(name).parts:
             raise ValueError(f"'{name}' leads out of the output folder")
@@ -227,7 +224,6 @@ def _locked(folder: Path) -> Iterator[None]:
 
 
 def _lock(folder: Path) -> int:
-    """Return a handle that locks the folder until it is closed; -1 where it cannot be locked."""
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:

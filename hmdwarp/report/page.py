@@ -26,8 +26,6 @@ texts = run_texts.texts
 
 @attrs.frozen
 class Tile:
-    """A figure in large type."""
-
     label: str
     unit: str
     text: str
@@ -38,24 +36,18 @@ class Tile:
 
 @attrs.frozen
 class Text:
-    """A paragraph."""
-
     text: str
     style: str = "small"
 
 
 @attrs.frozen
 class Heading:
-    """A heading inside a section."""
-
     text: str
     note: str = ""
 
 
 @attrs.frozen
 class Sentences:
-    """A list of sentences."""
-
     sentences: Sequence[str]
     # Classes of the lines, if they have any.
     styles: Sequence[str] = ()
@@ -64,8 +56,6 @@ class Sentences:
 
 @attrs.frozen
 class Terms:
-    """Terms, each with its text."""
-
     pairs: Sequence[tuple[str, str]]
     style: str = ""
 
@@ -86,14 +76,11 @@ class Chart:
 
     @classmethod
     def over_time(cls, heading: str, svg: str) -> Chart:
-        """Make a chart over time."""
         return cls.of(heading, svg, f"{heading} over time", "")
 
 
 @attrs.frozen
 class Picture:
-    """A picture with its caption."""
-
     caption: str
     source: str  # data URI
     alt: str
@@ -160,8 +147,6 @@ class Section:
 
 @attrs.frozen
 class Page:
-    """A page as data."""
-
     kind: str  # of hmdwarp's commands: "bench"
     title: str  # of the window
     heading: tuple[str, str | None]
@@ -174,7 +159,6 @@ class Page:
     remarks: Sequence[str] = ()
 
     def html(self) -> str:
-        """Return the text of the page."""
         from jinja2 import Environment, PackageLoader, StrictUndefined
 
         environment = Environment(
@@ -202,7 +186,6 @@ def fact(label: str, text: object, after: str = "") -> str:
 
 
 def notes_section(notes: Sequence[str]) -> Section:
-    """Return the box of notes."""
     return Section("Notes", [Sentences(notes)] if notes else [], style="notes")
 
 
@@ -214,7 +197,6 @@ def machine_pairs(version: str, machine: Mapping[str, Any], clock: str | None) -
 
 
 def minutes(seconds: float) -> str:
-    """Return "7.2 min"."""
     return f"{seconds / 60:.1f} min"
 
 

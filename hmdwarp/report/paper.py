@@ -30,10 +30,7 @@ _LATEX = {
 
 
 def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
-    """Write the tables and charts of a page, named by their section and number.
-
-    Errors: as OutputFolder.
-    """
+    """Write tables and charts of a page, named by section and number. Errors: as OutputFolder."""
     if not options.is_wanted:
         return
     made = f"hmdwarp {__version__}: {' '.join(page.command.split())}"
@@ -140,10 +137,7 @@ def _csv(table: Table) -> str:
 
 
 def paper_bytes(drawn: Drawn, kind: str) -> bytes:
-    """Return a chart in the colours of white paper, as a file: "svg", "pdf" or "png".
-
-    It has no date: a run repeats byte for byte.
-    """
+    """Return a chart for white paper as a file without a date: "svg", "pdf" or "png"."""
     figure, data = drawn.figure, io.BytesIO()
     no_date = {"svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None, "Creator": None}}
     with drawing(str(drawn)):

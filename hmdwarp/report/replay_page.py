@@ -154,7 +154,6 @@ def render_report(
 
 
 def made_with(summary: Summary) -> list[tuple[str, str]]:
-    """Return what a run was made with."""
     pairs = page.machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"])
     return [*pairs, ("Effects", ", ".join(summary["effects"]) or "none")]
 
@@ -175,12 +174,8 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
     response = run_texts.response_rows(summary)
     if not response:
         return None
-    tables = (
-        ("Response time, means over the refreshes", response),
-        ("Frames", run_texts.frame_rows(summary)),
-        ("Size", run_texts.coding_rows(summary)),
-        *more,
-    )
+    tables = [("Response time, means over the refreshes", response), ("Frames", run_texts.frame_rows(summary))]
+    tables += [("Size", run_texts.coding_rows(summary)), *more]
     pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
     frames = (summary.get("link") or {}).get("timeline") or ()
     ways = {tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}
@@ -195,11 +190,10 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
 def metric_charts(runs: Mapping[str, Rows]) -> list[page.Chart]:
     """Return the charts over time of the metrics, the primary one first. runs: by name."""
     charts = []
-    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+    for metric in sorted((metric for metric in metrics_in_order() if metric.chart), key=lambda m: m.name != PRIMARY):
         series = [Series.of(name, rows, metric.name, metric.scale) for name, rows in runs.items()]
-        if metric.chart:
-            svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero, points=True)
-            charts.append(page.Chart.over_time(metric.chart, svg))
+        svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero, points=True)
+        charts.append(page.Chart.over_time(metric.chart, svg))
     return charts
 
 
@@ -236,10 +230,7 @@ def comparison_table(summary: Summary, *baselines: Summary) -> Table:
 
 
 def how_sure(summary: Summary, *, mark: str | None) -> str:
-    """Return what the intervals are and what a mark says, or why there are none.
-
-    mark: None where nothing is compared.
-    """
+    """Return what the intervals are and what a mark (None for none) says, or why none are."""
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     best = f"; {mark}: the best of the line, by the 95 % interval of the difference" if mark else ""
@@ -265,9 +256,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {of_what}"
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
-    lines[1] += "".join(
-        f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
-    )
+    lines[1] += "".join("; baseline {warp}: fill {fill}, lens {lens}".format(**one) for one in baselines)
     caption = "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])
     table = comparison_table(summary, *baselines)
     tails = range(2, 3 if len(baselines) > 1 else 5)
@@ -305,7 +294,8 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
     pairs = [("source", live["source"]), *about, *run_texts.source_facts(summary)]
     pairs += [(name, summary[name]) for name in ("fill", "lens")]
-    charts = [page.Group("charts", _live_charts(summary, column)), page.Text(texts("live")["notes"]["charts"])]
+    over_time = [page.Group("charts", _live_charts(summary, column)), page.Text(texts("live")["notes"]["charts"])]
+    errors = run_texts.listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs])
     collector = live["garbage_collector"]
     when = "between the pictures" if collector["between"] else "at any time"
     collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
@@ -322,17 +312,15 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
             _refresh(summary),
             transit_section(summary),
             page.Section("Changes", [page.Terms(changes, "changes")] if changes else []),
-            page.Section("Over time", charts),
+            page.Section("Over time", over_time),
             page.reading_section(
                 "live",
                 *([("Shown over the picture", notices)] if notices else []),
                 ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
-                errors=run_texts.listed(
-                    [metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]
-                ),
+                errors=errors,
                 waiting=str(live["waiting"]),
                 unseen=str(live["unseen"]),
-            ),
+            ),  # fmt: skip
         ),
         made_with=made_with(summary),
     ).html()
@@ -358,7 +346,6 @@ def _live_tiles(summary: Summary) -> list[page.Tile]:
 
 
 def _refresh(summary: Summary) -> page.Section:
-    """Return the parts of a refresh against its budget, with a bar for each."""
     live = summary["live"]
     lines, rows = [], run_texts.budget_rows(summary)
     longest = max([1.0, *(share for *_, share in rows)])

@@ -147,7 +147,6 @@ class FigureChange:
         return written.text(self.stored), written.text(self.now), f"{change:+.{written.digits}f}{share}"
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         values = {"name": self.key, "first": self.stored, "second": self.now, "unit": self.figure.unit}
         change = None if None in (self.stored, self.now) else self.now - self.stored  # type: ignore[operator]
         return values | {"change": change, "verdict": _WORDS[self.is_better]}
@@ -225,12 +224,10 @@ class RunDiff:
         ]
 
     def blocks(self) -> list[Any]:
-        """Return the same as blocks of a page."""
         lines = self.lines(figures=False)
         return [*[figures_table(self.figures)] * bool(self.figures), *[page.Sentences(lines)] * bool(lines)]
 
     def entry(self) -> dict[str, Any]:
-        """Return it as plain data, for JSON."""
         return {
             "equal": self.is_equal,
             "setup": [dict(zip(("name", "first", "second"), entry, strict=True)) for entry in self.setup],
@@ -254,6 +251,7 @@ class RunDiff:
                 for label, picture in zip(labels, one.pictures, strict=True)
             ]
             articles.append(page.Article([page.Heading(one.name, one.told), page.Group("panels", shown)]))
+        over_time = metric_charts({"stored": self.first.rows(), "now": self.second.rows()})
         return page.Page(
             kind="diff",
             title="hmdwarp: run comparison",
@@ -264,10 +262,7 @@ class RunDiff:
             sections=(
                 page.Section("Differences", self.blocks()),
                 page.Section("Pictures", [choice, *articles] if articles else []),
-                page.Section(
-                    "Over time",
-                    [page.Group("charts", metric_charts({"stored": self.first.rows(), "now": self.second.rows()}))],
-                ),
+                page.Section("Over time", [page.Group("charts", over_time)]),
             ),
             made_with=page.machine_pairs(*(self.second.summary[key] for key in ("hmdwarp", "machine", "clock"))),
         ).html()
@@ -301,17 +296,10 @@ def diff_runs(
     changed = [one for one in figures if not is_same(one.key, one.stored, one.now)]
     beyond = [one for one in changed if not allows(one.key, one.stored, one.now)]
     same_rows = first.summary["digests"]["frames.csv"] == second.summary["digests"]["frames.csv"]
-    return RunDiff(
-        first,
-        second,
-        setup,
-        sorted(beyond, key=lambda one: -one.size),
-        [one.key for one in figures],
-        len(changed) - len(beyond),
-        [] if same_rows else _refreshes(first, second, allows, notes),
-        [*_pictures(first, second, pixels)],
-        notes,
-    )
+    refreshes = [] if same_rows else _refreshes(first, second, allows, notes)
+    beyond.sort(key=lambda one: -one.size)
+    pictures, compared = [*_pictures(first, second, pixels)], [one.key for one in figures]
+    return RunDiff(first, second, setup, beyond, compared, len(changed) - len(beyond), refreshes, pictures, notes)
 
 
 def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:

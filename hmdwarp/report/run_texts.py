@@ -35,10 +35,7 @@ def texts(page: str) -> Mapping[str, Any]:
 
 
 def p_text(p: float | None) -> str:
-    """Return p as ".226", ".0098" or "3e-7".
-
-    Three digits after the point, four below .01, one digit and the power of ten below .0001.
-    """
+    """Return p as ".226", below .01 as ".0098", below .0001 as "3e-7"."""
     if p is None or math.isnan(p):
         return "–"
     if p < 1e-4:
@@ -51,7 +48,6 @@ def p_text(p: float | None) -> str:
 
 
 def p_is(p: float) -> str:
-    """Return p as "p = .0098"."""
     return f"p = {p_text(p)}"
 
 
@@ -77,10 +73,7 @@ def plain(value: float | None, digits: int = 2) -> str:
 
 
 def pair_text(baseline: str, condition: str) -> str:
-    """Return "forward over none, 200 ms"; a positive difference is a gain over the baseline.
-
-    The common end of the two names is written once.
-    """
+    """Return "forward over none, 200 ms": the common end of the two names is written once."""
     head, comma, tail = condition.rpartition(", ")
     return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"
 
@@ -95,8 +88,6 @@ Heads = Sequence[tuple[str, str]]
 
 @attrs.frozen
 class Cell:
-    """One cell of a table."""
-
     text: str
     # Numbers stand at the right; `word`, `tail`, `best`, `meter` are other styles.
     style: str = ""
@@ -146,10 +137,10 @@ class Table:
         return style if style in ("word", "tail") else ""
 
     def markdown(self) -> str:
-        """Return the table as Markdown, without its caption; it ends with a line feed."""
         heads = [" ".join(filter(None, head)) for head in self.heads]
         rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
-        return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
+        lines = [heads, rule, *([cell.text for cell in line.cells] for line in self.lines)]
+        return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
     def terminal(self, columns: Sequence[int], **options: Any) -> TerminalTable:
         """Return these columns for the terminal; the best of a line has a star."""
@@ -181,35 +172,22 @@ class Table:
         lines = [("th", [f"{label} [{unit}]" if unit else label for label, unit in (self.heads[n] for n in chosen)])]
         for cells in (line.cells for line in self.lines):
             lines.append(("td", [cells[n].text + " *" * (cells[n].style == "best") for n in chosen]))
-        cell, row = Markup('<{0} style="text-align: {1}">{2}</{0}>').format, Markup("<tr>{}</tr>").format
-        rows = (Markup().join(map(functools.partial(cell, tag), sides, texts)) for tag, texts in lines)
-        return str(Markup("<table>{}</table>").format(Markup().join(map(row, rows))))
-
-
-def markdown(lines: Iterable[Sequence[str]]) -> str:
-    """Return lines of cells as a Markdown table; each ends with a line feed."""
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+        cell, rows = Markup('<{0} style="text-align: {1}">{2}</{0}>').format, Markup()
+        for tag, texts in lines:
+            rows += Markup("<tr>{}</tr>").format(Markup().join(map(functools.partial(cell, tag), sides, texts)))
+        return str(Markup("<table>{}</table>").format(rows))
 
 
 def terminal_table(
     heads: Iterable[str] = (), lines: Iterable[Iterable[str]] = (), *, words: int = 1, **options: Any
 ) -> TerminalTable:
-    """Return a table for the terminal in the look of all of them.
-
-    words: so many columns from the left hold words, which may wrap; the others hold numbers.
-    """
+    """Return a table for the terminal. words: columns from the left that may wrap."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(
-        **{"padding": (0, 1, 0, 0)} | options,
-        title_justify="left",
-        caption_justify="left",
-        box=SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-    )
+    looks: Any = {"padding": (0, 1, 0, 0), "box": SIMPLE_HEAD, "show_edge": False, "pad_edge": False}
+    table = Table(**looks | options, title_justify="left", caption_justify="left")
     for number, head in enumerate(heads):
         table.add_column(head, justify="left" if number < words else "right", no_wrap=number >= words)
     for line in lines:
@@ -238,10 +216,7 @@ _TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "un
 
 
 def figure_of(key: str) -> Figure:
-    """Return how a number of summary.json is written, and which way it is better, by its key.
-
-    key: dotted, such as `regions.seen.flip`; the last part that has a declaration decides.
-    """
+    """Return how a number is written, by the last part of its dotted key that has a declaration."""
     known = [part for part in key.split(".") if part in _BY_NAME]
     return _BY_NAME[known[-1]] if known else Figure(key, key, "ms" if key.endswith("_ms") else "", 0)
 
@@ -255,11 +230,8 @@ def source_facts(summary: Summary) -> Pairs:
     camera = f"{'×'.join(map(str, recorded['size']))}, {across:.1f} × {down:.1f} degrees"
     distance = recorded["eye_distance_mm"]
     eyes = f"both, the right one {distance:g} mm from the camera" if distance else "one, the camera's"
-    return [
-        ("recorded frames", f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"),
-        ("camera", camera),
-        ("eyes", eyes),
-    ]
+    frames = f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"
+    return [("recorded frames", frames), ("camera", camera), ("eyes", eyes)]
 
 
 def source_text(summary: Summary) -> str:
@@ -289,59 +261,40 @@ def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
 
 
 def filled_rows(summary: Summary) -> Pairs:
-    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty.
-
-    The list is empty if the summary does not say.
-    """
-    filled: Mapping[str, float] = summary.get("filled") or {}
-    return [
-        ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
-    ]
+    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty."""
+    filled = (summary.get("filled") or {}).items()
+    return [("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled]
 
 
 def model_rows(summary: Summary) -> Pairs:
-    """Return (model, what it weighs) of each model that the client drew for itself.
-
-    With what crossed for it, packed, where the summary says so.
-    """
+    """Return (model, its size) of each that the client drew for itself, and what crossed for it."""
     rows = []
     for model in summary.get("client_models") or ():
+        geometry_mb = f"{model['geometry_bytes'] / 1e6:.1f} MB"
         if "share" not in model:
             *_, kept = model  # how many things it holds comes last
-            rows.append((f"client's {kept}", f"{model[kept]}, room of {model['geometry_bytes'] / 1e6:.1f} MB"))
+            rows.append((f"client's {kept}", f"{model[kept]}, room of {geometry_mb}"))
         else:
             named = f"client's model, {100 * model['share']:g} % of the triangles, textures at {model['texture']:g}"
-            weight = f"{model['triangles']} triangles {model['geometry_bytes'] / 1e6:.1f} MB, "
-            rows.append((named, f"{weight}textures {model['texture_bytes'] / 1e6:.1f} MB"))
+            textures_mb = f"{model['texture_bytes'] / 1e6:.1f} MB"
+            rows.append((named, f"{model['triangles']} triangles {geometry_mb}, textures {textures_mb}"))
         if "start_up_bytes" in model:
             first = model["first_picture_bytes"]
             whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
-            rows.append(
-                (
-                    "of that crossed, packed",
-                    f"{model['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, "
-                    f"{model['arrived_bytes'] / 1e6:.2f} MB in all",
-                )
-            )
+            ends = (f"{model[key] / 1e6:.2f} MB" for key in ("start_up_bytes", "arrived_bytes"))
+            rows.append(("of that crossed, packed", f"{next(ends)} at the start, {whole}, {next(ends)} in all"))
     return rows
 
 
-def response_rows(summary: Summary) -> Pairs:
-    """Return (part, mean ms) of the response time, without parts that took no time.
-
-    They add up to the mean response time; its median and 95th percentile follow.
-    """
-    return _response(summary, *texts("link")["response"])
-
-
-def _response(summary: Summary, *names: str) -> Pairs:
+def response_rows(summary: Summary, *names: str) -> Pairs:
+    """Return (part, mean ms) of the response time, its median and p95 last; names: some alone."""
     link = summary.get("link") or {}
     # With --response fixed a frame is as old as the latency says, whatever the stages took here.
     kind = "response time" if link.get("response") == "sum" else "latency plus this machine's stages"
     took = link.get("response_ms") or {}
     words = {"kind": kind, "drawing": drawing_text(summary), "eyes": eyes_text(summary)}
     labels = texts("link")["response"]
-    return [(labels[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
+    return [(labels[name].format(**words), f"{took[name]:.2f} ms") for name in names or labels if took.get(name)]
 
 
 def frame_rows(summary: Summary) -> Pairs:
@@ -376,11 +329,8 @@ def coding_rows(summary: Summary) -> Pairs:
             ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
         ]
     if "resolution" in link:
-        rows += [
-            (f"frames at {float(scale):.0%} of the width and height", str(count))
-            for scale, count in link["resolution"]["frames"].items()
-            if count
-        ]
+        counts = {f"{float(scale):.0%}": count for scale, count in link["resolution"]["frames"].items() if count}
+        rows += [(f"frames at {share} of the width and height", str(count)) for share, count in counts.items()]
         rows.append(("changes of resolution", str(link["resolution"]["changes"])))
     return rows
 
@@ -400,16 +350,13 @@ def transit_lines(summary: Summary) -> list[str]:
     counts = link.get("frames") or {}
     if "proxy" in link or link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
         lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
-        rows = [*coding_rows(summary), *_response(summary, "median_ms")]
+        rows = [*coding_rows(summary), *response_rows(summary, "median_ms")]
         lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
     return lines
 
 
 def live_lines(summary: Summary, folder: Path | None) -> list[str]:
-    """Return the lines that end a live run.
-
-    summary: as summary.json, empty if no picture was shown; folder: of the report.
-    """
+    """Return the lines that end a live run. summary: empty if no picture was shown."""
     if not summary:
         return ["no picture was shown"]
     live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
@@ -443,7 +390,7 @@ def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
     live = summary["live"]
     rows = []
     for name, entry in live["refresh_ms"].items():
-        what = {"render": f"{drawing_text(summary)} by the server", "total": "total"}.get(name, name)
+        what = f"{drawing_text(summary)} by the server" if name == "render" else name
         share = (entry["median"] or 0.0) / live["budget_ms"]
         rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
     return rows
@@ -453,10 +400,7 @@ _HARDLY = 0.05  # of the refreshes: so many may be late without one being missed
 
 
 def waited_text(live: Mapping[str, Any]) -> str:
-    """Return what to say where the display waits for pictures that are late; "" where it does not.
-
-    Nothing is missed there, however long a picture takes.
-    """
+    """Return what to say where a display waits for late pictures; "" where not."""
     share = live["over"] / max(1, live["timed"])
     if live["missed"] or share < _HARDLY:
         return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
@@ -43,7 +44,6 @@ def _cell(template: str, row: Row) -> str:
 
 
 def best_first(conditions: Iterable[Row]) -> list[Row]:
-    """Return the scores of conditions, the best first."""
     return sorted(conditions, key=lambda row: -row["jod"])
 
 
@@ -104,15 +104,19 @@ _SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
 
 def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     """Draw every rating of a part, up is better; lines join the compared ratings of one person."""
-    names, pairs = _columns(part["conditions"], comparisons)
     by_name = {row["condition"]: row for row in part["conditions"]}
+    # The two conditions of a comparison stand side by side, a condition of two comparisons twice.
+    # With too many comparisons there are no lines.
+    pairs = [*enumerate(comparisons)] if len(comparisons) <= _MOST_PAIRS else []
+    names = [name for _, row in pairs for name in (row["baseline"], row["condition"])]
+    names += [name for name in by_name if name not in names]
     values = [value for row in part["conditions"] for value in row["ratings"].values()]
     label = f"{measure['title'].lower()} (up is better)"
     with canvas((part["part"], measure["name"], names), (_WIDTH_IN, 3.6), y=label, grid="y") as axes:
         figure: Any = axes.get_figure()
         shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
-        for at, row in pairs:
-            ends = row["baseline"], row["condition"]
+        for pair, row in pairs:
+            at, ends = 2 * pair, (row["baseline"], row["condition"])
             for who, difference in row["differences"].items():
                 x = [at + place + shifts[name][who] for place, name in enumerate(ends)]
                 y = [by_name[name]["ratings"][who] for name in ends]
@@ -129,12 +133,9 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
-        lines = bool(pairs)
-        key = [
-            mark("one person", marker="o", linestyle="none", markerfacecolor="none"),
-            mark("median (▸ mean)", linewidth=2.2),
-        ]
-        if lines:
+        key = [mark("one person", marker="o", linestyle="none", markerfacecolor="none")]
+        key.append(mark("median (▸ mean)", linewidth=2.2))
+        if pairs:
             key.append(mark("rated better than the baseline", color=_BETTER, linewidth=1.2))
             key.append(mark("worse", color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2))))
         legend(figure, key, loc="outside upper left", ncols=4)
@@ -210,21 +211,6 @@ def place_chart(part: Row, measure: Row) -> str:
         return svg_text(axes.get_figure())
 
 
-def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
-    """Return the names of the columns, and the place of each comparison's first one.
-
-    The two conditions of a comparison stand side by side, a condition of two comparisons twice.
-    With too many comparisons there are no lines.
-    """
-    names = [row["condition"] for row in conditions]
-    if len(comparisons) > _MOST_PAIRS:
-        return names, []
-    columns = [name for row in comparisons for name in (row["baseline"], row["condition"])]
-    return [*columns, *(name for name in names if name not in columns)], [
-        (2 * k, row) for k, row in enumerate(comparisons)
-    ]
-
-
 def _shifts(ratings: Mapping[str, float]) -> dict[str, float]:
     """Return the sideways shift of each person's point, so that equal ratings lie side by side."""
     groups: dict[float, list[str]] = {}
@@ -255,14 +241,13 @@ def _spread(count: int, width: float = 0.15) -> np.ndarray:
     return width * (np.arange(count) * 0.618034 % 1 - 0.5)
 
 
+_ALL, _WITHOUT = "All conditions", "The same comparisons without those who missed the reference"
+_said = functools.partial(page.Sentences, style="said")
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
 
 
 def study_page(data: Row, command: str) -> page.Page:
-    """Return report.html from the content of analysis.json.
-
-    The same content gives the same page. Everything in it is escaped.
-    """
+    """Return report.html from the content of analysis.json: the same page for the same content."""
     scales = data["scales"]
     facts = [page.fact("ratings from", data["source"])]
     for scale in scales:
@@ -308,15 +293,6 @@ def study_page(data: Row, command: str) -> page.Page:
     )
 
 
-def render_study_report(data: Row, command: str) -> str:
-    """Return the text of study_page."""
-    return study_page(data, command).html()
-
-
-def _said(sentences: Sequence[str]) -> page.Sentences:
-    return page.Sentences(sentences, style="said")
-
-
 def _tiles(data: Row) -> list[page.Tile]:
     tables = [*data["scales"], *data["preferences"]]
     rows = [row for table in tables for row in table["comparisons"]]
@@ -340,7 +316,6 @@ def _tiles(data: Row) -> list[page.Tile]:
 
 
 def _titled(scales: Sequence[Row], scale: Row) -> page.Heading | None:
-    """Return the title of a scale, where there are several."""
     return page.Heading(scale["measure"]["title"]) if len(scales) > 1 else None
 
 
@@ -373,21 +348,19 @@ def _every_rating(scales: Sequence[Row]) -> list[Any]:
         measure = scale["measure"]
         for part in scale["parts"]:
             rows = [row for row in scale["comparisons"] if row["part"] == part["part"]]
-            people = counted(part["participants"], "participant")
+            people, rows_without = counted(part["participants"], "participant"), part.get("without", ())
             medians = ", ".join(f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"])
             caption = ", ".join(["Ratings of each condition", *filter(None, [part["part"]])])
             blocks += [
-                page.Heading(_part_name(part), f"{measure['title']}, {people}" if len(scales) > 1 else people),
+                page.Heading(
+                    part["part"] or "All conditions", f"{measure['title']}, {people}" if len(scales) > 1 else people
+                ),
                 page.Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
                 Table.of(caption, *study_lines("conditions", part["conditions"], mean=measure["mean_name"])),
                 page.Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
-                _without(part.get("without", ())),
+                rows_without and Table.of(_WITHOUT, *study_lines("without", rows_without)),
             ]
     return blocks
-
-
-def _part_name(part: Row) -> str:
-    return part["part"] or "All conditions"
 
 
 def _order(scales: Sequence[Row]) -> list[Any]:
@@ -395,7 +368,9 @@ def _order(scales: Sequence[Row]) -> list[Any]:
     for scale in scales:
         for part in scale["parts"]:
             if len(scale["parts"]) > 1 or len(scales) > 1:
-                blocks.append(page.Heading(_part_name(part), scale["measure"]["title"] if len(scales) > 1 else ""))
+                blocks.append(
+                    page.Heading(part["part"] or "All conditions", scale["measure"]["title"] if len(scales) > 1 else "")
+                )
             blocks.append(_said(part["order_sentences"]))
             if part["places"]:
                 heading, words = "Ratings less the person's and the condition's mean", part["order_sentences"][0]
@@ -477,8 +452,3 @@ def _missing(rows: Sequence[Row]) -> list[str]:
         f"{part}{', ' * bool(part)}participant {who}: {'; '.join(names)} ({why})"
         for (part, who, why), names in conditions.items()
     ]
-
-
-def _without(rows: Sequence[Row]) -> Table | None:
-    title = "The same comparisons without those who missed the reference"
-    return Table.of(title, *study_lines("without", rows)) if rows else None

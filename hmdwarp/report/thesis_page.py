@@ -19,10 +19,7 @@ _CLASSES = {
 
 
 def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[tuple[str, str]]]) -> str:
-    """Return the text of the page from the content of results.json.
-
-    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name.
-    """
+    """Return the page from results.json. pictures: (caption, data URI or <svg>) by experiment."""
     experiments = data["experiments"]
     facts = [page.fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
     facts.append(page.fact("run in", page.minutes(data["seconds"])))
@@ -70,23 +67,16 @@ def is_conditional(one: Mapping[str, Any]) -> bool:
 def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
     claim = Markup('<a href="#{}">{}</a> <span class="unit">{}</span>')
     where = Markup('{}<br><span class="unit">{}</span>')
-    lines = [
-        (
-            claim.format(experiment["name"], experiment["claim"], experiment["source"]),
-            experiment["thesis"],
-            experiment["ours"] or "–",
-            where.format(_verdict(experiment), experiment["holds_at"])
-            if is_conditional(experiment)
-            else _verdict(experiment),
-        )
-        for experiment in experiments
-    ]
+    lines = []
+    for one in experiments:
+        verdict = where.format(_verdict(one), one["holds_at"]) if is_conditional(one) else _verdict(one)
+        about = claim.format(one["name"], one["claim"], one["source"])
+        lines.append((about, one["thesis"], one["ours"] or "–", verdict))
     heads = [(head, "") for head in ("claim", "the thesis", "ours", "verdict")]
     return Table.of("", heads, lines, words=4, style="verdicts", label="Verdicts")
 
 
 def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> page.Article:
-    """Return the card of an experiment."""
     pairs = [("The thesis", one["thesis"]), ("Ours", one["ours"] or "not measured"), ("Rule", one["rule"])]
     if is_conditional(one):
         pairs += [("Holds at", one["holds_at"]), ("Does not at", one["fails_at"])]

@@ -18,10 +18,7 @@ _GAZE, _CROWN, _LINE = "#c2410c", "#0b63c5", "#2b3440"
 
 
 def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
-    """Draw path, height, angles, speeds and view sphere of a track in OpenXR axes, as PNG.
-
-    axes_said: the axes of the file and who says so, for the title.
-    """
+    """Draw path, height, angles, speeds and view sphere as PNG. axes_said: in the title."""
     at = np.unique(np.linspace(0, len(track) - 1, min(len(track), _MOST_POINTS)).astype(int))
     seconds = (track.time_ns[at] - track.time_ns[0]) * 1e-9
     place, q = track.position_m[at], track.orientation_xyzw[at]

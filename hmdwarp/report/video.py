@@ -19,10 +19,8 @@ from ..errors import HmdwarpError, InputError, MachineError
 from ..resources import pyav
 from .files import Partial, write_error
 
-ENCODERS = (
-    *("libopenh264", "libx264", "h264_nvenc", "h264_qsv", "h264_amf"),
-    *("h264_videotoolbox", "h264_vaapi", "h264_v4l2m2m"),
-)
+_BY_CARDS = ("h264_nvenc", "h264_qsv", "h264_amf", "h264_videotoolbox", "h264_vaapi", "h264_v4l2m2m")
+ENCODERS = ("libopenh264", "libx264", *_BY_CARDS)
 _OPTIONS = {
     "libx264": {"crf": "18", "preset": "veryfast"},  # 18: no difference to be seen at normal distance
     "libopenh264": {"rc_mode": "quality", "qmin": "10", "qmax": "24"},
@@ -32,10 +30,7 @@ _BT709, _LIMITED = 1, 1  # the same number in FFmpeg's colour space, primaries a
 
 
 def available_encoders() -> list[str]:
-    """Return the H.264 encoders of this PyAV, the preferred one first.
-
-    A graphics card's encoder may still refuse to open.
-    """
+    """Return the H.264 encoders of this PyAV, the preferred first; a card's may refuse to open."""
     av = pyav()
 
     def can_encode(name: str) -> bool:
@@ -110,7 +105,6 @@ class VideoWriter:
         )
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Append a picture, (h, w, 3) uint8 sRGB, top row first."""
         from av.video.reformatter import ColorRange, Colorspace
 
         if not self._open:
@@ -121,13 +115,10 @@ class VideoWriter:
                 f"a {picture.dtype} picture of shape {picture.shape} for a video of {(height, width, 3)} uint8"
             )
         even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")
-        frame = self._av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24").reformat(
-            format="yuv420p",
-            src_colorspace=Colorspace.ITU709,
-            dst_colorspace=Colorspace.ITU709,
-            src_color_range=ColorRange.JPEG,
-            dst_color_range=ColorRange.MPEG,
-        )
+        spaces = {"src_colorspace": Colorspace.ITU709, "dst_colorspace": Colorspace.ITU709}
+        ranges = {"src_color_range": ColorRange.JPEG, "dst_color_range": ColorRange.MPEG}
+        given = self._av.VideoFrame.from_ndarray(np.ascontiguousarray(even), format="rgb24")
+        frame = given.reformat(format="yuv420p", **spaces, **ranges)
         frame.pts = self.frames
         frame.time_base = self._stream.codec_context.time_base
         self._mux(frame)

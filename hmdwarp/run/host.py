@@ -17,7 +17,7 @@ from ..display import MOVED, Command, Display, Lost, control
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Reads
 from ..pipeline.loop import Refresh
 from ..pipeline.options import PROXY, SCENE
 from ..pipeline.proxy import check_names, source_of

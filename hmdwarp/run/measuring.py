@@ -20,7 +20,7 @@ from ..geometry import View, gaze_tangent, looking
 from ..gpu.textures import download, flip_rows
 from ..metrics import Compared, QualityJob, QualityPool, psnr
 from ..pipeline.loop import Refresh
-from ..pipeline.recorded_renderer import RecordedRenderer
+from ..pipeline.recorded_source import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from ..pipeline.sizes import build_plan_for, plan_against
 from .replay_setup import ReplayRun

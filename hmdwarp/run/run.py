@@ -22,14 +22,12 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..pipeline.channel import Changes, Channel
-from ..pipeline.frame_coder import Coder, Reads
+from ..pipeline.channel import Changes, Channel, Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
 from ..pipeline.options import PREDICTED_GAZE, REMOTE, PipelineOptions
-from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size, plans_for
-from ..pipeline.source import FirstRequest, PoseRequest, Source, Target, client_scene, joined
+from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined
 from ..poses import PoseSample, PoseSource, PoseTrack, foreseen_gaze
 from ..poses.prediction import predict
 from ..poses.track import Gaze, Moment
@@ -155,7 +153,8 @@ class Run(Generic[Options]):
         Errors: as Source.measured.
         """
         assert self.screen is not None
-        first = FirstRequest(
+        self.options = self.source.measured(
+            self.options,
             head=head,
             views=self.screen.eyes.views(head.pose),
             rate_hz=self.options.rate_hz or self.screen.rate_hz,
@@ -165,7 +164,6 @@ class Run(Generic[Options]):
             keeps=keeps,
             say=say,
         )
-        self.options = self.source.measured(self.options, first)
 
     def start(
         self,

@@ -22,11 +22,18 @@ from ..gpu.textures import download
 from ..link.codec import check_codec
 from ..options import AUTO
 from ..pipeline.channel import SEEN_PX, Changes
-from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work, videos_for_browsers
-from ..pipeline.feed_layers import FOVEA_GRID, needs_of_client, parts_of, sizes_of
+from ..pipeline.feed_coding import (
+    FOVEA_GRID,
+    LIGHT,
+    FeedEncoder,
+    check_work,
+    needs_of_client,
+    parts_of,
+    sizes_of,
+    videos_for_browsers,
+)
 from ..pipeline.options import PipelineOptions
-from ..pipeline.recorded_renderer import RecordedRenderer
-from ..pipeline.recorded_source import RecordingSource
+from ..pipeline.recorded_source import RecordedRenderer, RecordingSource
 from ..pipeline.source import Source
 from ..poses import load_trace
 from ..poses.track import folded

@@ -24,7 +24,7 @@ from ..frames import EyeImage, Frame
 from ..frames.layers import layers
 from ..geometry import Fov, View
 from ..gpu.textures import download
-from ..pipeline.frame_coder import Reads
+from ..pipeline.channel import Reads
 from ..pipeline.loop import Loop, Refresh
 from ..sources.server import Renderer
 

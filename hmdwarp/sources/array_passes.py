@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import attrs
 import moderngl
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..gpu.context import Gpu
 from ..gpu.egl import clear_buffer, mapped
-from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, release_all, texture_bytes
+from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, texture_bytes
 
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
 SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
@@ -28,6 +29,28 @@ _WORDS = 8
 _INVERSE, _METRES, _UINT16, _UINT16_INVERSE = range(4)
 LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
 _RESULTS = (SRGB8, SRGB, LINEAR)
+
+
+T = TypeVar("T")
+
+
+class Owner:
+    """Closes, or releases, all that it owns, the last first."""
+
+    @functools.cached_property
+    def _owned(self) -> list[Any]:
+        return []
+
+    def own(self, made: T) -> T:
+        """Return what was made, which is this one's to free from now on."""
+        self._owned.append(made)
+        return made
+
+    def close(self) -> None:
+        """Free what is owned."""
+        while self._owned:
+            made = self._owned.pop()
+            (made.close if hasattr(made, "close") else made.release)()
 
 
 @attrs.frozen(eq=False)
@@ -77,13 +100,12 @@ class Arrays:
         return kinds == ("float16", 4, "float32") and self.is_inverse and self.is_apart
 
 
-class Found:
+class Found(Owner):
     """Words that the passes of one call write, and the host reads once after them."""
 
     def __init__(self, gpu: Gpu, pictures: int) -> None:
-        self.buffer = gpu.gl.buffer(reserve=4 * _WORDS * (pictures + 1))
-        # Where the pass that reads results counts holes.
-        self.holes_slot = _WORDS * pictures
+        self.buffer = self.own(gpu.gl.buffer(reserve=4 * _WORDS * (pictures + 1)))
+        self.holes_slot = _WORDS * pictures  # where the pass that reads results counts holes
         self._words = np.zeros(_WORDS * (pictures + 1), np.uint32)
 
     def clear(self) -> None:
@@ -94,7 +116,6 @@ class Found:
 
     @property
     def holes(self) -> int:
-        """Pixels without coverage after the warp."""
         return int(self._words[self.holes_slot])
 
     def has_largest(self, number: int) -> bool:
@@ -108,38 +129,31 @@ class Found:
         bright = words[_BRIGHT] and (not words[_FRACTION] or words[_ABOVE_ONE] >= half)
         return bool(words[_WRONG] or (words[_NEGATIVE] and not words[_POSITIVE]) or bright)
 
-    def close(self) -> None:
-        self.buffer.release()
 
-
-class PixelBuffers:
+class PixelBuffers(Owner):
     """Found, and the buffers of one call in flight, each made when it is first needed."""
 
     def __init__(self, gpu: Gpu, pictures: int) -> None:
-        self._gpu, self.found = gpu, Found(gpu, pictures)
+        self._gpu, self.found = gpu, self.own(Found(gpu, pictures))
         self._made: dict[tuple[str | int, ...], moderngl.Buffer] = {}
 
     def of(self, byte_count: int, *key: str | int) -> moderngl.Buffer:
         if (*key, byte_count) not in self._made:
-            self._made[*key, byte_count] = self._gpu.gl.buffer(reserve=byte_count, dynamic=True)
+            self._made[*key, byte_count] = self.own(self._gpu.gl.buffer(reserve=byte_count, dynamic=True))
         return self._made[*key, byte_count]
 
     @property
     def bytes(self) -> int:
         return sum(buffer.size for buffer in self._made.values())
 
-    def close(self) -> None:
-        self.found.close()
-        release_all(*self._made.values())
 
-
-class TakeIn:
+class TakeIn(Owner):
     """Takes pictures of one size over; what each kind of array needs is made at the first of it."""
 
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
         bits = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16).view(np.uint16)
-        self._light_of_byte = allocate(gpu.gl, (256, 1), (1, "u2"))
+        self._light_of_byte = self.own(allocate(gpu.gl, (256, 1), (1, "u2")))
         self._light_of_byte.write(bits.tobytes())
         # What pictures of another size need: light in full, and Scaling.spans.
         self._light: moderngl.Texture | None = None
@@ -160,9 +174,12 @@ class TakeIn:
                 np.copyto(view(raw), array, casting="unsafe")
                 if name == "depth" and picture.hidden is not None:
                     view(raw)[picture.hidden] = 0
-            texture = self._texture(name, array)
-            texture.write(buffer)
-            sent.append(texture)
+            key = (name, array.shape[2], _sent_as(name, array).itemsize)
+            if key not in self._staged:
+                texels = -(-self._size[0] // _TEXEL_BYTES) * key[1] * key[2]
+                self._staged[key] = self.own(allocate(self._gpu.gl, (texels, self._size[1]), (4, "u4")))
+            self._staged[key].write(buffer)
+            sent.append(self._staged[key])
         return sent[0], sent[1]
 
     def sent(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -178,18 +195,22 @@ class TakeIn:
         """Write rgba16f light with coverage and r32f inverse depth, of what `send` returned."""
         size, light = self._size, self._light_of_byte
         if picture.scaling is not None:
-            size, light = picture.scaling.size, self._bind_scaling(picture.scaling)
+            size, spans = picture.scaling.size, picture.scaling.spans()
+            if self._light is None:
+                self._light = self.own(allocate(self._gpu.gl, (256, 1), SCALAR))
+                self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
+            light, at = self._light, spans.shape[1::-1]
+            if at not in self._spans:
+                self._spans[at] = self.own(allocate(self._gpu.gl, at, (4, "u4")))
+            self._spans[at].write(spans.tobytes())
+            self._spans[at].bind_to_image(5, read=True, write=False)
         kind, is_whole = _sent_as("colour", picture.colour), picture.depth.dtype.kind == "u"
         form = (_UINT16_INVERSE if is_whole else _INVERSE) if picture.is_inverse else _UINT16 if is_whole else _METRES
         program = self._gpu.shaders.compute(
             "image/take_in.comp",
-            ITEM_BYTES=kind.itemsize,
-            CHANNELS=picture.colour.shape[2],
-            DEPTH=form,
-            ENCODED=int(picture.encoding == SRGB),
-            GUESSED=int(picture.is_guessed),
-            APART=int(picture.is_apart),
-            SCALED=int(picture.scaling is not None),
+            **{"ITEM_BYTES": kind.itemsize, "CHANNELS": picture.colour.shape[2], "DEPTH": form},
+            **{"ENCODED": int(picture.encoding == SRGB), "GUESSED": int(picture.is_guessed)},
+            **{"APART": int(picture.is_apart), "SCALED": int(picture.scaling is not None)},
         )
         into[0].bind_to_image(0, read=False, write=True, format=_RG32UI)
         into[1].bind_to_image(1, read=False, write=True)
@@ -201,49 +222,26 @@ class TakeIn:
         program.run(columns, size[1])
         self._gpu.barrier()
 
-    def _bind_scaling(self, scaling: Scaling) -> moderngl.Texture:
-        """Bind the spans; return the light of each byte."""
-        if self._light is None:
-            self._light = allocate(self._gpu.gl, (256, 1), SCALAR)
-            self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
-        spans = scaling.spans()
-        at = spans.shape[1::-1]
-        if at not in self._spans:
-            self._spans[at] = allocate(self._gpu.gl, at, (4, "u4"))
-        self._spans[at].write(spans.tobytes())
-        self._spans[at].bind_to_image(5, read=True, write=False)
-        return self._light
-
-    def _texture(self, name: str, array: NDArray[Any]) -> moderngl.Texture:
-        """Return the texture that takes the bytes of an array (h, w, c)."""
-        key = (name, array.shape[2], _sent_as(name, array).itemsize)
-        if key not in self._staged:
-            texels = -(-self._size[0] // _TEXEL_BYTES) * key[1] * key[2]
-            self._staged[key] = allocate(self._gpu.gl, (texels, self._size[1]), (4, "u4"))
-        return self._staged[key]
-
     def _staging(
         self, name: str, array: NDArray[Any], buffers: PixelBuffers, number: int
     ) -> tuple[moderngl.Buffer, Callable[[NDArray[np.uint8]], NDArray[Any]]]:
-        """Return the buffer for an array (h, w, c), and what views its bytes as one."""
         kind = _sent_as(name, array)
         pixel_bytes = array.shape[2] * kind.itemsize
         steps = -(-self._size[0] // 16) * 16 * pixel_bytes, pixel_bytes, kind.itemsize
         buffer = buffers.of(steps[0] * self._size[1], name, number)
         return buffer, lambda raw: np.ndarray(array.shape, kind, raw, strides=steps)
 
-    def close(self) -> None:
-        release_all(self._light_of_byte, *filter(None, (self._light,)), *self._spans.values(), *self._staged.values())
 
-
-class GiveCodes:
+class GiveCodes(Owner):
     """Makes the half form of the feed of pictures of one size: sRGB bytes, and depth in 16 bits."""
 
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
-        self._byte_of_half = _byte_table(gpu)
+        self._byte_of_half = self.own(_byte_table(gpu))
         pixels = -(-size[0] // 2) * 2 * size[1]
-        self._nearest, self._colours, self._codes = (gpu.gl.buffer(reserve=n) for n in (4, 4 * pixels, 2 * pixels))
+        self._nearest, self._colours, self._codes = (
+            self.own(gpu.gl.buffer(reserve=n)) for n in (4, 4 * pixels, 2 * pixels)
+        )
 
     def run(self, pair: Pair) -> tuple[NDArray[np.uint8], NDArray[np.uint16], float]:
         """Return colour (h, w, 4), codes (h, w) within 0.55 steps, and their step in 1/m."""
@@ -271,15 +269,10 @@ class GiveCodes:
     def bytes(self) -> int:
         return self._colours.size + self._codes.size
 
-    def close(self) -> None:
-        release_all(self._byte_of_half, self._nearest, self._colours, self._codes)
 
-
-class Upload:
-    """Takes whole pictures of one size over; nothing is allocated after the first of a kind."""
-
+class Upload(Owner):
     def __init__(self, gpu: Gpu, size: Size) -> None:
-        self._taking, self._buffers = TakeIn(gpu, size), PixelBuffers(gpu, 1)
+        self._taking, self._buffers = self.own(TakeIn(gpu, size)), self.own(PixelBuffers(gpu, 1))
 
     def run(self, picture: Arrays, into: Pair) -> None:
         if not picture.is_ready:
@@ -295,10 +288,6 @@ class Upload:
     @property
     def bytes(self) -> int:
         return self._taking.bytes + self._buffers.bytes
-
-    def close(self) -> None:
-        self._taking.close()
-        self._buffers.close()
 
 
 def _arrays_of(picture: Arrays) -> dict[str, NDArray[Any]]:
@@ -317,10 +306,10 @@ def _byte_table(gpu: Gpu) -> moderngl.Texture:
     return table
 
 
-class GiveOut:
+class GiveOut(Owner):
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
-        self._byte_of_half = _byte_table(gpu)
+        self._byte_of_half = self.own(_byte_table(gpu))
 
     def run(
         self,
@@ -370,6 +359,3 @@ class GiveOut:
             with mapped(buffer) as raw, np.errstate(over="ignore"):
                 np.copyto(found[name], np.ndarray(shape, kind, raw, strides=steps), casting="same_kind")
         return found
-
-    def close(self) -> None:
-        self._byte_of_half.release()

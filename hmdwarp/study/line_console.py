@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import contextlib
 import math
 import os
 import queue
@@ -20,7 +19,7 @@ import attrs
 
 from ..display import Command
 from ..platforms import in_foreground, termios
-from .scales import number_text, range_text
+from .scales import Stepped, number_text, range_text
 
 ERASE = "\r\x1b[K"  # the line that the cursor is on
 LONGEST_LINE = 1 << 16  # letters without a line end: a sender of that sends no commands
@@ -64,13 +63,12 @@ class RawKeys:
     def take(self) -> None:
         """Take them; again after a stop, when the shell had the terminal."""
         with suppress(OSError, termios.error):
-            if not in_foreground(self._descriptor):
-                return
-            modes = termios.tcgetattr(self._descriptor)
-            if modes[3] & termios.ICANON:
-                self._modes = self._modes or termios.tcgetattr(self._descriptor)
-                modes[3] &= ~(termios.ICANON | termios.ECHO)
-                termios.tcsetattr(self._descriptor, termios.TCSANOW, modes)
+            if in_foreground(self._descriptor):
+                modes = termios.tcgetattr(self._descriptor)
+                if modes[3] & termios.ICANON:
+                    self._modes = self._modes or termios.tcgetattr(self._descriptor)
+                    modes[3] &= ~(termios.ICANON | termios.ECHO)
+                    termios.tcsetattr(self._descriptor, termios.TCSANOW, modes)
 
     def restore(self) -> None:
         """Give the terminal back as it was. May be called twice."""
@@ -78,14 +76,6 @@ class RawKeys:
             if self._modes is not None and in_foreground(self._descriptor):
                 termios.tcsetattr(self._descriptor, termios.TCSANOW, self._modes)
                 self._modes = None
-
-
-def can_redraw() -> bool:
-    """Return whether there is a terminal whose last line can be redrawn."""
-    streams = (sys.stdout, sys.stderr)
-    if termios is None or os.environ.get("TERM", "dumb") in ("", "dumb"):
-        return False
-    return all(stream is not None and not stream.closed and stream.isatty() for stream in streams)
 
 
 def fitted(head: str, typed: str) -> str:
@@ -107,7 +97,7 @@ KINDS = (LINES, NONE) = ("lines", "none")
 
 
 @attrs.frozen
-class Question:
+class Question(Stepped):
     """Question that the participant answers now."""
 
     text: str
@@ -152,7 +142,6 @@ COMMANDS = {
     "stop": "end the session; answers are kept",
 }
 LONGEST_REMARK = 1000
-ON_STEP = 1e-6  # of a step: 3.35 typed for steps of 0.05 is off by 1e-14 of one
 BOUND = ("answer", "skip", "agree", "decline")  # belong to their subject, and must not reach the step after it
 Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
 
@@ -169,41 +158,38 @@ def checked_answer(text: str, question: Question) -> float | str:
 
     Errors: ValueError with a sentence that says which answers there are.
     """
+    text, wanted = text.strip(), "" if question.in_words else f"answers go from {range_text(question)}"
     if question.in_words:
-        if not text.strip():
+        if not text:
             raise ValueError("nothing was typed: this question is answered in words; skip leaves it without an answer")
-        return text.strip()
-    wanted = f"answers go from {range_text(question)}"
+        return text
     try:
-        value = float(text.strip().replace(",", ".").encode("ascii"))
+        number = float(text.replace(",", ".").encode("ascii"))
     except ValueError:
-        found = f"{text.strip()!r} is no number" if text.strip() else "nothing was typed"
-        raise ValueError(f"{found}: {wanted}") from None
-    if not question.least <= value <= question.most:  # refuses NaN too
-        raise ValueError(f"{text.strip()} is not on the scale: {wanted}")
-    steps = (value - question.least) / question.step
-    if abs(steps - round(steps)) > ON_STEP:
-        raise ValueError(f"{text.strip()} lies between two steps: {wanted}")
-    return round(question.least + round(steps) * question.step, 9)
+        raise ValueError(f"{f'{text!r} is no number' if text else 'nothing was typed'}: {wanted}") from None
+    if not question.least <= number <= question.most:  # refuses NaN too
+        raise ValueError(f"{text} is not on the scale: {wanted}")
+    if (value := question.value_of(number)) is None:
+        raise ValueError(f"{text} lies between two steps: {wanted}")
+    return value
 
 
 def refusal(name: str, state: ConsoleState) -> str:
     """Return why a command has no meaning now, "" where it has one."""
     if state.phase == "over" and name != "remark":
         return "the session is over"
-    without_meaning = {
-        "skip": (state.question is None, "nothing is being asked now"),
-        "answer": (state.question is None, "nothing is being asked now"),
-        "agree": (state.phase != "reading", "there is no text to agree to now"),
-        "decline": (state.phase != "reading", "there is no text to decline now"),
-        "continue": (
-            state.phase not in ("paused", "break", "waiting"),
-            "it is going on already: there is no pause and no break",
-        ),
+    asks, reads = state.question is not None, state.phase == "reading"
+    goes_on = state.phase not in ("paused", "break", "waiting")
+    refusals = {
+        "skip": (not asks, "nothing is being asked now"),
+        "answer": (not asks, "nothing is being asked now"),
+        "agree": (not reads, "there is no text to agree to now"),
+        "decline": (not reads, "there is no text to decline now"),
+        "continue": (goes_on, "it is going on already: there is no pause and no break"),
         "pause": (state.phase == "paused", "it is paused already"),
         "break": (state.phase == "break", "it is a break already"),
     }
-    holds, why = without_meaning.get(name, (False, ""))
+    holds, why = refusals.get(name, (False, ""))
     return why if holds else ""
 
 
@@ -224,19 +210,16 @@ def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
         return None
     if name not in COMMANDS:
         raise ValueError(f"{name!r} is no command: there are {', '.join(COMMANDS)} and help")
-    why = refusal(name, state)
-    if why:
+    if why := refusal(name, state):
         raise ValueError(why)
     if name == "answer":
         assert state.question is not None
         return name, checked_answer(rest, state.question)
-    if name == "remark":
-        if not rest:
-            raise ValueError("a remark needs words: remark the strap slipped")
-        return name, rest[:LONGEST_REMARK]
-    if rest:
+    if name == "remark" and not rest:
+        raise ValueError("a remark needs words: remark the strap slipped")
+    if rest and name != "remark":
         raise ValueError(f"{name!r} takes no value: {rest!r} means nothing")
-    return name, None
+    return name, rest[:LONGEST_REMARK] or None
 
 
 LAST_LINES_S = 1.0
@@ -267,9 +250,12 @@ class LineConsole:
 
     def __enter__(self) -> Self:
         if self._kind == LINES:
-            with contextlib.suppress(OSError, ValueError, AttributeError):  # no stdin at all
+            with suppress(OSError, ValueError, AttributeError):  # no stdin at all
                 self._input = sys.stdin.fileno()
-        self._redraws = not self._quiet and can_redraw()
+        streams, term = (sys.stdout, sys.stderr), os.environ.get("TERM", "dumb")
+        can_redraw = termios is not None and term not in ("", "dumb")
+        can_redraw &= all(stream is not None and not stream.closed and stream.isatty() for stream in streams)
+        self._redraws = not self._quiet and can_redraw
         if self._redraws and self._input >= 0 and os.isatty(self._input):
             self._keys = RawKeys(self._input)
             self._keys.take()
@@ -305,7 +291,14 @@ class LineConsole:
         "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
         "answer" has a number, or a text for a question in words, "remark" a text.
         """
-        if self._input < 0 or not self._ready():
+        if self._input < 0:
+            return ()
+        try:  # reading its terminal would stop a background program
+            ready = select.select([self._input], [], [], 0)[0]
+            if not ready or (os.isatty(self._input) and not in_foreground(self._input)):
+                return ()
+        except (OSError, ValueError):
+            self._input = -1
             return ()
         try:
             data = os.read(self._input, 1 << 12)
@@ -318,16 +311,6 @@ class LineConsole:
         commands = [self._command(line) for line in self._typed.feed(data or b"\n")]
         self._draw()
         return [command for command in commands if command is not None]
-
-    def _ready(self) -> bool:
-        """Return whether there is input; reading its terminal would stop a background program."""
-        try:
-            if not select.select([self._input], [], [], 0)[0]:
-                return False
-            return not os.isatty(self._input) or in_foreground(self._input)
-        except (OSError, ValueError):
-            self._input = -1
-            return False
 
     def _command(self, line: str) -> Command | None:
         if line.strip().lower() in ("help", "?"):
@@ -348,14 +331,16 @@ class LineConsole:
             self._lines.put("")
 
     def _write_on(self) -> None:
-        while (line := self._lines.get()) is not None:
-            said = f"console: {line}\n" if line else ""
-            self._print(f"{ERASE}{said}{fitted(status(self._state), self._typed.text)}" if self._redraws else said)
-        self._print(ERASE if self._redraws else "")
-
-    def _print(self, text: str) -> None:
-        with contextlib.suppress(OSError, ValueError):  # a closed stderr must not end the session
-            print(text, end="", file=sys.stderr, flush=True)
+        while True:
+            line = self._lines.get()
+            text = f"console: {line}\n" if line else ""
+            if self._redraws:
+                last = "" if line is None else fitted(status(self._state), self._typed.text)
+                text = f"{ERASE}{text}{last}"
+            with suppress(OSError, ValueError):  # a closed stderr must not end the session
+                print(text, end="", file=sys.stderr, flush=True)
+            if line is None:
+                return
 
 
 def status(state: ConsoleState) -> str:

@@ -106,7 +106,6 @@ def _make(path: Path, hosts: list[str]) -> None:
 
 
 def is_number(host: str) -> bool:
-    """Return whether a host is an IP address."""
     try:
         ipaddress.ip_address(host)
     except ValueError:

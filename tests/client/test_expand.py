@@ -22,7 +22,7 @@ from hmdwarp.client.effects._base import ExpandPass
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes
-from hmdwarp.frames.layers.foveated import FoveatedPicture
+from hmdwarp.frames.layers.pictures import FoveatedPicture
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap, grid_of
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.headsets import load_headset

@@ -30,7 +30,6 @@ from hmdwarp.client.fills.memory import (
     place_in_block,
     seeds_for,
 )
-from hmdwarp.client.warps.multi import DepthPicture
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage
 from hmdwarp.geometry import Pose, View
@@ -281,7 +280,7 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
         seeds = seeds_for(gpu, world.size) if halved else None
         if halved:
             Keeper(gpu, world.size).seed(textures[1], seeds)
-        holes.add(DepthPicture(*textures, one.view), world.shown_view, seeds=seeds, newest=number == 0)
+        holes.add(EyeImage(one.view, *textures), world.shown_view, seeds=seeds, newest=number == 0)
     gpu.gl.memory_barrier()
     got, depth = read(into.colour.texture), read(into.inverse_depth)[..., 0]
     told = {"newest": True, "cell": cell, "halved": halved, "sampler_pixels": world.sampler_pixels}
@@ -307,7 +306,7 @@ def test_forgetting_equals_its_twin(gpu, seed):
     rendered = RenderedPicture(*world._picture(), world._beside())
     kept = RenderedPicture(world.colour, world.inverse_depth, world.rendered_view)
     keeper = Keeper(gpu, world.size)
-    slot = Slot.of(gpu, world.size)
+    slot = Slot(gpu, world.size)
     keeper.keep(world.rendered, slot)
     gpu.gl.memory_barrier()
     assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))

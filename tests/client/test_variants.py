@@ -131,9 +131,9 @@ REFUSED = (
     (parse_fills, "memory", "memory", "frames=0 use=0 age=0 frames=65"),
     (parse_fills, "model", "expected", "share=0 share=1.1 texture=0 texture=2"),
     (parse_fills, "pyramid", "expected more than 0", "holes=0"),
-    (parse_fills, "pyramid", "must be 0 or more", "tolerance=-1"),
+    (parse_fills, "pyramid", "expected 0 or more", "tolerance=-1"),
     (parse_fills, "relight", "expected", "samples=0 reach=0"),
-    (parse_fills, "stretch", "must be 0 or more", "spread=-1"),
+    (parse_fills, "stretch", "expected 0 or more", "spread=-1"),
 )
 
 

@@ -350,10 +350,10 @@ def switches_by_itself(backend: Backend) -> None:
         assert display.rate_hz == 60.0
         settings = {"vsync": False, "full_screen": True, "help": True}
         for name, value in (*settings.items(), ("full_screen", None), ("recentre", None), ("vsync", None)):
-            display._commands.pending.append(Command(name, value))
+            display._input.commands.append(Command(name, value))
             assert not display.commands()
             refresh(display)
-        display._commands.pending.append(Command("warp"))
+        display._input.commands.append(Command("warp"))
         assert [command.control for command in display.commands()] == ["warp"] and not display.commands()
         display.show_status(status := Status(values={"latency": 0.0}))
         assert [status.values[name] for name in settings] == [True, False, True]
@@ -362,7 +362,7 @@ def switches_by_itself(backend: Backend) -> None:
         assert display.headset is None
         display.set_view("both")
         assert display.eyes is before is display.headset
-        display._commands.pending.append(Command("quit"))
+        display._input.commands.append(Command("quit"))
         display.commands()
         assert why_it_ends(display) == "the window was closed"
 
@@ -373,7 +373,7 @@ def works_without_the_panels_package(backend: Backend) -> None:
         assert ".[panel]" in display._painter._remark and "H" in display._painter._remark
         refresh(display)
         display._painter.say("")
-        display._commands.pending.append(Command("panel"))
+        display._input.commands.append(Command("panel"))
         assert not display.commands() and ".[panel]" in display._painter._remark
         refresh(display)
 
@@ -422,10 +422,10 @@ def shows_colours_in_their_places(backend: Backend) -> None:
 
 
 def says_how_to_look_for_a_while(backend: Backend) -> None:
-    from hmdwarp.display.desktop import painter
+    from hmdwarp.display.desktop import desktop_display
 
     long_ns = 10**18  # however slow this machine is
-    with patch.object(painter, "REMARK_NS", long_ns), opened(backend, size=(96, 120)) as display:
+    with patch.object(desktop_display, "REMARK_NS", long_ns), opened(backend, size=(96, 120)) as display:
         now_ns = display._painter._now_ns
         for late_ns in (0, long_ns):
             display._painter._now_ns = lambda late_ns=late_ns: now_ns() + late_ns

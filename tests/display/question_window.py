@@ -84,7 +84,7 @@ class QuestionWindow:
     def _tell(self, **more: object) -> None:
         head = self._display.source.head_at(self._display.now_ns()).pose
         state: dict[str, object] = {
-            "captured": self._display._commands.input.captured,
+            "captured": self._display._input.captured,
             "turned": [round(part, 4) for part in head.orientation_xyzw.tolist()],
             "stands": [round(part, 2) for part in head.position_m.tolist()],
             "value": self._asked.value if self._asked is not None else None,

@@ -8,7 +8,7 @@ import pytest
 from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
 from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.errors import PlanError
-from hmdwarp.frames.layers.reflection import Reflection
+from hmdwarp.frames.layers.pictures import Reflection
 from hmdwarp.geometry import Mirror, RigidState
 from hmdwarp.gpu import COLOUR, SCALAR, allocate, download
 from hmdwarp.scenes import load_scene

@@ -24,8 +24,7 @@ from hmdwarp.gpu import download
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.options import options_of
 from hmdwarp.pipeline import PipelineOptions
-from hmdwarp.pipeline.recorded_renderer import RecordedRenderer
-from hmdwarp.pipeline.recorded_source import RecordingSource
+from hmdwarp.pipeline.recorded_source import RecordedRenderer, RecordingSource
 from hmdwarp.pipeline.source import nothing
 from hmdwarp.poses import load_trace
 from hmdwarp.run import LiveOptions, ReplayResult, RunOptions, live, replay, set_up_replay

@@ -12,7 +12,7 @@ from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Needs
 from ...frames.layers import readable
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images
 from ...registry import Registry
 from ...scenes import Mesh, Scene
 from ..carry import Carry
@@ -71,7 +71,7 @@ class Tools:
     hands_panels_on: bool = False
 
 
-class EffectPass(ABC):
+class EffectPass(Owner, ABC):
     """One pass of the compensator, for one or more effects.
 
     The object owns its programs and textures for one pair of sizes. It serves both eyes in turn, so
@@ -100,9 +100,6 @@ class EffectPass(ABC):
     @abstractmethod
     def prepare(self) -> None:
         """Compile the programs and allocate the textures; run() does neither."""
-
-    def close(self) -> None:  # noqa: B027 (some own nothing)
-        """Free the textures and buffers."""
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
@@ -215,9 +212,8 @@ class ExpandPass(RenderedPass):
         for number, (layer, (_, kind)) in enumerate(_PICTURES.items()):
             if layer in self.parts:
                 self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number)
-                self._pictures[layer] = [
-                    allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images)
-                ]
+                textures = (allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images))
+                self._pictures[layer] = [self.own(texture) for texture in textures]
 
     def run(self, inputs: PassInputs) -> PassInputs:
         return inputs.having(self._expanded(image, number) for number, image in enumerate(inputs.images))
@@ -230,14 +226,10 @@ class ExpandPass(RenderedPass):
         pictures: dict[str, Any] = {}
         for layer, picture in found.items():
             program, into = self._programs[layer], self._pictures[layer][number]
-            picture.texture.bind_to_image(0, read=True, write=False)
-            into.bind_to_image(1, read=False, write=True)
-            program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
+            units = bind_images({"foveated": picture.texture}, {"picture": into})
+            program.uniforms.set(**units, **picture.grid.uniforms)
             program.run(*picture.grid.small)
             pictures[_PICTURES[layer][0]] = into
         self.gpu.barrier()
         came = {EXPANDED[layer] for layer in found}
         return attrs.evolve(image, **pictures, left_out=image.left_out - came)
-
-    def close(self) -> None:
-        release_all(*(texture for several in self._pictures.values() for texture in several))

@@ -5,12 +5,11 @@ from __future__ import annotations
 import attrs
 
 from ...frames import Needs
-from ...gpu.textures import Canvas
+from ...gpu.textures import Canvas, bind_images
 from ...scenes import is_cutout
-from ..carry import as_image
 from ..client_scene import ReducedModel
-from ..inputs import PassInputs, ShownPicture
-from ..warps.gather import GatherWarp
+from ..inputs import PassInputs, ShownPicture, as_image
+from ..warps.gather import GatherWarp, last_centre
 from ..warps.iterative import OF_A_PART, IterativeSettings, Seeds
 from . import effects
 from ._base import Effect, ShownPass
@@ -26,10 +25,8 @@ class OverlayPass(ShownPass):
         self._program = self.gpu.shaders.compute("effects/overlay.comp", grid="shown")
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
-        picture.colour.texture.bind_to_image(0, read=True, write=False)
-        inputs.rendered["overlay"].bind_to_image(1, read=True, write=False)
-        into.bind_for_writing(2)
-        self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
+        read = {"picture": picture.colour, "overlay": inputs.rendered["overlay"]}
+        self._program.uniforms.set(shown_size=into.size, **bind_images(read, {"written": into}))
         self._program.run(*into.size)
 
 
@@ -64,33 +61,24 @@ class _Veil(GatherWarp):
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
         with self.gpu.shaders.hidden.skipping(False):  # one invocation for 16 pixels: little to save
-            self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
+            self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Composite the veil over `behind`.
 
         inputs.rendered: the picture as it arrived.
         """
-        layer, settings, (wide, high) = inputs.rendered["transparent"], self.settings, self.rendered_size
+        layer, settings = inputs.rendered["transparent"], self.settings
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
-        surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
+        surface = bind_images({"rendered_inverse_depth": inputs.rendered.inverse_depth}, first=1)
         surface |= {"depth_tolerance": settings.tolerance, "depth_floor": settings.floor}
-        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        surface |= last_centre(self.rendered_size)
         self._seeds.find(inputs, surface)
-        self.behind.colour.texture.bind_to_image(2, read=True, write=False)
-        self.behind.depth.bind_to_image(3, read=True, write=False)
-        self.bind_colour(
-            attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing)),
-            1,
-            self.maps(inputs, inputs.rendered.view),
-        )
-        below = {"rendered_passing": 1, "picture": 2, "shown_inverse_depth": 3, "nearer": NEARER}
-        self.run_gather(
-            self._program, inputs, into, most_pixels=settings.converged, cells=self._seeds.cells, **surface, **below
-        )
-
-    def close(self) -> None:
-        self._seeds.close()
+        below = bind_images({"picture": self.behind.colour, "shown_inverse_depth": self.behind.depth}, first=2)
+        passing = attrs.evolve(inputs, rendered=attrs.evolve(inputs.rendered, colour=layer.passing))
+        self.bind_colour(passing, 1, self.maps(inputs, inputs.rendered.view))
+        below |= {"rendered_passing": 1, "nearer": NEARER, "most_pixels": settings.converged}
+        self.run_gather(self._program, inputs, into, cells=self._seeds.cells, **surface, **below)
 
 
 class TransparencyPass(ShownPass):
@@ -106,14 +94,11 @@ class TransparencyPass(ShownPass):
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
-        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size, OF_A_PART)
+        self._veil = self.own(_Veil(self.gpu, self.rendered_size, self.shown_size, OF_A_PART))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         self._veil.behind = picture
         self._veil.run(inputs, into)
-
-    def close(self) -> None:
-        self._veil.close()
 
 
 effects.register(
@@ -142,13 +127,13 @@ class LightPass(ShownPass):
     of_light = True
 
     def prepare(self) -> None:
-        geometry = self.tools.geometry
+        geometry, gl = self.tools.geometry, self.gpu.gl
         self._program = self.gpu.shaders.compute("effects/light.comp", grid="shown")
         store = None if geometry is None else geometry.store(ReducedModel, (1.0, 1.0))
         self._model = None if store is None else store.drawn(lit=False)
         self._shining = None if store is None else store.shining()
-        self._albedo = ShownPicture(Canvas(self.gpu.gl, self.shown_size), None)
-        self._emitted = ShownPicture(Canvas(self.gpu.gl, self.shown_size), None) if self._shining else self._albedo
+        self._albedo = ShownPicture(self.own(Canvas(gl, self.shown_size)))
+        self._emitted = ShownPicture(self.own(Canvas(gl, self.shown_size))) if self._shining else self._albedo
         for model in (self._model, self._shining):
             if model is not None:
                 model.reserve(self.shown_size)
@@ -159,17 +144,10 @@ class LightPass(ShownPass):
         if self._shining is not None:
             self._shining.draw(inputs.middle, self._emitted, inputs.shown_ns)
         self.gpu.barrier()
-        picture.colour.texture.bind_to_image(0, read=True, write=False)
-        self._albedo.colour.texture.bind_to_image(1, read=True, write=False)
-        self._emitted.colour.texture.bind_to_image(2, read=True, write=False)
-        into.bind_for_writing(3)
-        shines = self._shining is not None
-        self._program.uniforms.set(light=0, albedo=1, emitted=2, written=3, shines=shines, shown_size=into.size)
+        read = {"light": picture.colour, "albedo": self._albedo.colour, "emitted": self._emitted.colour}
+        units = bind_images(read, {"written": into})
+        self._program.uniforms.set(shines=self._shining is not None, shown_size=into.size, **units)
         self._program.run(*into.size)
-
-    def close(self) -> None:
-        for canvas in {self._albedo.colour, self._emitted.colour}:
-            canvas.release()
 
 
 effects.register(

@@ -15,16 +15,16 @@ from ...geometry import View, view_map
 from ...geometry.view import mirrors_in_eye, tangents_of_pixels
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all, tiles
-from ..carry import as_image
-from ..inputs import PassInputs, ShownPicture
-from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
+from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
+from ..inputs import PassInputs, ShownPicture, as_image
 from ..warps import Output
+from ..warps._base import pixel_of
+from ..warps.gather import DEPTH_FLOOR, DEPTH_TOLERANCE, bind_rendered_colour
 from ..warps.iterative import OF_A_PART, Iterative
 from . import Effect, RenderedPass, ShownPass, effects
 
 
-class Closing:
+class Closing(Owner):
     """Pull-push through a pyramid for pictures of one size; owns the levels."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -33,7 +33,7 @@ class Closing:
         sizes = [size]
         while max(sizes[-1]) > 1:
             sizes.append(tiles(sizes[-1], 2))
-        self._levels = [allocate(gpu.gl, each, COLOUR, linear=True) for each in sizes[1:]]
+        self._levels = [self.own(allocate(gpu.gl, each, COLOUR, linear=True)) for each in sizes[1:]]
 
     def run(self, picture: moderngl.Texture) -> None:
         """Close the holes of an rgba16f picture with coverage in alpha, in place.
@@ -42,22 +42,16 @@ class Closing:
         """
         levels = [picture, *self._levels]
         for finer, level in zip(levels[:-1], levels[1:], strict=True):
-            finer.bind_to_image(0, read=True, write=False)
-            level.bind_to_image(1, read=False, write=True)
-            self._down.uniforms.set(finer=0, level=1, level_size=level.size)
+            self._down.uniforms.set(level_size=level.size, **bind_images({"finer": finer}, {"level": level}))
             self._down.run(*level.size)
             self._gpu.barrier()
         for level, coarser in reversed(list(zip(levels[:-1], levels[1:], strict=True))):
-            level.bind_to_image(0, read=True, write=True)
             coarser.use(0)
             pixel = (0.5 / coarser.size[0], 0.5 / coarser.size[1])
-            self._up.uniforms.set(level=0, coarser=0, coarser_pixel=pixel, level_size=level.size)
+            units = bind_images(change={"level": level})
+            self._up.uniforms.set(coarser=0, coarser_pixel=pixel, level_size=level.size, **units)
             self._up.run(*level.size)
             self._gpu.barrier()
-
-    def close(self) -> None:
-        """Free the levels."""
-        release_all(*self._levels)
 
 
 GLOSSY = "glossy_reflections"
@@ -76,16 +70,17 @@ class Reflections(ShownPass):
     carries = True
 
     def prepare(self) -> None:
-        gpu, shown = self.gpu, self.shown_size
+        gpu, shown, gl = self.gpu, self.shown_size, self.gpu.gl
         glossy = GLOSSY in self.parts
         self._compose = gpu.shaders.compute("effects/reflect.comp", grid="shown", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
         with gpu.shaders.hidden.skipping(False):  # holes are closed from all around them
-            self._warp = Iterative(gpu, self.rendered_size, shown, OF_A_PART, Output(depth=glossy))
-        self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
-        self._closing = Closing(gpu, shown)
-        self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
-        self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
+            self._warp = self.own(Iterative(gpu, self.rendered_size, shown, OF_A_PART, Output(depth=glossy)))
+        self._seen_depth = self.own(allocate(gl, shown, SCALAR)) if glossy else None
+        self._closing = self.own(Closing(gpu, shown))
+        self._seen, self._surface = self.own(Canvas(gl, shown)), self.own(Canvas(gl, shown))
+        plain = (allocate(gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1))
+        self._plain = [self.own(texture) for texture in plain]
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         reflection = inputs.rendered.get("reflection")
@@ -104,42 +99,25 @@ class Reflections(ShownPass):
         self.tools.carry.along(inputs, lambda image: self._surface_of(image, free), self._surface)
         self.gpu.barrier()
         self._closing.run(self._surface.texture)
-        self._draw(inputs, picture, into)
+        read = {"picture": picture.colour.texture, "surface": self._surface.texture}
+        if self._seen_depth is not None:
+            read["seen_inverse_depth"] = self._seen_depth
+        self._seen.texture.use(0)
+        mirrors, size = mirrors_in_eye(reflection.mirrors, inputs.middle), self.shown_size
+        named = bind_images(read, {"written": into}) | mirrors | tangents_of_pixels(inputs.middle, size)
+        self._compose.uniforms.set(seen=0, seen_pixel=pixel_of(size), shown_size=size, **named)
+        self._compose.run(*size)
 
     def _surface_of(self, image: EyeImage, free: Iterator[moderngl.Texture]) -> moderngl.Texture:
         if "reflection" in image:
             surface: moderngl.Texture = image["reflection"].surface
             return surface
         into = next(free)
-        image.colour.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=False, write=True)
-        self._nothing.uniforms.set(rendered_colour=0, surface=1, rendered_size=image.size)
+        units = bind_images({"rendered_colour": image.colour}, {"surface": into})
+        self._nothing.uniforms.set(rendered_size=image.size, **units)
         self._nothing.run(*image.size)
         self.gpu.barrier()
         return into
-
-    def _draw(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
-        read = {"picture": picture.colour.texture, "surface": self._surface.texture}
-        if self._seen_depth is not None:
-            read["seen_inverse_depth"] = self._seen_depth
-        for unit, texture in enumerate(read.values(), start=1):
-            texture.bind_to_image(unit, read=True, write=False)
-        into.bind_for_writing(0)
-        self._seen.texture.use(0)
-        units = {name: unit for unit, name in enumerate(read, start=1)}
-        mirrors = mirrors_in_eye(inputs.rendered["reflection"].mirrors, inputs.middle) | tangents_of_pixels(
-            inputs.middle, self.shown_size
-        )
-        pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
-        self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
-        self._compose.run(*self.shown_size)
-
-    def close(self) -> None:
-        for owner in (self._warp, self._closing):
-            owner.close()
-        if self._seen_depth is not None:
-            self._seen_depth.release()
-        release_all(self._seen, self._surface, *self._plain)
 
 
 PICTURES = 4  # the rendered one and three more: as many as the shaders' vectors hold
@@ -188,19 +166,17 @@ class MirroredPass(RenderedPass):
         self._explain, self._compare = (self._shader("trust", PASS=k) for k in range(2))
         self.aligned, self.edges = self._array(size, PICTURES, 4), self._array(self._half, PICTURES, 4)
         self.costs, self._row_sums = (self._array(self._blocks, PLANES + 1, components) for components in (2, 4))
-        self.chosen, self._unexplained = (allocate(gl, self._blocks, PAIR) for _ in range(2))
-        self.image_depth = allocate(gl, self._blocks, PAIR, linear=True)
-        self.light, self._next = (allocate(gl, size, COLOUR, linear=True) for _ in range(2))
-        self.places = gl.texture_array((*size, PICTURES), 2, dtype="f4")
-        self.trust = allocate(gl, self._blocks, SCALAR, linear=True)
-        self._joined = allocate(gl, size, COLOUR, linear=True)
+        self.chosen, self._unexplained = (self.own(allocate(gl, self._blocks, PAIR)) for _ in range(2))
+        self.image_depth, self.trust = (self.own(allocate(gl, self._blocks, k, linear=True)) for k in (PAIR, SCALAR))
+        self.light, self._next, self._joined = (self.own(allocate(gl, size, COLOUR, linear=True)) for _ in range(3))
+        self.places = self.own(gl.texture_array((*size, PICTURES), 2, dtype="f4"))
 
     def _shader(self, name: str, **defines: object) -> Compute:
         one_surface = {"SURFACE_TOLERANCE": DEPTH_TOLERANCE, "SURFACE_FLOOR": DEPTH_FLOOR}
         return self.gpu.shaders.compute(f"effects/mirrored_{name}.comp", **one_surface, **defines)
 
     def _array(self, size: tuple[int, int], layers: int, components: int) -> moderngl.TextureArray:
-        array = self.gpu.gl.texture_array((*size, layers), components, dtype="f2")
+        array = self.own(self.gpu.gl.texture_array((*size, layers), components, dtype="f2"))
         array.repeat_x = array.repeat_y = False
         array.filter = (moderngl.LINEAR, moderngl.LINEAR)
         return array
@@ -212,69 +188,51 @@ class MirroredPass(RenderedPass):
             return inputs
         eyes, pictures = np.zeros((PICTURES, 3)), 1 + len(others)
         eyes[1:pictures] = [_seen_from(rendered, image.view) for image in others]
+        seen = {"pictures": pictures, "eyes": eyes}
         rendered.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-        self.aligned.bind_to_image(_OUT, read=False, write=True)
-        rendered.colour.bind_to_image(_IN, read=True, write=False)
-        self._run(self._own, self.rendered_size, layer=0)
+        self._run(self._own, self.rendered_size, rendered.colour, self.aligned, layer=0)
         for layer, other in enumerate(others, start=1):
             warp = view_map(rendered.view, self.rendered_size, other.view, other.size)
-            other.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
-            other.colour.use(_OTHER)
+            bind_rendered_colour(other, _OTHER, whole_pixels=False)
             other.inverse_depth.bind_to_image(_OTHER_DEPTH, read=True, write=False)
-            sizes = {"other_size": other.size, "other_pixel": (1 / other.size[0], 1 / other.size[1])}
-            self._run(self._align, self.rendered_size, layer=layer, H=warp.H, e=warp.e, **sizes)
+            there = {"H": warp.H, "e": warp.e, "other_size": other.size, "other_pixel": pixel_of(other.size)}
+            self._run(self._align, self.rendered_size, None, self.aligned, layer=layer, **there)
         self.aligned.use(_ALIGNED)
         across, down = self._blocks
         planes = (across, down * (PLANES + 1))
-        self.edges.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._edges, self._half, pictures=pictures)
+        self._run(self._edges, self._half, None, self.edges, pictures=pictures)
         self.edges.use(_EDGES)
-        self.costs.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._sweep, planes, pictures=pictures, eyes=eyes)
-        for program, size, read, written in (
-            (self._rows, planes, self.costs, self._row_sums),
-            (self._choose, self._blocks, self._row_sums, self.chosen),
-            (self._spread, self._blocks, self.chosen, self.image_depth),
-        ):
-            read.bind_to_image(_IN, read=True, write=False)
-            written.bind_to_image(_OUT, read=False, write=True)
-            self._run(program, size)
+        self._run(self._sweep, planes, None, self.costs, **seen)
+        self._run(self._rows, planes, self.costs, self._row_sums)
+        self._run(self._choose, self._blocks, self._row_sums, self.chosen)
+        self._run(self._spread, self._blocks, self.chosen, self.image_depth)
         self.image_depth.use(_DEPTH_OF_IMAGES)
-        self.places.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._places, self.rendered_size, pictures=pictures, eyes=eyes)
-        self.light.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._start, self.rendered_size)
-        self.places.bind_to_image(_IN, read=True, write=False)
+        self._run(self._places, self.rendered_size, None, self.places, **seen)
+        self._run(self._start, self.rendered_size, None, self.light)
         for _ in range(ROUNDS):
             self.light.use(_LIGHT)
-            self._next.bind_to_image(_OUT, read=False, write=True)
-            self._run(self._light, self.rendered_size, pictures=pictures)
+            self._run(self._light, self.rendered_size, self.places, self._next, pictures=pictures)
             self.light, self._next = self._next, self.light
         self.light.use(_LIGHT)
-        self._unexplained.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._explain, self._blocks, pictures=pictures)
-        self._unexplained.bind_to_image(_IN, read=True, write=False)
-        self.trust.bind_to_image(_OUT, read=False, write=True)
-        self._run(self._compare, self._blocks)
-        rendered.colour.bind_to_image(_IN, read=True, write=False)
-        self._joined.bind_to_image(_OUT, read=False, write=True)
+        self._run(self._explain, self._blocks, self.places, self._unexplained, pictures=pictures)
+        self._run(self._compare, self._blocks, self._unexplained, self.trust)
         self.trust.use(_TRUST)
-        self._run(self._join, self.rendered_size, shown_eye=_seen_from(rendered, shown))
+        shown_eye = _seen_from(rendered, shown)
+        self._run(self._join, self.rendered_size, rendered.colour, self._joined, shown_eye=shown_eye)
         return attrs.evolve(inputs, rendered=attrs.evolve(rendered, colour=self._joined))
 
-    def _run(self, program: Compute, size: tuple[int, int], **uniforms: Any) -> None:
-        wide, high = self.rendered_size
-        sizes = {"rendered_size": (wide, high), "rendered_pixel": (1 / wide, 1 / high), "half_size": self._half}
+    def _run(self, program: Compute, size: tuple[int, int], read: Any, written: Any, **uniforms: Any) -> None:
+        """Run a pass from one texture, or from samplers alone, into another."""
+        if read is not None:
+            read.bind_to_image(_IN, read=True, write=False)
+        written.bind_to_image(_OUT, read=False, write=True)
+        sizes = {"rendered_size": self.rendered_size, "rendered_pixel": pixel_of(self.rendered_size)}
         across, down = self._blocks
-        sizes |= {"edges_pixel": (0.5 / self._half[0], 0.5 / self._half[1]), "blocks": self._blocks}
-        sizes |= {"image_depth_pixel": (1 / (BLOCK * across), 1 / (BLOCK * down))}
+        sizes |= {"edges_pixel": (0.5 / self._half[0], 0.5 / self._half[1]), "half_size": self._half}
+        sizes |= {"image_depth_pixel": (1 / (BLOCK * across), 1 / (BLOCK * down)), "blocks": self._blocks}
         program.uniforms.set_declared(**_UNITS, **sizes, **uniforms)
         program.run(*size)
         self.gpu.barrier()
-
-    def close(self) -> None:
-        release_all(self.aligned, self.edges, self.costs, self._row_sums, self.chosen, self._unexplained)
-        release_all(self.image_depth, self.places, self.light, self._next, self.trust, self._joined)
 
 
 def _seen_from(rendered: EyeImage, eye: View) -> np.ndarray:

@@ -17,8 +17,7 @@ from ...errors import InputError, MachineError
 from ...frames import EyeImage, Needs
 from ...geometry import Pose, RigidState, View, WarpMap, view_map
 from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, SCALAR, allocate, drawing_into, release_all
+from ...gpu.textures import COLOUR, SCALAR, Owner, allocate, bind_images, drawing_into
 from ...scenes import REACH_M, REACH_S, swing_seconds
 from ..inputs import PassInputs
 from ..warps.mesh import steepest
@@ -30,8 +29,6 @@ MOST_BODIES = 4096
 MOST_SIDE = 2**16 - 1  # a pixel's index has 16 bits a side
 QUADS = 2**14  # in one draw: a corner's index has 16 bits
 ROWS, DRAW_BYTES, MAP_FLOATS = 32, 20, 16  # as in shaders/effects/motion_split.comp, motion_order.comp and motion.glsl
-# Image units; images that are read have the units of their textures.
-SPLIT_UNITS = {"still_colour": 4, "still_inverse_depth": 5}
 STILL = 1e-9  # pixels: rounding of a body at rest, far below any motion
 RIGID, SOFT = "rigid_motion", "soft_motion"
 
@@ -51,16 +48,12 @@ def rests(moved: WarpMap) -> bool:
     return bool(np.abs(moved.H - np.eye(3)).max() <= STILL and np.abs(moved.e).max() <= STILL)
 
 
-@attrs.frozen(eq=False)
-class _Moved:
+class _Moved(Owner):
     """One rendered picture after its motion."""
 
-    colour: moderngl.Texture
-    inverse_depth: moderngl.Texture
-    framebuffer: moderngl.Framebuffer
-
-    def close(self) -> None:
-        release_all(self.framebuffer, self.colour, self.inverse_depth)
+    def __init__(self, gpu: Gpu, size: tuple[int, int], depth: moderngl.Renderbuffer) -> None:
+        self.colour, self.inverse_depth = (self.own(allocate(gpu.gl, size, kind)) for kind in (COLOUR, SCALAR))
+        self.framebuffer = self.own(gpu.gl.framebuffer([self.colour, self.inverse_depth], depth))
 
 
 class MotionPass(RenderedPass):
@@ -76,38 +69,35 @@ class MotionPass(RenderedPass):
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
-        return (
-            *cls.reads[:2],
-            *(("rendered.ids",) if RIGID in parts else ()),
-            *(("rendered.velocity",) if SOFT in parts else ()),
-        )
+        return (*cls.reads[:2], *cls.reads[2:3] * (RIGID in parts), *cls.reads[3:] * (SOFT in parts))
 
     def prepare(self) -> None:
-        _check(self.gpu, self.rendered_size)
+        blocks, wide, high = self.gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], *self.rendered_size
+        if blocks < 2:
+            raise MachineError(
+                f"vertex shaders of this GPU read {blocks} buffers: moving things needs 2; use --effects "
+                f"no-{RIGID},no-{SOFT}"
+            )
+        if max(wide, high) > MOST_SIDE:
+            raise InputError(
+                f"a rendered picture of {wide}x{high}: moving things takes at most {MOST_SIDE} pixels a side"
+            )
         defines = {"RIGID": int(RIGID in self.parts), "SOFT": int(SOFT in self.parts)}
-        shaders, gl, (wide, high) = self.gpu.shaders, self.gpu.gl, self.rendered_size
+        shaders, gl = self.gpu.shaders, self.gpu.gl
         self._split = shaders.compute("effects/motion_split.comp", IMAGES=1, **defines)
         self._order, self._list = (shaders.compute(f"effects/motion_{name}.comp") for name in ("order", "list"))
         self._draw = shaders.draw("effects/motion.vert", "effects/motion.frag", IMAGES=0, **defines)
         self._words, self._draws = wide * -(-high // ROWS), -(-wide * high // QUADS)
         # Body maps; masks, prefix counts, draws, the list: bound in the order of the shaders'
         # numbers.
-        sizes = (
-            4 * MAP_FLOATS * MOST_BODIES,
-            4 * self._words,
-            4 * self._words,
-            DRAW_BYTES * self._draws,
-            4 * wide * high,
-        )
-        self._buffers = [gl.buffer(reserve=size) for size in sizes]
+        masks, draws = 4 * self._words, DRAW_BYTES * self._draws
+        sizes = (4 * MAP_FLOATS * MOST_BODIES, masks, masks, draws, 4 * wide * high)
+        self._buffers = [self.own(gl.buffer(reserve=size)) for size in sizes]
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
-        self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
-        self._array = gl.vertex_array(self._draw.program, [], index_buffer=self._corners, index_element_size=2)
-        self._depth = gl.depth_renderbuffer(self.rendered_size)
-        self._moved = []
-        for _ in range(self.tools.images):
-            colour, depth = (allocate(self.gpu.gl, self.rendered_size, kind) for kind in (COLOUR, SCALAR))
-            self._moved.append(_Moved(colour, depth, self.gpu.gl.framebuffer([colour, depth], self._depth)))
+        indices = self.own(gl.buffer(corners.astype(np.uint16).tobytes()))
+        array = gl.vertex_array(self._draw.program, [], index_buffer=indices, index_element_size=2)
+        self._array, depth = self.own(array), self.own(gl.depth_renderbuffer(self.rendered_size))
+        self._moved = [self.own(_Moved(self.gpu, self.rendered_size, depth)) for _ in range(self.tools.images)]
 
     def run(self, inputs: PassInputs) -> PassInputs:
         into = iter(self._moved)
@@ -126,42 +116,33 @@ class MotionPass(RenderedPass):
         if not soft and all(map(rests, maps)):
             return image
         into = next(free)
-        named = self._named(image, maps, age_ns)
-        self._bind(image, maps, into)
-        self._run(self._split, named | SPLIT_UNITS, self.rendered_size)
-        self._run(self._order, named, (1, 1))
-        self._run(self._list, named, self.rendered_size)
+        named = {"steepest": steepest(image.view, self.rendered_size, STEEPEST_DEG), "body_count": len(maps)}
+        from_tangent = image.view.fov.pixel_from_tangent(self.rendered_size)
+        named |= {"rendered_size": self.rendered_size, "pixel_from_eye": from_tangent @ np.diag([1.0, 1.0, -1.0])}
+        named |= {"seconds": swing_seconds(age_ns), "reach_m": REACH_M, "nearest": 1 / NEAREST_M}
+        named |= {"words": self._words, "draws": self._draws, "draw_quads": QUADS}
+        named |= self._bind(image, maps, into)
+        for program, size in (
+            (self._split, self.rendered_size),
+            (self._order, (1, 1)),
+            (self._list, self.rendered_size),
+        ):
+            program.uniforms.set_declared(**named)
+            program.run(*size)
+            self.gpu.barrier()
         self._draw_moving(named, into)
         moved = attrs.evolve(image, colour=into.colour, inverse_depth=into.inverse_depth)
         return moved.having(ids=None, velocity=None)
 
-    def _named(self, image: EyeImage, maps: Sequence[WarpMap], age_ns: int) -> dict[str, Any]:
-        """Return the uniforms of all programs by name."""
-        return {
-            "rendered_size": self.rendered_size,
-            "steepest": steepest(image.view, self.rendered_size, STEEPEST_DEG),
-            "rendered_colour": 0,
-            "rendered_inverse_depth": 1,
-            "rendered_ids": 2,
-            "rendered_velocity": 3,
-            "body_count": len(maps),
-            "pixel_from_eye": image.view.fov.pixel_from_tangent(self.rendered_size) @ np.diag([1.0, 1.0, -1.0]),
-            "seconds": swing_seconds(age_ns),
-            "reach_m": REACH_M,
-            "nearest": 1 / NEAREST_M,
-            "words": self._words,
-            "draws": self._draws,
-            "draw_quads": QUADS,
-        }
-
-    def _bind(self, image: EyeImage, maps: Sequence[WarpMap], into: _Moved) -> None:
-        ids = image["ids"].numbers if "ids" in image else None
-        for unit, texture in enumerate((image.colour, image.inverse_depth, ids, image.get("velocity"))):
-            if texture is not None:
-                texture.use(unit)
-                texture.bind_to_image(unit, read=True, write=False)
-        into.colour.bind_to_image(SPLIT_UNITS["still_colour"], read=False, write=True)
-        into.inverse_depth.bind_to_image(SPLIT_UNITS["still_inverse_depth"], read=False, write=True)
+    def _bind(self, image: EyeImage, maps: Sequence[WarpMap], into: _Moved) -> dict[str, Any]:
+        """Bind all that the programs read and write; return the units."""
+        numbers = image["ids"].numbers if "ids" in image else None
+        found = {"rendered_ids": numbers, "rendered_velocity": image.get("velocity")}
+        read = {"rendered_colour": image.colour, "rendered_inverse_depth": image.inverse_depth}
+        read |= {name: texture for name, texture in found.items() if texture is not None}
+        for unit, texture in enumerate(read.values()):  # each is sampled in the unit in which it is an image
+            texture.use(unit)
+        write = {"still_colour": into.colour, "still_inverse_depth": into.inverse_depth}
         if maps:
             # The columns of H, then e; the first column's fourth number is 1 for a moving body.
             table = np.zeros((len(maps), 4, 4), np.float32)
@@ -170,11 +151,7 @@ class MotionPass(RenderedPass):
             self._buffers[0].write(table.tobytes())
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
-
-    def _run(self, program: Compute, named: dict[str, Any], size: tuple[int, int]) -> None:
-        program.uniforms.set_declared(**named)
-        program.run(*size)
-        self.gpu.barrier()
+        return bind_images(read, write)
 
     def _draw_moving(self, named: dict[str, Any], into: _Moved) -> None:
         gl = self.gpu.gl
@@ -189,25 +166,6 @@ class MotionPass(RenderedPass):
             gl.depth_func = "<"
             self._array.render_indirect(self._buffers[3], moderngl.TRIANGLES, count=self._draws)
         self.gpu.barrier()
-
-    def close(self) -> None:
-        for moved in self._moved:
-            moved.close()
-        release_all(self._array, self._corners, self._depth, *self._buffers)
-
-
-def _check(gpu: Gpu, size: tuple[int, int]) -> None:
-    """Raise MachineError if vertex shaders cannot read buffers, InputError for a large picture."""
-    blocks = gpu.gl.info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"]
-    if blocks < 2:
-        raise MachineError(
-            f"vertex shaders of this GPU read {blocks} buffers: moving things needs 2; use --effects "
-            f"no-{RIGID},no-{SOFT}"
-        )
-    if max(size) > MOST_SIDE:
-        raise InputError(
-            f"a rendered picture of {size[0]}x{size[1]}: moving things takes at most {MOST_SIDE} pixels a side"
-        )
 
 
 effects.register(

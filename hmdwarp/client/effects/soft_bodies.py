@@ -13,7 +13,7 @@ from ...frames import EyeImage, Needs
 from ...geometry import View
 from ...geometry.view import tangents_of_pixels
 from ...gpu.shaders import Draw
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, drawing_into, release_all
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, bind_images, drawing_into
 from ...scenes import unlit
 from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
 from ..client_scene import ClientScene, Store, whole_weight
@@ -29,6 +29,7 @@ SAME = 0.01
 # Tangent of the angle from facing up to which neighbouring pixels are one surface: 80 degrees.
 STEEPEST = 5.7
 _RELIGHT = RelightSettings()
+_NOW = ("albedo", "body_inverse_depth", "lit", "late_place", "late_normal")  # what is drawn now, by the shader's names
 
 
 class DeformingBodies(Store):
@@ -47,27 +48,26 @@ class DeformingBodies(Store):
         textures = [client.scene.textures[texture] for texture in used]
         self._scene = scene = attrs.evolve(client.scene, meshes=plain, textures=textures, lamps=())
         gpu = self._gpu = client.gpu
-        bare = unlit(scene)
-        self._textures = SceneTextures(gpu, bare)
+        bare, gl = unlit(scene), gpu.gl
+        self._textures = self.own(SceneTextures(gpu, bare))
         # Two of each, so that both eyes find what they draw as it was and as it is.
         self._then, self._now = (
-            [DeformingMesh(gpu, bare, mesh, self._textures) for mesh in bare.meshes] for _ in range(2)
+            [self.own(DeformingMesh(gpu, bare, mesh, self._textures)) for mesh in bare.meshes] for _ in range(2)
         )
-        gl = gpu.gl
-        self._baked = [gl.buffer(np.float32(mesh.light).tobytes()) for mesh in scene.meshes]
-        self._past = [gl.buffer(reserve=12 * len(mesh.positions), dynamic=True) for mesh in scene.meshes]
+        self._past = [self.own(gl.buffer(reserve=12 * len(mesh.positions), dynamic=True)) for mesh in scene.meshes]
         self._past_ns: int | None = None
         self._plain, self._late = (
             gpu.shaders.draw("effects/soft_body.vert", "effects/soft_body.frag", LATE=k) for k in (0, 1)
         )
-        self._vertices = [body.buffers.vertex_array(gl, self._plain.program, colour=True) for body in self._then]
-        self._vertices_late = [
-            one.buffers.vertex_array(
-                gl, self._late.program, (baked, "3f4", "in_baked"), (past, "3f4", "in_late"), colour=True
-            )
-            for one, baked, past in zip(self._now, self._baked, self._past, strict=True)
+        self._vertices = [
+            self.own(body.buffers.vertex_array(gl, self._plain.program, colour=True)) for body in self._then
         ]
-        self._framebuffers = Framebuffers(gl)
+        self._vertices_late = []
+        for mesh, body, past in zip(scene.meshes, self._now, self._past, strict=True):
+            baked = self.own(gl.buffer(np.float32(mesh.light).tobytes()))
+            more = (baked, "3f4", "in_baked"), (past, "3f4", "in_late")
+            self._vertices_late.append(self.own(body.buffers.vertex_array(gl, self._late.program, *more, colour=True)))
+        self._framebuffers = self.own(Framebuffers(gl))
 
     def reserve(self, size: tuple[int, int]) -> None:
         """Allocate what pictures of that size need."""
@@ -112,13 +112,6 @@ class DeformingBodies(Store):
     def weights(self) -> list[dict[str, Any]]:
         return [whole_weight(self._scene)]
 
-    def close(self) -> None:
-        release_all(*self._vertices, *self._vertices_late, *self._baked, *self._past)
-        for body in (*self._then, *self._now):
-            body.close()
-        self._framebuffers.close()
-        self._textures.close()
-
 
 class SoftBodiesPass(ShownPass):
     """Take what deforms out of the rendered pictures; draw it into the shown one as it is now."""
@@ -130,16 +123,19 @@ class SoftBodiesPass(ShownPass):
     writes = ("shown.colour", "shown.inverse_depth")
 
     def prepare(self) -> None:
-        geometry, gl, rendered = self.tools.geometry, self.gpu.gl, self.rendered_size
+        geometry, rendered = self.tools.geometry, self.rendered_size
         self._bodies = None if geometry is None else geometry.store(DeformingBodies)
         self._take, self._light = (self.gpu.shaders.compute(f"effects/soft_{name}.comp") for name in ("take", "light"))
-        self._then = [allocate(gl, rendered, kind) for kind in (COLOUR, SCALAR)]
-        self._now = [allocate(gl, self.shown_size, kind) for kind in (COLOUR, SCALAR, COLOUR, PLACE, COLOUR)]
-        self._left = [[allocate(gl, rendered, kind) for kind in (COLOUR, SCALAR)] for _ in range(self.tools.images)]
-        self._lights = BlockLights(self.gpu, rendered, _RELIGHT.samples, _RELIGHT.reach)
+        self._then = self._allocated(rendered, COLOUR, SCALAR)
+        self._now = self._allocated(self.shown_size, COLOUR, SCALAR, COLOUR, PLACE, COLOUR)
+        self._left = [self._allocated(rendered, COLOUR, SCALAR) for _ in range(self.tools.images)]
+        self._lights = self.own(BlockLights(self.gpu, rendered, _RELIGHT.samples, _RELIGHT.reach))
         if self._bodies is not None:
             self._bodies.reserve(rendered)
             self._bodies.reserve(self.shown_size)
+
+    def _allocated(self, size: tuple[int, int], *kinds: tuple[int, str]) -> list[moderngl.Texture]:
+        return [self.own(allocate(self.gpu.gl, size, kind)) for kind in kinds]
 
     def take_out(self, inputs: PassInputs) -> PassInputs:
         # The newest comes last: `_then` is read again when its light is found.
@@ -152,14 +148,10 @@ class SoftBodiesPass(ShownPass):
         assert self._bodies is not None, "a plan that reads client.soft_bodies is for a client with geometry"
         self._bodies.draw(image.view, image.drawn_ns, self._then)
         self.gpu.barrier()
-        for unit, texture in enumerate((image.colour, image.inverse_depth, self._then[1])):
-            texture.bind_to_image(unit, read=True, write=False)
-        for unit, texture in enumerate(left, start=3):
-            texture.bind_to_image(unit, read=False, write=True)
-        self._take.uniforms.set(
-            rendered_colour=0, rendered_inverse_depth=1, body_inverse_depth=2, left_colour=3, left_inverse_depth=4,
-            rendered_size=image.size, same=SAME,
-        )  # fmt: skip
+        read = {"rendered_colour": image.colour, "rendered_inverse_depth": image.inverse_depth}
+        read["body_inverse_depth"] = self._then[1]
+        units = bind_images(read, {"left_colour": left[0], "left_inverse_depth": left[1]})
+        self._take.uniforms.set(rendered_size=image.size, same=SAME, **units)
         self._take.run(*image.size)
         self.gpu.barrier()
         return attrs.evolve(image, colour=left[0], inverse_depth=left[1])
@@ -171,33 +163,21 @@ class SoftBodiesPass(ShownPass):
         assert self._bodies is not None, "take_out() has run"
         self._bodies.draw_with_past(inputs.middle, inputs.shown_ns, self._now, late.view, late.drawn_ns)
         self.gpu.barrier()
-        names = (
-            ("picture", picture.colour.texture), *zip(_NOW, self._now, strict=True), ("late_colour", late.colour),
-            ("late_inverse_depth", late.inverse_depth), ("late_albedo", self._then[0]),
-            ("late_body_inverse_depth", self._then[1]), ("lights", self._lights.texture),
-        )  # fmt: skip
-        for unit, (_, texture) in enumerate(names):
+        sampled = {"picture": picture.colour.texture, **dict(zip(_NOW, self._now, strict=True))}
+        sampled |= {"late_colour": late.colour, "late_inverse_depth": late.inverse_depth}
+        sampled |= dict(zip(("late_albedo", "late_body_inverse_depth"), self._then, strict=True))
+        sampled |= {"lights": self._lights.texture}
+        for unit, texture in enumerate(sampled.values()):
             texture.use(unit)
-        picture.depth.bind_to_image(0, read=True, write=True)
-        into.bind_for_writing(1)
+        units = bind_images(write={"written": into}, change={"shown_inverse_depth": picture.depth})
+        units |= {name: unit for unit, name in enumerate(sampled)}
         self._lights.bind_samples()
         rays = tangents_of_pixels(late.view, late.size)
-        self._light.uniforms.set(
-            **{name: unit for unit, (name, _) in enumerate(names)},
-            shown_inverse_depth=0, written=1, shown_size=self.shown_size, late_size=late.size,
-            late_first=rays["tangent_start"], late_pixel=rays["tangent_step"], same=SAME,
-            steepest=STEEPEST * max(rays["tangent_step"]), samples=_RELIGHT.samples, near=NEAR, off_plane=OFF_PLANE,
-            model_weight=MODEL_WEIGHT["none"],
-        )  # fmt: skip
+        units |= {"late_first": rays["tangent_start"], "late_pixel": rays["tangent_step"], "late_size": late.size}
+        limits = {"same": SAME, "steepest": STEEPEST * max(rays["tangent_step"]), "near": NEAR, "off_plane": OFF_PLANE}
+        limits |= {"samples": _RELIGHT.samples, "model_weight": MODEL_WEIGHT["none"]}
+        self._light.uniforms.set(shown_size=self.shown_size, **units, **limits)
         self._light.run(*self.shown_size)
-
-    def close(self) -> None:
-        lefts = (texture for left in self._left for texture in left)
-        self._lights.close()
-        release_all(*self._then, *self._now, *lefts)
-
-
-_NOW = ("albedo", "body_inverse_depth", "lit", "late_place", "late_normal")
 
 
 effects.register(

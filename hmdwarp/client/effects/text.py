@@ -96,7 +96,7 @@ class KeptPanels(Store):
         time_ns, showing, update = showing_in(content)
         for number, thing in self._inbox.take(update):
             if number:
-                self._textures[number] = panel_texture(self.client.gpu, picture_in(thing))
+                self._textures[number] = self.own(panel_texture(self.client.gpu, picture_in(thing)))
             else:
                 self._panels = places_in(thing)
         if time_ns >= self._newest_ns:
@@ -114,10 +114,6 @@ class KeptPanels(Store):
         room = sum(texture_bytes(texture) * 4 // 3 for texture in self._textures.values())
         come = {"start_up_bytes": 0, "first_picture_bytes": self._first_bytes, "arrived_bytes": self._inbox.bytes}
         return [{"geometry_bytes": room, "texture_bytes": 0, **come, "panels": len(self._held)}]
-
-    def close(self) -> None:
-        for texture in self._textures.values():
-            texture.release()
 
 
 def panel_from_shown(panel: Panel, view: View, size: Size) -> Array | None:

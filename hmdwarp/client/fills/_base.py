@@ -5,19 +5,20 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
+import moderngl
 import numpy as np
 
 from ...errors import InputError
 from ...frames import Needs
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import tiles
+from ...gpu.textures import SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ...options import NoSettings
 from ..client_scene import ClientScene, DrawnModel, ReducedModel
 from ..inputs import PassInputs, ShownPicture
 
 
-class Fill(ABC):
+class Fill(Owner, ABC):
     """Give pixels of coverage 0 a plausible colour, and leave all others as they are.
 
     Fills chain: each fills what those before it left empty.
@@ -71,19 +72,23 @@ class Fill(ABC):
         of `picture`.
         """
 
+    def picture(self) -> ShownPicture:
+        """Return a picture of the shown size with depth, for what the client draws."""
+        gl = self.gpu.gl
+        return ShownPicture(self.own(Canvas(gl, self.shown_size)), self.own(allocate(gl, self.shown_size, SCALAR)))
+
     def model(self, share: float, *, lit: bool, texture: float = 1.0) -> DrawnModel:
         """Return the client's model of the scene, for fills that read client.model."""
         assert self.geometry is not None
-        return self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
+        drawn = self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
+        drawn.reserve(self.shown_size)
+        return drawn
 
     def learn(self, inputs: PassInputs) -> None:  # noqa: B027 (most remember nothing)
         """Remember what run() would of the picture as it was drawn, and show nothing."""
 
     def renew(self) -> None:  # noqa: B027 (most remember nothing)
         """Take the next frame for a new one, even if it is the last one again: for timing."""
-
-    def close(self) -> None:  # noqa: B027 (some own nothing)
-        """Free the textures and buffers."""
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:
@@ -103,10 +108,9 @@ class Fill(ABC):
 
 PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
 _HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces
-_WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH = range(4)  # image units
 
 
-class HolePieces:
+class HolePieces(Owner):
     """The list of pieces with holes of the newest picture; owns its buffers.
 
     with_depth: copies the inverse depth too. coarse: also lists the pieces of the picture at half
@@ -117,21 +121,17 @@ class HolePieces:
         self, gpu: Gpu, name: str, size: tuple[int, int], *, with_depth: bool = False, coarse: bool = False
     ) -> None:
         self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
-        self._program = gpu.shaders.compute(
-            "fills/holes.comp", grid="shown", WITH_DEPTH=int(with_depth), COARSE=int(coarse)
-        )
-        self.count = _pieces_in(size)
-        most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
-        if self.count * PIECE[0] > 64 * most:
+        defines = {"WITH_DEPTH": int(with_depth), "COARSE": int(coarse)}
+        self._program = gpu.shaders.compute("fills/holes.comp", grid="shown", **defines)
+        count, at_half = (-(-w // PIECE[0]) * -(-h // PIECE[1]) for w, h in (size, tiles(size, 2)))
+        if count * PIECE[0] > 64 * gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]:
             raise InputError(
                 f"a shown picture of {size[0]}x{size[1]} is beyond what fill '{name}' can do on this GPU: use a "
                 "smaller one"
             )
-        self.list = gpu.gl.buffer(reserve=len(_HEADER) + 4 * self.count)
-        self._stamps = gpu.gl.buffer(bytes(8 * self.count))
-        at_half = _pieces_in(tiles(size, 2))
-        self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
-        self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
+        room = [len(_HEADER) + 4 * count, 8 * count, *([len(_HEADER) + 4 * at_half, 4 * at_half] if coarse else [])]
+        # The list and the stamps of pieces, then both of those at half the resolution.
+        self._buffers = [self.own(gpu.gl.buffer(bytes(count))) for count in room]
         self._run_find = self._program.over(*size)
 
     def find(self, picture: ShownPicture, into: ShownPicture) -> int:
@@ -140,45 +140,28 @@ class HolePieces:
         Return the stamp that marks its pieces with covered pixels.
         """
         self._stamp = self._stamp % (2**32 - 1) + 1
-        self.list.write(_HEADER)
-        uniforms = {"warped": _WARPED, "filled": _FILLED, "shown_size": self._size, "stamp": self._stamp}
-        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
-        into.colour.texture.bind_to_image(_FILLED, read=False, write=True)
+        read, write = {"warped": picture.colour.texture}, {"filled": into.colour.texture}
         if self._with_depth and picture.inverse_depth is not None:
-            picture.inverse_depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
-            into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
-            uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
-        self.list.bind_to_storage_buffer(0)
-        self._stamps.bind_to_storage_buffer(1)
-        if self._coarse is not None and self._coarse_stamps is not None:
-            self._coarse.write(_HEADER)
-            self._coarse.bind_to_storage_buffer(2)
-            self._coarse_stamps.bind_to_storage_buffer(3)
-        self._program.uniforms.set(**uniforms)
+            read["warped_depth"], write["filled_depth"] = picture.inverse_depth, into.depth
+        for binding, buffer in enumerate(self._buffers):
+            if binding % 2 == 0:
+                buffer.write(_HEADER)
+            buffer.bind_to_storage_buffer(binding)
+        self._program.uniforms.set(shown_size=self._size, stamp=self._stamp, **bind_images(read, write))
         self._run_find()
         self._gpu.barrier()
         return self._stamp
 
     def run(self, program: Compute) -> None:
         """Run a program that includes lib/hole_columns.glsl over the listed pieces."""
-        self.list.bind_to_storage_buffer(0)
-        self._stamps.bind_to_storage_buffer(1)
-        program.program.run_indirect(self.list)
-        self._gpu.barrier()
+        self._run_over(program, *self._buffers[:2])
 
     def run_coarse(self, program: Compute) -> None:
         """Run it over the pieces at half the resolution; its shown_size is that resolution."""
-        assert self._coarse is not None
-        self._coarse.bind_to_storage_buffer(0)
-        program.program.run_indirect(self._coarse)
+        self._run_over(program, self._buffers[2])
+
+    def _run_over(self, program: Compute, *buffers: moderngl.Buffer) -> None:
+        for binding, buffer in enumerate(buffers):
+            buffer.bind_to_storage_buffer(binding)
+        program.program.run_indirect(buffers[0])
         self._gpu.barrier()
-
-    def close(self) -> None:
-        """Free the buffers."""
-        for buffer in (self.list, self._stamps, self._coarse, self._coarse_stamps):
-            if buffer is not None:
-                buffer.release()
-
-
-def _pieces_in(size: tuple[int, int]) -> int:
-    return -(-size[0] // PIECE[0]) * -(-size[1] // PIECE[1])

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-# FP BYTES_PER_PIXEL
 import math
 from collections.abc import Sequence
-
-# FP Keyframe
-from functools import partial
 from typing import Any
 
 import attrs
@@ -16,36 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-
-# FP is_new
-# FP HoleFiller
-# FP most_useful
 from ...frames import EyeImage, Needs
 from ...geometry import View, view_map
 from ...geometry.cube import COARSER
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, tiles
-
-# FP seeds_for
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
-from ..warps.gather import DEPTH_FLOOR, DEPTH_TOLERANCE
-
-# FP Keeper
-# FP Slot
-from ..warps.multi import DepthGuesses, DepthPicture, no_pieces, piece_list
-
-# FP overlapping
-# FP most_redundant
+from ..settings import limited
+from ..warps._base import pixel_of
+from ..warps.gather import DEPTH_FLOOR, USUAL_LIMITS, bind_rendered_colour
+from ..warps.multi import DepthGuesses, no_pieces, piece_list
 from . import fills
 from ._base import Fill
 
 _RENDERED = 1  # texture unit
-_SHOWN, _BEST_FILLED, _SHOWN_DEPTH, _BEST_FILLED_DEPTH, _BEST, _DEPTH = range(6)  # image units
+_DEPTH = 5  # image unit
 _GUESSES = 3
 
 
-class HoleFiller:
+class HoleFiller(Owner):
     """Intersect the rays of holes with one picture after the other.
 
     Of several hits the nearest stays; of equally near ones, the one sampled more densely. Nothing
@@ -64,27 +50,16 @@ class HoleFiller:
             shaders.compute("fills/memory_gather.comp"),
         )
         self._run_start = self._start.over(*shown_size)
-        self._guesses = DepthGuesses(gpu, self._cells)
-        self._pieces, self._no_pieces = piece_list(gpu, "the fill", shown_size), no_pieces(gpu)
-        self._best = allocate(gl, shown_size, (2, "f4"))
+        self._guesses = self.own(DepthGuesses(gpu, self._cells))
+        self._pieces, self._no_pieces = self.own(piece_list(gpu, "the fill", shown_size)), self.own(no_pieces(gpu))
+        self._best = self.own(allocate(gl, shown_size, (2, "f4")))
         # Bound where no pass reads depth: stores outside their one pixel are discarded.
-        self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
+        self._no_depth = [self.own(allocate(gl, (1, 1), SCALAR)) for _ in range(2)]
         self._stamp = 0
         # Uniforms of every gather, but for what depends on the picture.
-        self._fixed: dict[str, object] = {
-            "shown_colour": _SHOWN,
-            "filled_colour": _BEST_FILLED,
-            "filled_depth": _BEST_FILLED_DEPTH,
-            "best": _BEST,
-            "rendered_colour": _RENDERED,
-            "rendered_depth": _DEPTH,
-            "shown_size": shown_size,
-            "cells": self._cells,
-            "cells_per_pixel": (self._cells[0] / shown_size[0], self._cells[1] / shown_size[1]),
-            "depth_tolerance": DEPTH_TOLERANCE,
-            "depth_floor": DEPTH_FLOOR,
-            "guesses": _GUESSES,
-        }
+        self._fixed: dict[str, object] = {"rendered_colour": _RENDERED, "rendered_depth": _DEPTH, "guesses": _GUESSES}
+        per_pixel = self._cells[0] / shown_size[0], self._cells[1] / shown_size[1]
+        self._fixed |= {"shown_size": shown_size, "cells": self._cells, "cells_per_pixel": per_pixel, **USUAL_LIMITS}
 
     def start(self, picture: ShownPicture, into: ShownPicture) -> None:
         """Copy a picture; pictures added from now on go into its holes."""
@@ -94,22 +69,14 @@ class HoleFiller:
         before, after = self._no_depth
         if picture.inverse_depth is not None and into.inverse_depth is not None:
             before, after = picture.inverse_depth, into.inverse_depth
-        self._bind = (
-            partial(picture.colour.texture.bind_to_image, _SHOWN, read=True, write=False),
-            partial(before.bind_to_image, _SHOWN_DEPTH, read=True, write=False),
-            partial(into.colour.bind_for_writing, _BEST_FILLED),
-            partial(after.bind_to_image, _BEST_FILLED_DEPTH, read=False, write=True),
-        )
-        for bind in self._bind:
-            bind()
-        units = {"shown_colour": _SHOWN, "filled_colour": _BEST_FILLED, "filled_depth": _BEST_FILLED_DEPTH}
-        self._start.uniforms.set(stamp=self._stamp, shown_depth=_SHOWN_DEPTH, shown_size=self._size, **units)
+        self._write = {"filled_colour": into.colour.texture, "filled_depth": after}
+        self._read = {"shown_colour": picture.colour.texture}
+        units = bind_images({**self._read, "shown_depth": before}, self._write)
+        self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
         self._gpu.barrier()
         self._run_start()
 
-    def add(
-        self, found: DepthPicture, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False
-    ) -> None:
+    def add(self, found: EyeImage, shown: View, *, seeds: moderngl.Texture | None = None, newest: bool = False) -> None:
         """Fill the remaining holes from `found`.
 
         seeds: its inverse depth at a lower resolution, for the guesses. newest: whether it is the
@@ -121,30 +88,15 @@ class HoleFiller:
         self._guesses.scatter(depth, found.view, shown, _DEPTH)
         size = found.colour.size
         back = view_map(shown, self._size, found.view, size)
-        found.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
-        found.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        found.colour.use(_RENDERED)
-        for bind in self._bind:
-            bind()
-        self._best.bind_to_image(_BEST, read=True, write=True)
+        units = bind_images(self._read, self._write, {"best": self._best})
+        bind_images({"rendered_depth": found.inverse_depth}, first=_DEPTH)
+        bind_rendered_colour(found, _RENDERED, whole_pixels=False)
         self._pieces.bind_to_storage_buffer(1)
-        self._gather.uniforms.set(
-            H=back.H,
-            e=back.e,
-            is_first=self._first,
-            is_newest=newest,
-            rendered_size=size,
-            rendered_pixel=(1 / size[0], 1 / size[1]),
-            **self._fixed,
-        )
+        sizes = {"rendered_size": size, "rendered_pixel": pixel_of(size), "is_first": self._first, "is_newest": newest}
+        self._gather.uniforms.set(H=back.H, e=back.e, **sizes, **units, **self._fixed)
         self._gpu.barrier()
         self._gather.program.run_indirect(self._pieces)
         self._first = False
-
-    def close(self) -> None:
-        """Free the textures and buffers."""
-        self._guesses.close()
-        release_all(self._pieces, self._no_pieces, self._best, *self._no_depth)
 
 
 Mask = NDArray[np.bool_]
@@ -254,7 +206,6 @@ BYTES_PER_PIXEL = 13  # of a kept picture
 TOLERANCE = 0.05
 COLOUR_MARGIN = (0.08, 0.25)
 _IDS = 1  # texture unit
-_NEW_COLOUR, _NEW_DEPTH, _KEPT_COLOUR, _KEPT_DEPTH, _FIRST, _SECOND = range(6)  # image units
 
 
 # Side of the squares of kept pixels of which a comparison looks at one: with 1 it takes 3.4 times
@@ -268,22 +219,13 @@ def place_in_block(turn: int) -> tuple[int, int]:
     return (x + 2 * y) % BLOCK_SIDE, (y + 2 * x) % BLOCK_SIDE
 
 
-@attrs.frozen(eq=False)
-class Slot:
-    """Storage for one picture."""
+class Slot(Owner):
+    """Storage for one picture of that size."""
 
-    colour: moderngl.Texture  # rgba16f
-    inverse_depth: moderngl.Texture  # r32f
-    seeds: moderngl.Texture  # r32f: the nearest of each 2 x 2 pixels
-
-    @classmethod
-    def of(cls, gpu: Gpu, size: tuple[int, int]) -> Slot:
-        """Return an empty slot for pictures of that size."""
-        return cls(allocate(gpu.gl, size, COLOUR, linear=True), allocate(gpu.gl, size, SCALAR), seeds_for(gpu, size))
-
-    def release(self) -> None:
-        """Free the textures."""
-        release_all(self.colour, self.inverse_depth, self.seeds)
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.colour = self.own(allocate(gpu.gl, size, COLOUR, linear=True))
+        self.inverse_depth = self.own(allocate(gpu.gl, size, SCALAR))
+        self.seeds = self.own(seeds_for(gpu, size))  # the nearest of each 2 x 2 pixels
 
 
 def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
@@ -291,7 +233,7 @@ def seeds_for(gpu: Gpu, size: tuple[int, int]) -> moderngl.Texture:
     return allocate(gpu.gl, tiles(size, 2), SCALAR)
 
 
-class Keeper:
+class Keeper(Owner):
     """Programs and buffers to keep rendered pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -299,35 +241,24 @@ class Keeper:
         self._keep, self._seed, self._forget = (
             gpu.shaders.compute(f"fills/memory_{name}.comp") for name in ("keep", "seeds", "forget")
         )
-        self._no_ids, self._no_velocity = allocate(gpu.gl, (1, 1), NUMBER), allocate(gpu.gl, (1, 1), COLOUR)
-        self._run_seed = self._seed.over(*tiles(size, 2))
+        self._no_ids, self._no_velocity = (self.own(allocate(gpu.gl, (1, 1), kind)) for kind in (NUMBER, COLOUR))
         self._no_ids.write(bytes(2), alignment=1)
         self._no_velocity.write(bytes(8))
 
     def keep(self, rendered: EyeImage, slot: Slot) -> None:
         """Copy the static pixels."""
-        self._bind_rendered(rendered)
-        self._bind_slot(slot, read=False)
         ids = rendered["ids"].numbers if "ids" in rendered else self._no_ids
-        velocity = rendered.get("velocity", self._no_velocity)
         ids.use(_IDS)
-        velocity.bind_to_image(_SECOND, read=True, write=False)
-        units = {
-            "rendered_colour": _NEW_COLOUR,
-            "rendered_depth": _NEW_DEPTH,
-            "kept_colour": _KEPT_COLOUR,
-            "kept_depth": _KEPT_DEPTH,
-        }
-        self._run(self._keep, self._size, ids=_IDS, velocity=_SECOND, rendered_size=self._size, **units)
+        read = {"rendered_colour": rendered.colour, "rendered_depth": rendered.inverse_depth}
+        read["velocity"] = rendered.get("velocity", self._no_velocity)
+        units = bind_images(read, {"kept_colour": slot.colour, "kept_depth": slot.inverse_depth})
+        self._run(self._keep, self._size, ids=_IDS, rendered_size=self._size, **units)
         self.seed(slot.inverse_depth, slot.seeds)
 
     def seed(self, inverse_depth: moderngl.Texture, seeds: moderngl.Texture) -> None:
         """Write the nearest of each 2 x 2 pixels."""
-        inverse_depth.bind_to_image(_NEW_DEPTH, read=True, write=False)
-        seeds.bind_to_image(_FIRST, read=False, write=True)
-        self._gpu.barrier()
-        self._seed.uniforms.set(depth=_NEW_DEPTH, nearest=_FIRST, depth_size=self._size)
-        self._run_seed()
+        units = bind_images({"depth": inverse_depth}, {"nearest": seeds})
+        self._run(self._seed, tiles(self._size, 2), depth_size=self._size, **units)
 
     def forget(self, slot: Slot, kept: View, rendered: EyeImage, turn: int) -> None:
         """Erase what `rendered` disproves of a picture in the slot, whose view is `kept`.
@@ -335,33 +266,17 @@ class Keeper:
         turn: counts the comparisons of a picture; each looks at another pixel of every block.
         """
         there = view_map(kept, self._size, rendered.view, self._size)
-        self._bind_rendered(rendered)
-        self._bind_slot(slot, read=True)
-        slot.seeds.bind_to_image(_FIRST, read=False, write=True)
-        units = {
-            **{"rendered_colour": _NEW_COLOUR, "rendered_depth": _NEW_DEPTH},
-            **{"kept_colour": _KEPT_COLOUR, "kept_depth": _KEPT_DEPTH, "seeds": _FIRST},
-        }
+        read = {"rendered_colour": rendered.colour, "rendered_depth": rendered.inverse_depth}
+        change = {"kept_colour": slot.colour, "kept_depth": slot.inverse_depth}
+        units = bind_images(read, {"seeds": slot.seeds}, change)
         limits = {"depth_tolerance": TOLERANCE, "depth_floor": DEPTH_FLOOR, "colour_margin": COLOUR_MARGIN}
         which = {"block": BLOCK_SIDE, "place": place_in_block(turn), "once": 1, "rendered_size": self._size}
         self._run(self._forget, tiles(self._size, BLOCK_SIDE), H=there.H, e=there.e, **which, **units, **limits)
-
-    def _bind_rendered(self, rendered: EyeImage) -> None:
-        rendered.colour.bind_to_image(_NEW_COLOUR, read=True, write=False)
-        rendered.inverse_depth.bind_to_image(_NEW_DEPTH, read=True, write=False)
-
-    def _bind_slot(self, slot: Slot, *, read: bool) -> None:
-        slot.colour.bind_to_image(_KEPT_COLOUR, read=read, write=True)
-        slot.inverse_depth.bind_to_image(_KEPT_DEPTH, read=read, write=True)
 
     def _run(self, program: Compute, size: tuple[int, int], **uniforms: object) -> None:
         self._gpu.barrier()
         program.uniforms.set(**uniforms)
         program.run(*size)
-
-    def close(self) -> None:
-        """Free the textures."""
-        release_all(self._no_ids, self._no_velocity)
 
 
 MOST_FRAMES = 64
@@ -372,21 +287,10 @@ CELL = 2  # side, in shown pixels, of squares that share first guesses, which co
 class MemorySettings:
     """How many pictures are kept, and for how long."""
 
-    frames: int = 12  # Pictures kept, of both eyes together.
-    use: int = 3  # Most pictures that one fill reads.
-    age: float = 60.0  # Seconds after which a picture is dropped.
-    # Memory for all pictures, in 10^6 bytes; with little of it fewer are kept.
-    mb: float = 1000.0
-
-    def __attrs_post_init__(self) -> None:
-        if not 1 <= self.frames <= MOST_FRAMES:
-            raise ValueError(f"frames is {self.frames}: expected 1 to {MOST_FRAMES} pictures")
-        if not 1 <= self.use <= MOST_FRAMES:
-            raise ValueError(f"use is {self.use}: expected 1 to {MOST_FRAMES} pictures")
-        if not (math.isfinite(self.age) and 0 < self.age <= 3600):
-            raise ValueError(f"age is {self.age:g} s: expected above 0 and at most 3600")
-        if not (math.isfinite(self.mb) and 0 < self.mb <= 1e6):
-            raise ValueError(f"mb is {self.mb:g}: expected above 0 and at most 1000000")
+    frames: int = limited(12, 1, MOST_FRAMES, "pictures")  # Kept, of both eyes together.
+    use: int = limited(3, 1, MOST_FRAMES, "pictures")  # Most that one fill reads.
+    age: float = limited(60.0, 0, 3600, "s", above=True)  # After which a picture is dropped.
+    mb: float = limited(1000.0, 0, 1e6, above=True)  # Memory for all, in 10^6 bytes; with little fewer are kept.
 
 
 @fills.register
@@ -416,9 +320,10 @@ class Memory(Fill):
         if count < 1:
             wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
-        self._holes, self._keeper = (HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.rendered_size))
-        self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
-        self._seeds = seeds_for(self.gpu, self.rendered_size)
+        self._holes = self.own(HoleFiller(self.gpu, self.shown_size, CELL))
+        self._keeper = self.own(Keeper(self.gpu, self.rendered_size))
+        self._slots = [self.own(Slot(self.gpu, self.rendered_size)) for _ in range(count)]
+        self._seeds = self.own(seeds_for(self.gpu, self.rendered_size))
         self._kept: list[Keyframe] = []
         self._last: dict[int, tuple[View, int]] = {}
         self._turn = 0
@@ -429,13 +334,12 @@ class Memory(Fill):
         self.learn(inputs)
         self._keeper.seed(rendered.inverse_depth, self._seeds)
         self._holes.start(picture, into)
-        self._holes.add(
-            DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
-        )
+        self._holes.add(rendered, shown, seeds=self._seeds, newest=True)
         others = [keyframe for keyframe in self._kept if keyframe.view is not rendered.view]
         for kept in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[kept.slot]
-            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, kept.view), shown, seeds=slot.seeds)
+            image = EyeImage(kept.view, slot.colour, slot.inverse_depth)
+            self._holes.add(image, shown, seeds=slot.seeds)
 
     def renew(self) -> None:
         self._last.clear()
@@ -463,12 +367,6 @@ class Memory(Fill):
             self._keeper.keep(rendered, self._slots[slot])
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
 
-    def close(self) -> None:
-        self._holes.close()
-        self._keeper.close()
-        self._seeds.release()
-        release_all(*self._slots)
-
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
@@ -488,15 +386,11 @@ class Wide(Fill):
     source = "this project's; the gather of Bowles et al. 2012"
 
     def prepare(self) -> None:
-        self._holes = HoleFiller(self.gpu, self.shown_size, COARSER)
+        self._holes = self.own(HoleFiller(self.gpu, self.shown_size, COARSER))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        wide = inputs.rendered["wide"]
         self._holes.start(picture, into)
-        self._holes.add(DepthPicture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
-
-    def close(self) -> None:
-        self._holes.close()
+        self._holes.add(inputs.rendered["wide"], inputs.middle)
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:

@@ -7,23 +7,15 @@ from typing import Literal
 
 import attrs
 import moderngl
-
-# FP HolePieces
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import View, view_map
-
-# FP BlockLights
 from ...geometry.view import tangents_of_pixels
 from ...gpu.context import Gpu
-
-# FP OFF_PLANE
-from ...gpu.textures import SCALAR, Canvas, allocate, release_all, tiles
-from ..client_scene import share_of
+from ...gpu.textures import SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
-
-# FP NEAR
+from ..settings import limited, share_of
 from . import fills
 from ._base import Fill, HolePieces
 
@@ -35,7 +27,7 @@ SAME_DEPTH = SAME_SURFACE = (
     0.05  # the model's surfaces are off by a few hundredths; a smaller tolerance leaves curved objects unlit
 )
 NEAR, OFF_PLANE = 0.05, 0.06
-_LIGHTS, _SAMPLES = 5, 1  # image unit, storage binding
+_SAMPLES = 1  # storage binding
 
 
 def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
@@ -53,7 +45,7 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
     return offsets
 
 
-class BlockLights:
+class BlockLights(Owner):
     """Finds light on blocks of a picture, and holds where a pixel looks for it.
 
     size: (w, h) of the picture. samples: places from which a pixel takes light; reach: the farthest
@@ -64,33 +56,25 @@ class BlockLights:
         self._size, self._blocks = size, tiles(size, BLOCK)
         self._find = gpu.shaders.compute("fills/relight_blocks.comp")
         # What find() writes; read by shaders with lib/relight.glsl.
-        self.texture = allocate(gpu.gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT)
+        self.texture = self.own(allocate(gpu.gl, (PARTS * self._blocks[0], self._blocks[1]), LIGHT))
         offsets = sample_offsets(samples, reach * size[0])
-        self._samples = gpu.gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes())
+        self._samples = self.own(gpu.gl.buffer(np.pad(offsets, ((0, 0), (0, 2))).tobytes()))
 
     def find(self, view: View, textures: Sequence[moderngl.Texture]) -> None:
         """Divide the albedo out of a picture where it shows the same surface.
 
         textures: colour and inverse depth of the picture, then albedo and inverse depth of what the
-        client draws; they stay bound to image units 0 to 3, the light to 5.
+        client draws; they stay bound to image units 0 to 3, the light to 4.
         """
-        for unit, texture in enumerate(textures):
-            texture.bind_to_image(unit, read=True, write=False)
-        self.texture.bind_to_image(_LIGHTS, read=True, write=True)
-        self._find.uniforms.set(
-            warped=0, warped_inverse_depth=1, albedo=2, model_inverse_depth=3, lights=_LIGHTS, shown_size=self._size,
-            block_count=self._blocks, same_depth=SAME_DEPTH, same_surface=SAME_SURFACE,
-            **tangents_of_pixels(view, self._size),
-        )  # fmt: skip
+        names = ("warped", "warped_inverse_depth", "albedo", "model_inverse_depth")
+        units = bind_images(dict(zip(names, textures, strict=True)), change={"lights": self.texture})
+        limits = {"same_depth": SAME_DEPTH, "same_surface": SAME_SURFACE, **tangents_of_pixels(view, self._size)}
+        self._find.uniforms.set(shown_size=self._size, block_count=self._blocks, **units, **limits)
         self._find.run(*self._blocks)
 
     def bind_samples(self) -> None:
         """Bind the places for the shader that reads them."""
         self._samples.bind_to_storage_buffer(_SAMPLES)
-
-    def close(self) -> None:
-        """Free the texture and the buffer."""
-        release_all(self.texture, self._samples)
 
 
 SHARE = 0.2  # of the scene's triangles, of every fill with a client's model
@@ -125,7 +109,6 @@ class Model(Fill):
     def prepare(self) -> None:
         chosen = self.settings
         self._model = self.model(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
-        self._model.reserve(self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._model.draw_holes(inputs.middle, picture, into, inputs.shown_ns)
@@ -145,19 +128,13 @@ class RelightSettings:
 
     # Share of the scene's triangles that the client draws, 0 to 1.
     share: float = share_of(SHARE)
-    samples: int = 32  # Places from which a pixel of a hole takes light.
-    reach: float = 0.25  # The farthest of them, in picture widths.
+    samples: int = limited(32, 1, 4096)  # Places from which a pixel of a hole takes light.
+    reach: float = limited(0.25, 0, 2, above=True)  # The farthest of them, in picture widths.
     # The model's own light. none: all light comes from the picture. baked: the baked light is
     # divided out with the albedo and multiplied on again, so that only the difference from it is
     # transferred; that is better wherever light is still as baked, or has changed evenly over a
     # wide area.
     light: Literal["baked", "none"] = "baked"
-
-    def __attrs_post_init__(self) -> None:
-        if not 1 <= self.samples <= 4096:
-            raise ValueError(f"samples is {self.samples}: expected 1 to 4096")
-        if not 0 < self.reach <= 2:
-            raise ValueError(f"reach is {self.reach:g}: expected more than 0 and at most 2")
 
 
 @fills.register
@@ -184,16 +161,14 @@ class Relight(Fill):
     variants = ("light=none",)
 
     def prepare(self) -> None:
-        gl, (wide, high), chosen = self.gpu.gl, self.shown_size, self.settings
+        (wide, high), chosen, shaders = self.shown_size, self.settings, self.gpu.shaders
         self._lit = self.model(chosen.share, lit=True)
         self._base = self.model(chosen.share, lit=chosen.light == "baked")
-        for model in (self._lit, self._base):
-            model.reserve(self.shown_size)
-        self._albedo = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._lights = BlockLights(self.gpu, self.shown_size, chosen.samples, chosen.reach)
-        self._holes = gl.buffer(reserve=16 + 4 * wide * high)
-        self._apply = self.gpu.shaders.compute("fills/relight.comp")
-        self._list = self.gpu.shaders.compute("fills/hole_list.comp", grid="shown", COPY=0)
+        self._albedo = self.picture()
+        self._lights = self.own(BlockLights(self.gpu, self.shown_size, chosen.samples, chosen.reach))
+        self._holes = self.own(self.gpu.gl.buffer(reserve=16 + 4 * wide * high))
+        self._apply = shaders.compute("fills/relight.comp")
+        self._list = shaders.compute("fills/hole_list.comp", grid="shown", COPY=0)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         view = inputs.middle
@@ -203,53 +178,35 @@ class Relight(Fill):
         seen = (picture.colour.texture, picture.depth, self._albedo.colour.texture, self._albedo.depth)
         self._lights.find(view, seen)
         self._lights.bind_samples()
-        into.colour.texture.bind_to_image(4, read=True, write=True)
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
         self._list.run(*self.shown_size)
         self.gpu.barrier()
-        self._apply.uniforms.set(
-            albedo=2, model_inverse_depth=3, lights=5, filled=4, **tangents_of_pixels(view, self.shown_size),
-            shown_size=self.shown_size, near=NEAR, off_plane=OFF_PLANE, model_weight=MODEL_WEIGHT[self.settings.light],
-            samples=self.settings.samples,
-        )  # fmt: skip
+        units = bind_images(change={"filled": into.colour}, first=5)
+        units |= {"albedo": 2, "model_inverse_depth": 3, "lights": 4}  # as find() left them
+        limits = {"near": NEAR, "off_plane": OFF_PLANE, "model_weight": MODEL_WEIGHT[self.settings.light]}
+        rays = {"shown_size": self.shown_size, **tangents_of_pixels(view, self.shown_size)}
+        self._apply.uniforms.set(samples=self.settings.samples, **units, **limits, **rays)
         self._apply.run(WORKERS)
-
-    def close(self) -> None:
-        self._lights.close()
-        release_all(self._albedo.colour, self._albedo.depth, self._holes)
 
 
 OFFSETS = 4096  # random places to choose from; a power of two
 MOST_SAMPLES = 256
 LEAST_MOVE = 0.5  # pixels, as in shaders/fills/composite.comp
-_WARPED, _UNLIT, _MODEL_DEPTH, _FILLED, _FILLED_DEPTH = range(5)  # image units
 
 
 @attrs.frozen
 class CompositeSettings:
     """Where light is looked for, and where it counts; the thesis gives none of these numbers."""
 
-    samples: int = 16  # Random places for each pixel of a hole.
-    radius: float = 0.05  # The farthest of them, in picture widths.
+    samples: int = limited(16, 1, MOST_SAMPLES)  # Random places for each pixel of a hole.
+    radius: float = limited(0.05, 0, 2, above=True)  # The farthest of them, in picture widths.
     # Inverse depths agree if they differ by at most depth * (the smaller one + 0.02 1/m).
-    depth: float = 0.1
-    normal: float = 20.0  # Normals agree up to this angle, in degrees.
+    depth: float = limited(0.1)
+    normal: float = limited(20.0, 0, 180, "degrees")  # Normals agree up to this angle.
     average: Literal["mean", "median"] = "mean"  # Of the light found.
-    seed: int = 0  # Of the random places; every frame draws others from it.
-
-    def __attrs_post_init__(self) -> None:
-        if not 1 <= self.samples <= MOST_SAMPLES:
-            raise ValueError(f"samples is {self.samples}: expected 1 to {MOST_SAMPLES}")
-        if not 0 < self.radius <= 2:
-            raise ValueError(f"radius is {self.radius:g}: expected more than 0 and at most 2")
-        if not 0 <= self.depth < float("inf"):
-            raise ValueError(f"depth is {self.depth:g}: expected 0 or more")
-        if not 0 <= self.normal <= 180:
-            raise ValueError(f"normal is {self.normal:g}: expected 0 to 180 degrees")
-        if not 0 <= self.seed < 2**32:
-            raise ValueError(f"seed is {self.seed}: expected 0 to {2**32 - 1}")
+    seed: int = limited(0, 0, 2**32 - 1)  # Of the random places; every frame draws others from it.
 
 
 def random_offsets(seed: int, radius_pixels: float) -> NDArray[np.int32]:
@@ -286,16 +243,14 @@ class Composite(Fill):
 
     def prepare(self) -> None:
         gl, chosen = self.gpu.gl, self.settings
-        self._model = self.model(1.0, lit=False)
-        self._model.reserve(self.shown_size)
-        self._unlit = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
+        self._model, self._unlit = self.model(1.0, lit=False), self.picture()
+        self._pieces = self.own(HolePieces(self.gpu, self.name, self.shown_size, with_depth=True))
         offsets = random_offsets(chosen.seed, chosen.radius * self.shown_size[0])
-        self._offsets = gl.buffer(offsets.tobytes())
+        self._offsets = self.own(gl.buffer(offsets.tobytes()))
         median = chosen.samples if chosen.average == "median" else 0
         self._program = self.gpu.shaders.compute("fills/composite.comp", MEDIAN=median)
         # Where no pass reads depth: what lies outside their one pixel reads 0 and is not stored.
-        self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
+        self._no_depth = [self.own(allocate(gl, (1, 1), SCALAR)) for _ in range(2)]
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         if picture.inverse_depth is None:
@@ -306,25 +261,14 @@ class Composite(Fill):
         view, chosen = inputs.middle, self.settings
         self._model.draw(view, self._unlit, inputs.shown_ns)
         self._pieces.find(picture, into)
-        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
-        self._unlit.colour.texture.bind_to_image(_UNLIT, read=True, write=False)
-        self._unlit.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)
-        into.colour.bind_for_writing(_FILLED)
-        into.depth.bind_to_image(_FILLED_DEPTH, read=False, write=True)
+        read = {"warped": picture.colour, "unlit": self._unlit.colour, "model_inverse_depth": self._unlit.depth}
+        units = bind_images(read, {"filled": into.colour, "filled_depth": into.depth})
         self._offsets.bind_to_storage_buffer(2)
         # The rendered eye through the shown field of view, so that only the head's motion counts as
         # a move, not a guard band or another size.
-        was = View(inputs.rendered.view.pose, view.fov)
-        back = view_map(view, self.shown_size, was, self.shown_size)
-        units = {"warped": _WARPED, "unlit": _UNLIT, "model_inverse_depth": _MODEL_DEPTH}
-        units |= {"filled": _FILLED, "filled_depth": _FILLED_DEPTH}
+        back = view_map(view, self.shown_size, View(inputs.rendered.view.pose, view.fov), self.shown_size)
+        units |= {"H": back.H, "e": back.e, "shown_size": self.shown_size, **tangents_of_pixels(view, self.shown_size)}
         limits = {"same_depth": chosen.depth, "same_way": float(np.cos(np.deg2rad(chosen.normal)))}
-        self._program.uniforms.set(
-            H=back.H, e=back.e, **tangents_of_pixels(view, self.shown_size), shown_size=self.shown_size,
-            samples=chosen.samples, frame_seed=frame_seed(chosen.seed, inputs.shown_ns, inputs.eye), **units, **limits,
-        )  # fmt: skip
+        seed = frame_seed(chosen.seed, inputs.shown_ns, inputs.eye)
+        self._program.uniforms.set(samples=chosen.samples, frame_seed=seed, **units, **limits)
         self._pieces.run(self._program)
-
-    def close(self) -> None:
-        self._pieces.close()
-        release_all(self._unlit.colour, self._unlit.depth, self._offsets, *self._no_depth)

@@ -9,10 +9,9 @@ import attrs
 import numpy as np
 
 from ...geometry import view_map
-from ...gpu.textures import COLOUR, allocate
-
-# FP HolePieces
+from ...gpu.textures import COLOUR, allocate, bind_images
 from ..inputs import PassInputs, ShownPicture
+from ..settings import limited
 from . import fills
 from ._base import Fill, HolePieces
 
@@ -50,27 +49,23 @@ class Constant(Fill):
         self._sum, self._fill = (compute(grid="shown", PASS=k) for k in (0, 2))
         self._mean = compute(PASS=1)
         self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
-        self._sums = self.gpu.gl.buffer(bytes(_HEADER_BYTES + 16 * self._columns))
+        self._sums = self.own(self.gpu.gl.buffer(bytes(_HEADER_BYTES + 16 * self._columns)))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        picture.colour.texture.bind_to_image(1, read=True, write=False)
-        into.colour.bind_for_writing(0)
+        units = bind_images({"warped": picture.colour}, {"filled": into.colour})
         if self._sum.skips:
             self._sums.clear()  # both eyes use it, and each hides other pixels
         groups = self._fill.groups(*self.shown_size)
         self._sums.write(np.array([*groups, 0, 0], np.uint32).tobytes())
         self._sums.bind_to_storage_buffer(0)
         for program in (self._sum, self._fill):
-            program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
+            program.uniforms.set(shown_size=self.shown_size, **units)
         self._mean.uniforms.set(columns=self._columns)
         self._sum.run(*self.shown_size)
         self.gpu.barrier()
         self._mean.run(1)
         self.gpu.barrier()
         self._fill.program.run_indirect(self._sums)
-
-    def close(self) -> None:
-        self._sums.release()
 
 
 WORKERS = 1 << 14  # invocations that share the list of holes
@@ -114,19 +109,18 @@ class Interpolate(Fill):
         shaders = self.gpu.shaders
         if size == 3:
             self._program = shaders.compute("fills/interpolate.comp", grid="shown")
-            self._list = self._holes = None
+            self._list = None
             return
         # Run for every pixel, a large kernel takes llvmpipe three to four times as long after
         # `forward`, where most holes are cracks.
         self._program = shaders.compute("fills/interpolate_listed.comp", SIZE=size)
         self._list = shaders.compute("fills/hole_list.comp", grid="shown", COPY=1)
-        self._holes = self.gpu.gl.buffer(reserve=16 + 4 * wide * high)
+        self._holes = self.own(self.gpu.gl.buffer(reserve=16 + 4 * wide * high))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        picture.colour.texture.bind_to_image(1, read=True, write=False)
-        into.colour.bind_for_writing(0)
-        units, least = {"warped": 1, "filled": 0}, minimum_count(self.settings.size)
-        if self._list is None or self._holes is None:
+        units = bind_images({"warped": picture.colour}, {"filled": into.colour})
+        least = minimum_count(self.settings.size)
+        if self._list is None:
             self._program.uniforms.set(shown_size=self.shown_size, minimum_count=least, **units)
             self._program.run(*self.shown_size)
             return
@@ -138,13 +132,8 @@ class Interpolate(Fill):
         self._program.uniforms.set(minimum_count=least, **units)
         self._program.run(WORKERS)
 
-    def close(self) -> None:
-        if self._holes is not None:
-            self._holes.release()
-
 
 LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
-_FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image units
 
 
 @attrs.frozen
@@ -157,13 +146,9 @@ class StretchSettings:
 
     # Pixels of smoothing per pixel of distance from the start of the streak, if that is at least
     # one pixel; 0: none.
-    spread: float = 0.1
-    tolerance: float = 0.1
-    floor: float = 0.02  # 1/m
-
-    def __attrs_post_init__(self) -> None:
-        if not all(0 <= value < float("inf") for value in (self.spread, self.tolerance, self.floor)):
-            raise ValueError("spread, tolerance and floor must be 0 or more")
+    spread: float = limited(0.1)
+    tolerance: float = limited(0.1)
+    floor: float = limited(0.02)  # 1/m
 
 
 @fills.register
@@ -184,33 +169,21 @@ class Stretch(Fill):
 
     def prepare(self) -> None:
         self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
-        self._streaks = allocate(self.gpu.gl, self.shown_size, COLOUR)
+        self._pieces = self.own(HolePieces(self.gpu, self.name, self.shown_size, with_depth=True))
+        self._streaks = self.own(allocate(self.gpu.gl, self.shown_size, COLOUR))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        stamp = self._pieces.find(picture, into)
+        stamp, chosen = self._pieces.find(picture, into), self.settings
         forward = view_map(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
         back = view_map(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
-        picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
-        picture.depth.bind_to_image(_WARPED_DEPTH, read=True, write=False)
-        into.depth.bind_to_image(_FILLED_DEPTH, read=True, write=True)
-        self._streaks.bind_to_image(_STREAKS, read=True, write=True)
-        into.colour.bind_for_writing(_FILLED)
-        chosen = self.settings
-        uniforms = {
-            "warped": _WARPED,
-            "filled_depth": _FILLED_DEPTH,
-            "streaks": _STREAKS,
-            "shown_size": self.shown_size,
-            "e": forward.e,
-        }
-        uniforms |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor, "least_parallax": LEAST_PARALLAX}
+        read, write = {"warped": picture.colour, "warped_depth": picture.depth}, {"filled": into.colour}
+        both = bind_images(read, write, {"filled_depth": into.depth, "streaks": self._streaks})
+        both |= {"shown_size": self.shown_size, "e": forward.e, "least_parallax": LEAST_PARALLAX}
+        both |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-        self._draw.uniforms.set(warped_depth=_WARPED_DEPTH, stamp=stamp, **views, **uniforms)
-        self._smooth.uniforms.set(filled=_FILLED, spread=chosen.spread, **uniforms)
-        self._pieces.run(self._draw)
-        self._pieces.run(self._smooth)
-
-    def close(self) -> None:
-        self._pieces.close()
-        self._streaks.release()
+        for program, own in (
+            (self._draw, {"stamp": stamp, **views}),
+            (self._smooth, {"spread": chosen.spread}),
+        ):
+            program.uniforms.set_declared(**both, **own)
+            self._pieces.run(program)

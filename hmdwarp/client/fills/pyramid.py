@@ -6,15 +6,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 import attrs
-import moderngl
 
 from ...geometry import view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, allocate, release_all, tiles
-
-# FP HolePieces
+from ...gpu.textures import COLOUR, Owner, allocate, tiles
 from ..inputs import PassInputs, ShownPicture
+from ..settings import limited
 from . import fills
 from ._base import Fill, HolePieces
 
@@ -44,38 +42,24 @@ class PyramidSettings:
 
     # Share of empty pixels in a part of the picture from which on the background is preferred to
     # nearer surfaces.
-    holes: float = 0.4
-    tolerance: float = 0.2
-    floor: float = 0.02  # 1/m
-
-    def __attrs_post_init__(self) -> None:
-        if not all(0 <= value < float("inf") for value in (self.tolerance, self.floor)):
-            raise ValueError("tolerance and floor must be 0 or more")
-        if not 0 < self.holes < float("inf"):
-            raise ValueError(f"holes={self.holes}: expected more than 0; from 2 on nothing is preferred")
+    holes: float = limited(0.4, above=True, of="(from 2 on nothing is preferred)")
+    tolerance: float = limited(0.2)
+    floor: float = limited(0.02)  # 1/m
 
 
-@attrs.frozen(eq=False)
-class _Level:
+class _Level(Owner):
     """One level of the pyramid."""
 
-    size: tuple[int, int]
-    colour: moderngl.Texture  # rgba16f colour and weight
-    # rgba32f: inverse depth (-1: none), share of empty pixels, and weight of the hole borders.
-    depth: moderngl.Texture
-    framebuffer: moderngl.Framebuffer
-
-    @classmethod
-    def allocated(cls, gpu: Gpu, size: tuple[int, int]) -> _Level:
-        textures = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, DEPTH_AND_HOLES)
-        return cls(size, *textures, gpu.gl.framebuffer(list(textures)))
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.size = size
+        self.colour = self.own(allocate(gpu.gl, size, COLOUR))  # and weight
+        # Inverse depth (-1: none), share of empty pixels, and weight of the hole borders.
+        self.depth = self.own(allocate(gpu.gl, size, DEPTH_AND_HOLES))
+        self.framebuffer = self.own(gpu.gl.framebuffer([self.colour, self.depth]))
 
     def binding(self, units: tuple[int, int], *, read: bool = True, write: bool = False) -> list[Callable[[], None]]:
         pairs = zip((self.colour, self.depth), units, strict=True)
         return [partial(texture.bind_to_image, unit, read=read, write=write) for texture, unit in pairs]
-
-    def release(self) -> None:
-        release_all(self.framebuffer, self.colour, self.depth)
 
 
 @attrs.frozen(eq=False)
@@ -115,14 +99,15 @@ class Pyramid(Fill):
         self._first_push, self._push = (
             shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=0, LISTED=k) for k in (1, 0)
         )
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True)
+        pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True)
+        self._pieces = self.own(pieces)
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
             # The last one that is a pass of its own; what follows it is not, but for the next.
             is_start = len(self._levels) > 1 and max(size) <= TOP
             size = tiles(size, 2)
-            self._levels.append(_Level.allocated(self.gpu, size))
+            self._levels.append(self.own(_Level(self.gpu, size)))
             if is_start:
                 break
         # None for a picture that is too small for it.
@@ -210,7 +195,3 @@ class Pyramid(Fill):
             step.program.uniforms.set(**({} if step.program is self._first_pull else place), **step.uniforms)
             step.run()
             self.gpu.barrier()
-
-    def close(self) -> None:
-        self._pieces.close()
-        release_all(*self._levels)

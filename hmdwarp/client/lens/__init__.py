@@ -14,7 +14,7 @@ from ...errors import InputError
 from ...geometry import Fov, Hidden
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import Canvas, release_all
+from ...gpu.textures import Canvas, Owner, bind_images
 from ...headsets import COLOURS, Headset, Lens, MeshLens, RadialLens, TableLens, ViveLens
 from ...registry import Registry
 
@@ -68,7 +68,7 @@ class SeenPanel:
         return ends.T.astype(np.int32)
 
 
-class LensPass(ABC):
+class LensPass(Owner, ABC):
     """Distort the shown picture so that the headset's lens undoes it."""
 
     name: ClassVar[str]
@@ -109,9 +109,6 @@ class LensPass(ABC):
         """Return the uniforms of `library` for one eye."""
         raise NotImplementedError(f"lens '{self.name}' cannot be fused with a warp")
 
-    def close(self) -> None:  # noqa: B027 (most own nothing)
-        """Free what the lens owns."""
-
 
 class ResampledLens(LensPass):
     """A lens that one resample of the shown picture corrects, by a library of its own.
@@ -138,17 +135,11 @@ class ResampledLens(LensPass):
 
     def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
-        into.bind_for_writing(0)
         size = shown.size
         sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
-        self._program.uniforms.set(
-            rendered_colour=0,
-            written=0,
-            panel_size=self.panel_size,
-            **sizes,
-            **bind_texels(self._program, shown.texture),
-            **self.library_uniforms(fov, eye),
-        )
+        units = bind_images(write={"written": into}) | bind_texels(self._program, shown.texture)
+        own = self.library_uniforms(fov, eye)
+        self._program.uniforms.set(rendered_colour=0, panel_size=self.panel_size, **sizes, **units, **own)
         self._run()
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
@@ -289,10 +280,8 @@ class Mesh(ResampledLens):
             assert isinstance(lens, MeshLens)
             grid = np.concatenate([lens.points[colour] for colour in COLOURS])
             size = grid.shape[1], grid.shape[0]
-            self._textures.append(self.gpu.gl.texture(size, 2, grid.astype(np.float32).tobytes(), dtype="f4"))
-
-    def close(self) -> None:
-        release_all(*self._textures)
+            texture = self.gpu.gl.texture(size, 2, grid.astype(np.float32).tobytes(), dtype="f4")
+            self._textures.append(self.own(texture))
 
     def library_defines(self) -> dict[str, object]:
         return {**super().library_defines(), "LENS_TANGENTS": 1}

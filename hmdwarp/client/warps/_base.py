@@ -19,7 +19,7 @@ from ...frames.layers import PICTURE
 from ...geometry import Fovea, View
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import SCALAR, Canvas, allocate, download, upload
+from ...gpu.textures import SCALAR, Canvas, Owner, allocate, download, upload
 from ...options import NoSettings
 from ...scenes import Scene
 from ..client_scene import ClientScene
@@ -45,7 +45,12 @@ class Output:
     foveated: Fovea | None = None
 
 
-class Warp(ABC):
+def pixel_of(size: tuple[int, int]) -> tuple[float, float]:
+    """Return (w, h) of a pixel in texture coordinates."""
+    return 1 / size[0], 1 / size[1]
+
+
+class Warp(Owner, ABC):
     """Warp one eye's rendered picture to the shown view; coverage is 0 where nothing is known.
 
     The object owns its programs and buffers for one pair of sizes. It serves both eyes in turn.
@@ -100,14 +105,10 @@ class Warp(ABC):
         self.settings = self.Settings() if settings is None else settings
         self.output = Output() if output is None else output
         self.geometry = geometry
-        rendered_pixel = (1 / rendered_size[0], 1 / rendered_size[1])
-        self._size_uniforms: dict[str, object] = {
-            "rendered_size": tuple(rendered_size),
-            "rendered_pixel": rendered_pixel,
-            "shown_size": tuple(shown_size),
-        }
+        sizes = {"rendered_size": tuple(rendered_size), "shown_size": tuple(shown_size)}
+        self._size_uniforms: dict[str, object] = {**sizes, "rendered_pixel": pixel_of(rendered_size)}
         # Where the inverse depth of this run goes.
-        self.depth_into = self._run_depth = self.own_depth()
+        self.depth_into = self._run_depth = self.own(self.own_depth())
         self.prepare()
 
     def own_depth(self) -> moderngl.Texture | None:
@@ -134,11 +135,6 @@ class Warp(ABC):
     def stage(self) -> AbstractContextManager[object]:
         """Return what times run() as stage `warp`."""
         return self.gpu.timer.stage("warp", barrier=True)
-
-    def close(self) -> None:
-        """Free what the warp owns."""
-        if self._run_depth is not None:
-            self._run_depth.release()
 
     @classmethod
     def needs(cls, settings: Any) -> Needs:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from functools import cached_property
 from typing import ClassVar, Literal
 
 import attrs
@@ -15,19 +14,13 @@ from ...errors import InputError, MachineError
 from ...geometry import WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import Canvas
+from ...gpu.textures import Canvas, bind_images
 from ..inputs import PassInputs
+from ..settings import limited
 from . import KEY_BYTES, warps
 from ._base import Warp
 from .gather import depth_limits
 
-SHOWN_COLOUR, RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_DEPTH = range(4)  # image units
-_UNITS = {
-    "rendered_colour": RENDERED_COLOUR,
-    "rendered_inverse_depth": RENDERED_DEPTH,
-    "shown_colour": SHOWN_COLOUR,
-    "shown_inverse_depth": SHOWN_DEPTH,
-}
 LONGEST_SIDE = 2**14  # a rank has 15 bits for a row and 15 for a column, one of each to spare
 
 
@@ -42,17 +35,11 @@ class ScatterWarp(Warp):
         """Return the map from rendered to shown pixels."""
         return view_map(inputs.rendered.view, self.rendered_size, inputs.shown, self.shown_size)
 
-    @cached_property
-    def _constants(self) -> dict[str, object]:
-        return {**self._size_uniforms, **_UNITS}
-
     def bind(self, inputs: PassInputs, into: Canvas) -> None:
         """Bind the rendered picture and the result as images for compute shaders."""
-        inputs.rendered.colour.bind_to_image(RENDERED_COLOUR, read=True, write=False)
-        inputs.rendered.inverse_depth.bind_to_image(RENDERED_DEPTH, read=True, write=False)
-        into.bind_for_writing(SHOWN_COLOUR)
-        if self.depth_into is not None:
-            self.depth_into.bind_to_image(SHOWN_DEPTH, read=False, write=True)
+        read = {"rendered_colour": inputs.rendered.colour, "rendered_inverse_depth": inputs.rendered.inverse_depth}
+        depth = {} if self.depth_into is None else {"shown_inverse_depth": self.depth_into}
+        self._units = bind_images(read, {"shown_colour": into, **depth})
 
     @property
     def depth_defines(self) -> dict[str, object]:
@@ -61,8 +48,8 @@ class ScatterWarp(Warp):
 
     def set(self, program: Compute, **more: object) -> None:
         """Set the sizes, the image units, and those of `more` that the program declares."""
-        program.uniforms.settle(self._constants)
-        program.uniforms.set_declared(**more)
+        self.set_sizes(program)
+        program.uniforms.set_declared(**self._units, **more)
 
     def empty_keys(self, words: int = 1) -> moderngl.Buffer:
         """Return keys of `words` 32-bit words for each shown pixel, all 0: nothing has landed.
@@ -70,9 +57,9 @@ class ScatterWarp(Warp):
         Errors: InputError for a picture beyond the GPU's buffer size.
         """
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES * words)
-        buffer = self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1])
-        buffer.clear()
-        return buffer
+        keys = self.own(self.gpu.gl.buffer(reserve=KEY_BYTES * words * self.shown_size[0] * self.shown_size[1]))
+        keys.clear()
+        return keys
 
 
 class OrderedScatter(ScatterWarp):
@@ -111,10 +98,6 @@ class OrderedScatter(ScatterWarp):
             self.set(program, H=forward.H, e=forward.e, **order)
             program.run(*size)
 
-    def close(self) -> None:
-        super().close()
-        self._keys.release()
-
 
 def check_room(gpu: Gpu, name: str, size: tuple[int, int], bytes_per_pixel: int, header: int = 0) -> None:
     """Raise InputError if one shader buffer cannot hold so many bytes per shown pixel."""
@@ -135,9 +118,7 @@ class ForwardSettings:
 
     # portable: two 32-bit atomic passes. atomic64: one pass with a 64-bit key. auto: atomic64 where
     # the driver has it.
-    path: Literal["auto", "portable", "atomic64"] = attrs.field(
-        default="auto", validator=attrs.validators.in_(("auto", "portable", "atomic64"))
-    )
+    path: Literal["auto", "portable", "atomic64"] = "auto"
 
 
 @warps.register
@@ -178,26 +159,21 @@ class Forward(ScatterWarp):
             return None
         return self.gpu.shaders.compute("warps/forward_depth.comp", grid="shown", WORDS=words)
 
-    def close(self) -> None:
-        super().close()
-        self._path.close()
-
 
 class _Portable:
     """Two 32-bit atomic passes, and three more, dispatched indirectly, where keys tie."""
 
     def __init__(self, warp: Forward) -> None:
-        shaders, gl = warp.gpu.shaders, warp.gpu.gl
-        self._warp = warp
+        shaders, gl, self._warp = warp.gpu.shaders, warp.gpu.gl, warp
         self._clear = shaders.compute("warps/forward_clear.comp")
         self._nearest, self._colour, *self._settle = (
             shaders.compute("warps/forward.comp", grid="rendered", PASS=k) for k in range(5)
         )
         check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
         self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
-        self._keys = gl.buffer(reserve=16 * self._quads)
+        self._keys = warp.own(gl.buffer(reserve=16 * self._quads))
         self._depth = warp.depth_pass(1)
-        self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
+        self._ties = warp.own(gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads)))
 
     def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
@@ -217,17 +193,12 @@ class _Portable:
             self._warp.set(self._depth)
             self._depth.run(*self._warp.shown_size)
 
-    def close(self) -> None:
-        self._keys.release()
-        self._ties.release()
-
 
 class _OnePass:
     """One 64-bit atomic pass; the pass that copies the colours clears the keys again."""
 
     def __init__(self, warp: Forward) -> None:
-        self._warp = warp
-        shaders = warp.gpu.shaders
+        self._warp, shaders = warp, warp.gpu.shaders
         self._nearest = shaders.compute("warps/forward_atomic64.comp", grid="rendered", PASS=0)
         self._resolve = shaders.compute("warps/forward_atomic64.comp", PASS=1)
         self._keys, self._depth = warp.empty_keys(words=2), warp.depth_pass(2)
@@ -243,9 +214,6 @@ class _OnePass:
             warp.set(program, H=forward.H, e=forward.e)
             program.run(*size)
 
-    def close(self) -> None:
-        self._keys.release()
-
 
 # Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows
 # of the largest picture then turn by at most 2^14 / 2^20 rad against the true lines, a pixel in 64,
@@ -259,7 +227,7 @@ class ForwardOrderedSettings:
 
     # rings: squares around the epipole, so that pixels of similar distance are compared. rows:
     # McMillan's quadrants, row by row.
-    sheets: Literal["rings", "rows"] = attrs.field(default="rings", validator=attrs.validators.in_(("rings", "rows")))
+    sheets: Literal["rings", "rows"] = "rings"
 
 
 @warps.register
@@ -296,8 +264,7 @@ class ForwardOrdered(OrderedScatter):
         least = np.where((to_low <= 0) & (to_high >= 0), 0, np.minimum(np.abs(to_low), np.abs(to_high)))
         if self.settings.sheets == "rings":
             greatest, least = np.full(2, greatest.max()), np.full(2, least.max())
-        start = tuple((greatest if sense > 0 else -least).tolist())
-        return {"epipole": tuple(pixel), "sense": sense, "start": start}
+        return {"epipole": tuple(pixel), "sense": sense, "start": tuple((greatest if sense > 0 else -least).tolist())}
 
 
 def epipole_pixel(e: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int64], int]:
@@ -348,14 +315,14 @@ class SplatSettings:
     floor).
     """
 
-    tolerance: float = attrs.field(default=0.03, validator=attrs.validators.ge(0))
-    floor: float = attrs.field(default=0.02, validator=attrs.validators.ge(0))  # 1/m
+    tolerance: float = limited(0.03)
+    floor: float = limited(0.02)  # 1/m
     # Pixels that a footprint may extend from its middle. Beyond twice that magnification gaps
     # appear; one rendered pixel costs at most (2 reach + 1)^2 tests.
-    reach: int = attrs.field(default=16, validator=[attrs.validators.ge(1), attrs.validators.le(256)])
+    reach: int = limited(16, 1, 256)
     # Rendered pixels by which each square is larger on each side, against cracks on curved
     # surfaces.
-    overlap: float = attrs.field(default=0.05, validator=[attrs.validators.ge(0), attrs.validators.le(0.5)])
+    overlap: float = limited(0.05, 0, 0.5)
 
 
 @warps.register
@@ -396,7 +363,3 @@ class Splat(ScatterWarp):
                 H, e = np.round(H), np.zeros(3)
             self.set(program, H=H, e=e, **limits)
             program.run(*size)
-
-    def close(self) -> None:
-        super().close()
-        self._keys.release()

@@ -14,17 +14,18 @@ import numpy as np
 
 from ...errors import PlanError
 from ...frames import EyeImage, Needs
-from ...frames.layers.foveated import FoveatedPicture
-from ...geometry import Fov, FoveaGrid, Pose, View, WarpMap, view_map
+from ...frames.layers.pictures import FoveatedPicture
+from ...geometry import FoveaGrid, Pose, View, WarpMap, view_map
 from ...geometry.cube import face_views
 from ...gpu.hidden import Grid
 from ...gpu.shaders import Compute
-from ...gpu.textures import Canvas, tiles
+from ...gpu.textures import Canvas, bind_images, tiles
 from ...options import NoSettings
 from ..inputs import PassInputs
 from ..lens import bind_texels
+from ..settings import limited
 from . import warps
-from ._base import Warp
+from ._base import Warp, pixel_of
 
 _COLOUR = 0  # texture unit
 _RENDERED_DEPTH, _SHOWN_DEPTH = 4, 5  # image units
@@ -169,6 +170,12 @@ def bind_rendered_colour(rendered: EyeImage, unit: int, *, whole_pixels: bool) -
 # raster on top); nearer surfaces differ by more than that from those they occlude.
 DEPTH_TOLERANCE = 0.03
 DEPTH_FLOOR = 0.02  # 1/m: things beyond 50 m count as equally far
+USUAL_LIMITS = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
+
+
+def last_centre(size: tuple[int, int]) -> dict[str, object]:
+    """Return the uniform of lib/rendered_surface.glsl: the centre of the picture's last pixel."""
+    return {"last_centre": (size[0] - 0.5, size[1] - 0.5)}
 
 
 def depth_limits(settings: Any, rendered: EyeImage) -> dict[str, object]:
@@ -209,7 +216,7 @@ class PlaneWarp(GatherWarp):
     def prepare(self) -> None:
         self._median = self.gpu.shaders.compute("warps/median.comp")
         self._gather = self.gather(self.shader)
-        self._plane = self.gpu.gl.buffer(reserve=16)
+        self._plane = self.own(self.gpu.gl.buffer(reserve=16))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self._plane.bind_to_storage_buffer(0)
@@ -224,10 +231,6 @@ class PlaneWarp(GatherWarp):
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         """Return uniforms of this warp's shader alone."""
         return {}
-
-    def close(self) -> None:
-        super().close()
-        self._plane.release()
 
 
 @warps.register
@@ -315,17 +318,13 @@ class Similarity(PlaneWarp):
     scans_out = False  # one similarity for the whole picture
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
-        wide, high = self.shown_size
-        return {
-            "middle": (wide / 2, high / 2),
-            "shown_per_tangent": _pixels_per_tangent(inputs.shown.fov, self.shown_size),
-            "rendered_per_tangent": _pixels_per_tangent(inputs.rendered.view.fov, self.rendered_size),
-        }
-
-
-def _pixels_per_tangent(fov: Fov, size: tuple[int, int]) -> tuple[float, float]:
-    (x, _, _), (_, y, _), _ = fov.pixel_from_tangent(size).tolist()
-    return x, y
+        (wide, high), named = self.shown_size, dict[str, object]()
+        for name, view, size in (
+            ("shown", inputs.shown, self.shown_size),
+            ("rendered", inputs.rendered.view, self.rendered_size),
+        ):
+            named[f"{name}_per_tangent"] = tuple(view.fov.pixel_from_tangent(size).diagonal()[:2].tolist())
+        return {"middle": (wide / 2, high / 2), **named}
 
 
 @warps.register
@@ -399,15 +398,11 @@ class Environment(GatherWarp):
         cube.use(unit)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        cube = inputs.rendered.get("cube")
-        if cube is None:
-            raise PlanError(
-                "warp 'environment' needs a cube map around the eye, which this frame lacks; frames from a scene "
-                "have it"
-            )
-        side = cube.size[0] // 3
-        pixel = (1 / cube.size[0], 1 / cube.size[1])
-        self.run_gather(self._program, inputs, into, face_size=float(side), rendered_pixel=pixel)
+        if (cube := inputs.rendered.get("cube")) is None:
+            lacks = "warp 'environment' needs a cube map around the eye, which this frame lacks"
+            raise PlanError(f"{lacks}; frames from a scene have it")
+        side = float(cube.size[0] // 3)
+        self.run_gather(self._program, inputs, into, face_size=side, rendered_pixel=pixel_of(cube.size))
 
 
 @attrs.frozen
@@ -420,8 +415,8 @@ class BackwardSettings(GatherSettings):
     # off: no rendered depth is sent or compared. Every place in the rendered picture counts, so
     # what was hidden takes the colour of what hid it.
     test: Literal["on", "off"] = "on"
-    tolerance: float = attrs.field(default=DEPTH_TOLERANCE, validator=attrs.validators.ge(0))
-    floor: float = attrs.field(default=DEPTH_FLOOR, validator=attrs.validators.ge(0))  # 1/m
+    tolerance: float = limited(DEPTH_TOLERANCE)
+    floor: float = limited(DEPTH_FLOOR)  # 1/m
 
 
 @warps.register
@@ -456,12 +451,12 @@ class Backward(GatherWarp):
             raise PlanError(
                 "warp 'backward' needs the client's own depth, so a scene; for frames without one use 'forward'"
             )
-        inputs.client_inverse_depth.bind_to_image(2, read=True, write=False)
+        read = {"client_inverse_depth": inputs.client_inverse_depth}
         tested: dict[str, object] = {}
         if self._tests:
-            inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-            tested = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
-        self.run_gather(self._program, inputs, into, client_inverse_depth=2, **tested)
+            read["rendered_inverse_depth"] = inputs.rendered.inverse_depth
+            tested = depth_limits(self.settings, inputs.rendered)
+        self.run_gather(self._program, inputs, into, **bind_images(read, first=1), **tested)
 
 
 LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
@@ -477,18 +472,12 @@ class SearchSettings(GatherSettings):
     + floor).
     """
 
-    steps: int = 512  # Cells that a ray may pass before it ends in a hole.
+    steps: int = limited(512, 1, 65536)  # Cells that a ray may pass before it ends in a hole.
     # Pixels by which a ray may miss the end of a surface and still meet it, so that steep surfaces
     # stay connected.
-    gap: float = 0.05
-    tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR  # 1/m
-
-    def __attrs_post_init__(self) -> None:
-        if not 1 <= self.steps <= 65536:
-            raise ValueError(f"steps={self.steps}: expected 1 to 65536")
-        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.gap)):
-            raise ValueError("tolerance, floor and gap must be 0 or more")
+    gap: float = limited(0.05)
+    tolerance: float = limited(DEPTH_TOLERANCE)
+    floor: float = limited(DEPTH_FLOOR)  # 1/m
 
 
 @warps.register
@@ -517,7 +506,7 @@ class Search(GatherWarp):
             self._sizes.append(tiles(self._sizes[-1], FACTOR))
         counts = [w * h for w, h in self._sizes[1:]]
         self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
-        self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
+        self._bounds = self.own(self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts)))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
@@ -529,14 +518,7 @@ class Search(GatherWarp):
             program.uniforms.set(level=level, blocks=blocks, below=below, **levels, **own)
             program.run(*blocks)
             self.gpu.barrier()
-        wide, high = self.rendered_size
-        chosen = self.settings
-        surface = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
-        surface |= depth_limits(chosen, inputs.rendered)
-        self.run_gather(
-            self._program, inputs, into, gap=chosen.gap, steps=chosen.steps, nearest=NEAREST, **surface, **levels
-        )
-
-    def close(self) -> None:
-        super().close()
-        self._bounds.release()
+        rays = {"gap": self.settings.gap, "steps": self.settings.steps, "nearest": NEAREST}
+        surface = {"rendered_inverse_depth": 1, **last_centre(self.rendered_size)}
+        surface |= depth_limits(self.settings, inputs.rendered)
+        self.run_gather(self._program, inputs, into, **rays, **surface, **levels)

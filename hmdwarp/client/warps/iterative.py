@@ -15,35 +15,42 @@ from ...frames import EyeImage, Needs, Others
 from ...geometry import Fov, Hidden, WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.hidden import Grid
-from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all, tiles
+from ...gpu.textures import COLOUR, SCALAR, Canvas, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs
+from ..settings import limited
 from . import warps
-from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
+from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits, last_centre
 
 BLOCK = 4  # pixels on each axis, rendered and shown; as in shaders/lib/seeds.glsl
 BLOCK_BYTES, CELL_BYTES = 16, 4
 MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 
 
-class Seeds:
+class Seeds(Owner):
     """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
 
     def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
-        self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
+        bits = tuple((n - 1).bit_length() for n in rendered_size)
         self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
-        self._check_size()
+        most = min(gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
+        if sum(bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
+            raise InputError(
+                f"a rendered picture of {rendered_size[0]}x{rendered_size[1]}: the forward seed takes about {most} "
+                "pixels at most; use seed=rotation"
+            )
         compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
         # The last one visits every cell, whose key may be of the other eye.
         programs = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
-        sizes = {"blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
+        sizes = {"blocks": self._blocks, "cells": self.cells, "index_bits": bits}
         grids = (rendered_size, self._blocks), (rendered_size, self._blocks), (shown_size, self.cells)
         self._passes = [
             (program, program.over(*size, BLOCK), {"grid": grid, **sizes})
             for program, (size, grid) in zip(programs, grids, strict=True)
         ]
-        self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
-        self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
+        of_cells = bytes(CELL_BYTES * self.cells[0] * self.cells[1])
+        nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
+        self._buffers = [self.own(each) for each in (gpu.gl.buffer(of_cells), nearest, gpu.gl.buffer(of_cells))]
 
     def find(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Compute the guesses and leave them bound for the gather.
@@ -53,25 +60,12 @@ class Seeds:
         shown = inputs.middle
         forward = view_map(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
         back = view_map(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
-        for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
+        for binding, buffer in enumerate(self._buffers):  # the seeds, the nearest of blocks, the keys
             buffer.bind_to_storage_buffer(binding)
         for (program, run, sizes), warp in zip(self._passes, (forward, forward, back), strict=True):
             program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
             run()
             self._gpu.barrier()
-
-    def _check_size(self) -> None:
-        wide, high = self._rendered_size
-        most = min(self._gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"] // BLOCK_BYTES * BLOCK**2, 2**MOST_INDEX_BITS)
-        if sum(self._index_bits) > MOST_INDEX_BITS or BLOCK**2 * self._blocks[0] * self._blocks[1] > most:
-            raise InputError(
-                f"a rendered picture of {wide}x{high}: the forward seed takes about {most} pixels at most; use "
-                "seed=rotation"
-            )
-
-    def close(self) -> None:
-        """Free the buffers."""
-        release_all(self._seeds, self._nearest, self._keys)
 
 
 _MEAN_BLOCK = 8  # pixels on each side, as SIDE and ROWS in the shaders
@@ -80,7 +74,7 @@ MOST_OLDER = 3
 _SHOWN, _SHOWN_DEPTH, _SUMS, _TOLD, _DEPTHS, _COLOURS = 0, 1, 2, 3, 4, 4 + MOST_OLDER
 
 
-class OlderFrames:
+class OlderFrames(Owner):
     """Passes that look each shown pixel up in older frames, where they saw the same surface.
 
     The place follows from the depth that the warp has found, so nothing is searched again. Noise,
@@ -110,8 +104,8 @@ class OlderFrames:
                 every[name] = tuple(range(first, first + count)) if count > 1 else first
             runs = compare.over(*blocks), agree.over(wide, count * high), join.over(wide, shown_size[1])
             self._passes.append((every, tuple(zip((compare, agree, join), runs, strict=True))))
-        self._told = allocate(gpu.gl, (wide, most * high), COLOUR)
-        self._sums = allocate(gpu.gl, (wide, 4 * most * high), (4, "f4"))
+        self._told = self.own(allocate(gpu.gl, (wide, most * high), COLOUR))
+        self._sums = self.own(allocate(gpu.gl, (wide, 4 * most * high), (4, "f4")))
 
     def add(
         self,
@@ -131,10 +125,9 @@ class OlderFrames:
             depth.bind_to_image(_DEPTHS + k, read=True, write=False)
             image.colour.bind_to_image(_COLOURS + k, read=True, write=False)
             image.colour.use(_COLOURS + k)
-        inverse_depth.bind_to_image(_SHOWN_DEPTH, read=True, write=False)
-        into.texture.bind_to_image(_SHOWN, read=True, write=True)
-        self._sums.bind_to_image(_SUMS, read=True, write=True)
-        self._told.bind_to_image(_TOLD, read=True, write=True)
+        bind_images({"shown_inverse_depth": inverse_depth}, first=_SHOWN_DEPTH)
+        bind_images(change={"shown_colour": into}, first=_SHOWN)
+        bind_images(change={"sums": self._sums, "told": self._told}, first=_SUMS)
         places = {f"older_{name}": np.array([each[name] for each in maps]) for name in maps[0]}
         every, passes = self._passes[len(older) - 1]
         for program, run in passes:
@@ -143,10 +136,6 @@ class OlderFrames:
             if program.uniforms.declares("older_H"):
                 program.uniforms.set(**places, **limits)
             run()
-
-    def close(self) -> None:
-        """Free the textures."""
-        release_all(self._told, self._sums)
 
 
 MOST_STEPS = 64
@@ -162,34 +151,28 @@ class IterativeSettings(GatherSettings):
 
     # Source of the first guess: a forward splat of depth at a quarter of the resolution, or the map
     # at infinity.
-    seed: Literal["forward", "rotation"] = attrs.field(
-        default="forward", validator=attrs.validators.in_(("forward", "rotation"))
-    )
+    seed: Literal["forward", "rotation"] = "forward"
     steps: int = 3  # Samples of the rendered depth.
     # How many of the last steps use the slope of the surface; each costs three plain ones and helps
     # most for near objects that pass by.
     slanted: int = 1
-    tolerance: float = DEPTH_TOLERANCE
-    floor: float = DEPTH_FLOOR  # 1/m
-    converged: float = 0.75  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
+    tolerance: float = limited(DEPTH_TOLERANCE)
+    floor: float = limited(DEPTH_FLOOR)  # 1/m
+    converged: float = limited(0.75)  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
     # Pixels by which neighbours on two surfaces may part and still be joined by a stretched sheet:
     # narrower than a pixel it looks like the mixed colours of an antialiased silhouette.
-    sheet: float = 1.0
+    sheet: float = limited(1.0)
     resample: Literal["bilinear", "catmull-rom"] = "catmull-rom"
     # Late frames that are averaged: the newest, and older ones where they saw the same surface.
-    frames: int = 3
+    frames: int = limited(3, 1, MOST_OLDER + 1)
     # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
-    fringe: Literal["front", "own"] = attrs.field(default="front", validator=attrs.validators.in_(("front", "own")))
+    fringe: Literal["front", "own"] = "front"
 
     def __attrs_post_init__(self) -> None:
-        if not 1 <= self.frames <= MOST_OLDER + 1:
-            raise ValueError(f"frames={self.frames}: expected 1 to {MOST_OLDER + 1}")
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
             raise ValueError(
                 f"steps={self.steps}, slanted={self.slanted}: expected 1 <= slanted <= steps <= {MOST_STEPS}"
             )
-        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged, self.sheet)):
-            raise ValueError("tolerance, floor, converged and sheet must be 0 or more")
 
 
 # As it is where it draws a part of the picture for another pass.
@@ -234,9 +217,8 @@ class Iterative(GatherWarp):
         chosen = self.settings
         self._older: OlderFrames | None = None
         if self._averages:
-            self._older = OlderFrames(
-                self.gpu, self.rendered_size, self.shown_size, chosen.frames - 1, scanout=self.output.scanout
-            )
+            most, scanout = chosen.frames - 1, self.output.scanout
+            self._older = self.own(OlderFrames(self.gpu, self.rendered_size, self.shown_size, most, scanout=scanout))
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
@@ -247,9 +229,10 @@ class Iterative(GatherWarp):
         counts = [chosen.frames] * 2 if self._averages else [1] * len(set(self._fringes))
         # Of each eye: pictures whose fringes were moved, and what of them the lens hides.
         self._fringed: list[dict[object, tuple[moderngl.Texture, tuple[Hidden | None, Fov] | None]]] = [
-            {k: (allocate(self.gpu.gl, self.rendered_size, SCALAR), None) for k in range(count)} for count in counts
+            {k: (self.own(allocate(self.gpu.gl, self.rendered_size, SCALAR)), None) for k in range(count)}
+            for count in counts
         ]
-        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
+        self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size)) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         limits = depth_limits(self.settings, inputs.rendered)
@@ -257,7 +240,7 @@ class Iterative(GatherWarp):
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         if self._fringes:  # the gather reads the rendered depth with its fringes moved
             self._moved(inputs.rendered, inputs).bind_to_image(1, read=True, write=False)
-        surface |= {"last_centre": (self.rendered_size[0] - 0.5, self.rendered_size[1] - 0.5)}
+        surface |= last_centre(self.rendered_size)
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
             surface["cells"] = self._seeds.cells
@@ -283,19 +266,9 @@ class Iterative(GatherWarp):
         now = image.view.hidden, image.view.fov
         held[image] = texture, now
         which = image is inputs.rendered and seen == now  # strips are those of its view
-        image.inverse_depth.bind_to_image(1, read=True, write=False)
-        texture.bind_to_image(2, read=False, write=True)
-        of_it = depth_limits(self.settings, image)
-        surface = {"rendered_inverse_depth": 1, "fringed_inverse_depth": 2, "rendered_size": self.rendered_size}
-        self._fringes[which].uniforms.set(**surface, **of_it)
+        read, write = {"rendered_inverse_depth": image.inverse_depth}, {"fringed_inverse_depth": texture}
+        named = bind_images(read, write, first=1) | depth_limits(self.settings, image)
+        self._fringes[which].uniforms.set(rendered_size=self.rendered_size, **named)
         self._run_fringe[which]()
         self.gpu.barrier()
         return texture
-
-    def close(self) -> None:
-        super().close()
-        release_all(*(texture for held in self._fringed for texture, _ in held.values()))
-        if self._older is not None:
-            self._older.close()
-        if self._seeds is not None:
-            self._seeds.close()

@@ -11,27 +11,28 @@ from typing import Any, ClassVar, Literal
 import attrs
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, MachineError
+from ...frames import EyeImage
 from ...geometry import View, WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, Canvas, allocate, drawing_into, release_all
+from ...gpu.textures import COLOUR, Canvas, Owner, allocate, bind_images, drawing_into
 from ..inputs import PassInputs
+from ..settings import limited
 from . import warps
-from ._base import Warp
+from ._base import Warp, pixel_of
 from .gather import bind_rendered_colour
 
 
-class MeshTarget:
+class MeshTarget(Owner):
     """A framebuffer of the shown size."""
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int]) -> None:
         self._gpu, self._gl = gpu, gpu.gl
-        self._colour = allocate(gpu.gl, shown_size, COLOUR)
-        self._depth = gpu.gl.depth_renderbuffer(shown_size)
-        self._framebuffer = gpu.gl.framebuffer([self._colour], self._depth)
+        colour = self.own(allocate(gpu.gl, shown_size, COLOUR))
+        depth = self.own(gpu.gl.depth_renderbuffer(shown_size))
+        self._framebuffer = self.own(gpu.gl.framebuffer([colour], depth))
 
     @contextmanager
     def drawing(self, shown: View) -> Iterator[None]:
@@ -47,17 +48,13 @@ class MeshTarget:
         """Copy the colour."""
         into.copy_from(self._framebuffer)
 
-    def close(self) -> None:
-        """Free the textures."""
-        release_all(self._framebuffer, self._colour, self._depth)
-
 
 # 1/m by which the nearest of the ring must be nearer than the vertex. openwarp compares its clip
 # depths, -1 at 0.1 m and 1 at 20 m, with 0.01; those are linear in inverse depth.
 STEP = 0.01 / (2 * 0.1 * 20 / (20 - 0.1))
 
 
-class GridMesh:
+class GridMesh(Owner):
     """side x side vertices, from border to border, and two triangles between each four.
 
     A vertex lies at the depth of its pixel. Where one of six pixels in a ring around it is clearly
@@ -70,36 +67,30 @@ class GridMesh:
         self._rendered_size, self._shown_size, self._side = rendered_size, shown_size, side
         self._ring = ring_px(ring, rendered_size)
         self._draw = gpu.shaders.draw("warps/mesh_grid.vert", "warps/mesh_cells.frag", ADAPTIVE=0, PIECES=0, VERTEX=0)
-        self._indices = gpu.gl.buffer(_indices(side).tobytes())
-        self._array = gpu.gl.vertex_array(self._draw.program, [], index_buffer=self._indices, index_element_size=4)
-        self._target = MeshTarget(gpu, shown_size)
+        y, x = (part.reshape(-1, 1) for part in np.mgrid[: side - 1, : side - 1])
+        corners = y * side + x + np.array([0, 1, side, side, 1, side + 1])  # two triangles, both turning to the left
+        indices = self.own(gpu.gl.buffer(corners.astype(np.uint32).tobytes()))
+        array = gpu.gl.vertex_array(self._draw.program, [], index_buffer=indices, index_element_size=4)
+        self._array, self._target = self.own(array), self.own(MeshTarget(gpu, shown_size))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Draw one eye's picture."""
-        rendered = inputs.rendered
-        forward = view_map(rendered.view, self._rendered_size, inputs.shown, self._shown_size)
-        rendered.inverse_depth.bind_to_image(0, read=True, write=False)
-        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
-        self._draw.uniforms.set_declared(
-            H=forward.H,
-            e=forward.e,
-            rendered_size=self._rendered_size,
-            shown_size=self._shown_size,
-            rendered_pixel=(1 / self._rendered_size[0], 1 / self._rendered_size[1]),
-            rendered_inverse_depth=0,
-            rendered_colour=0,
-            side=self._side,
-            ring=self._ring,
-            nearer=STEP,
-        )
+        forward = view_map(inputs.rendered.view, self._rendered_size, inputs.shown, self._shown_size)
+        named = drawn_with(inputs.rendered, forward, self._rendered_size, self._shown_size)
+        self._draw.uniforms.set_declared(side=self._side, ring=self._ring, nearer=STEP, **named)
         with self._target.drawing(inputs.shown):
             self._array.render(moderngl.TRIANGLES)
         self._target.copy_to(into)
 
-    def close(self) -> None:
-        """Free the buffers."""
-        release_all(self._array, self._indices)
-        self._target.close()
+
+def drawn_with(
+    rendered: EyeImage, forward: WarpMap, rendered_size: tuple[int, int], shown_size: tuple[int, int]
+) -> dict[str, object]:
+    """Bind a rendered picture for shaders that draw it; return their uniforms."""
+    bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
+    sizes = {"rendered_size": rendered_size, "shown_size": shown_size, "rendered_pixel": pixel_of(rendered_size)}
+    units = bind_images({"rendered_inverse_depth": rendered.inverse_depth})
+    return {"H": forward.H, "e": forward.e, "rendered_colour": 0, **sizes, **units}
 
 
 def ring_px(ring: float, size: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -110,13 +101,6 @@ def ring_px(ring: float, size: tuple[int, int]) -> tuple[int, int, int, int]:
     straight, slanted = ring, sqrt(2) * ring
     x, y, across, up = (max(int(far * side + 0.5), 1) if ring else 0 for far in (straight, slanted) for side in size)
     return x, y, across, up
-
-
-def _indices(side: int) -> NDArray[np.uint32]:
-    """Return (cells, 6) vertices of the two triangles of each cell, both turning to the left."""
-    y, x = (part.reshape(-1, 1) for part in np.mgrid[: side - 1, : side - 1])
-    indices: NDArray[np.uint32] = (y * side + x + np.array([0, 1, side, side, 1, side + 1])).astype(np.uint32)
-    return indices
 
 
 VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound
@@ -143,14 +127,15 @@ class MeshWarp(Warp):
         # GL 4.3 does not guarantee that vertex shaders can read buffers.
         blocks, bindings = info["GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"], info["GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"]
         if blocks < VERTEX_BLOCKS or bindings < BINDINGS:
-            found = f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound"
-            wanted = f"'{self.name}' wants {VERTEX_BLOCKS} and {BINDINGS}"
-            raise MachineError(f"{found}: {wanted}; use warp 'splat' or 'search'")
+            raise MachineError(
+                f"vertex shaders of this GPU read {blocks} buffers, and {bindings} can be bound: '{self.name}' wants "
+                f"{VERTEX_BLOCKS} and {BINDINGS}; use warp 'splat' or 'search'"
+            )
         if max(wide, high) > MOST_SIDE:
             most = f"'{self.name}' takes at most {MOST_SIDE} pixels a side"
             raise InputError(f"a rendered picture of {wide}x{high}: {most}")
-        slope, vertex = map(int, self.cuts)
-        shaders, adaptive = self.gpu.shaders, int(self.adaptive)
+        (slope, vertex), adaptive = map(int, self.cuts), int(self.adaptive)
+        shaders, gl = self.gpu.shaders, self.gpu.gl
         self._blocks = shaders.compute("warps/mesh_blocks.comp", ADAPTIVE=adaptive, SLOPE=slope)
         self._merge = shaders.compute("warps/mesh_merge.comp", ADAPTIVE=adaptive)
         self._order = shaders.compute("warps/mesh_order.comp", CHUNKS=0)
@@ -160,13 +145,10 @@ class MeshWarp(Warp):
                 shaders.compute("warps/mesh_triangles.comp", STAGE=stage) for stage in range(2)
             )
             self._order_triangles = shaders.compute("warps/mesh_order.comp", CHUNKS=1)
-        self._cells = shaders.draw(
-            "warps/mesh_cells.vert", "warps/mesh_cells.frag", ADAPTIVE=adaptive, PIECES=0, VERTEX=vertex
+        self._cells, self._pieces = (
+            shaders.draw(f"{path}.vert", f"{path}.frag", ADAPTIVE=adaptive, PIECES=pieces, VERTEX=vertex)
+            for pieces, path in enumerate(("warps/mesh_cells", "warps/mesh_pieces"))
         )
-        self._pieces = shaders.draw(
-            "warps/mesh_pieces.vert", "warps/mesh_pieces.frag", ADAPTIVE=adaptive, PIECES=1, VERTEX=vertex
-        )
-        gl = self.gpu.gl
         cells = (wide + 1) * (high + 1)
         self._groups = tuple((side + SHIFT + GROUP) // GROUP for side in self.rendered_size)
         groups = self._groups[0] * self._groups[1]
@@ -187,16 +169,15 @@ class MeshWarp(Warp):
         if max(sizes) > (limit := gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]):
             wanted = f"a rendered picture of {wide}x{high}: '{self.name}' needs a buffer of {max(sizes)} bytes"
             raise InputError(f"{wanted}, this GPU has room for {limit}")
-        self._buffers = [gl.buffer(reserve=size) for size in sizes]  # bound as they are numbered in the shaders
+        # Bound as they are numbered in the shaders.
+        self._buffers = [self.own(gl.buffer(reserve=size)) for size in sizes]
         corners = 4 * np.arange(QUADS)[:, None] + np.array([0, 1, 2, 2, 1, 3])
-        self._corners = gl.buffer(corners.astype(np.uint16).tobytes())
+        indices = self.own(gl.buffer(corners.astype(np.uint16).tobytes()))
+        drawn = (self._cells.program, indices), (self._pieces.program, None if self.adaptive else indices)
         self._arrays = [
-            gl.vertex_array(self._cells.program, [], index_buffer=self._corners, index_element_size=2),
-            gl.vertex_array(
-                self._pieces.program, [], index_buffer=None if self.adaptive else self._corners, index_element_size=2
-            ),
+            self.own(gl.vertex_array(program, [], index_buffer=by, index_element_size=2)) for program, by in drawn
         ]
-        self._target = MeshTarget(self.gpu, self.shown_size)
+        self._target = self.own(MeshTarget(self.gpu, self.shown_size))
 
     @property
     def cuts(self) -> tuple[bool, bool]:
@@ -211,69 +192,40 @@ class MeshWarp(Warp):
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         rendered, shown = inputs.rendered, inputs.shown
         forward = view_map(rendered.view, self.rendered_size, shown, self.shown_size)
-        rendered.inverse_depth.bind_to_image(0, read=True, write=False)
+        back = view_map(shown, self.shown_size, rendered.view, self.rendered_size)
         for binding, buffer in enumerate(self._buffers):
             buffer.bind_to_storage_buffer(binding)
-        named = {
-            "H": forward.H,
-            "e": forward.e,
-            "rendered_size": self.rendered_size,
-            "shown_size": self.shown_size,
-            "rendered_inverse_depth": 0,
-            "steepest": self._steepest(rendered.view),
-            "reach": reach(forward, self.shown_size),
-            "group_count": self._groups[0] * self._groups[1],
-            "draws": self._calls,
-            "draw_quads": QUADS,
-            **self.merging,
-        }
+        named = drawn_with(rendered, forward, self.rendered_size, self.shown_size)
+        named |= {"steepest": steepest(rendered.view, self.rendered_size, self.settings.steepest_deg)}
+        named |= {"reach": reach(forward, self.shown_size), "group_count": self._groups[0] * self._groups[1]}
+        named |= {"draws": self._calls, "draw_quads": QUADS, **self.merging}
+        named |= {"rendered_from_shown": back.H, "rendered_parallax": back.e}
+        named |= {"overlap": overlap(self.merging.get("tolerance", 0.0))}
         side = GROUP // BLOCK
         blocks = self._groups[0] * side, self._groups[1] * side
-        for program, size in (
-            (self._blocks, blocks),
-            (self._merge, self._groups),
-            (self._order, (1, 1)),
-            (self._list, blocks),
-        ):
-            self._run(program, named, partial(program.run, *size))
+        passes: list[tuple[Compute, Callable[[], None]]] = [
+            (program, partial(program.run, *size))
+            for program, size in (
+                (self._blocks, blocks),
+                (self._merge, self._groups),
+                (self._order, (1, 1)),
+                (self._list, blocks),
+            )
+        ]
         if self.adaptive:
-            self._run(self._count, named, lambda: self._count.program.run_indirect(self._buffers[6]))
-            self._run(self._order_triangles, named, lambda: self._order_triangles.run(1))
-            self._run(self._choose, named, lambda: self._choose.program.run_indirect(self._buffers[6]))
-        bind_rendered_colour(rendered, 0, whole_pixels=forward.moves_whole_pixels())
-        back = view_map(shown, self.shown_size, rendered.view, self.rendered_size)
-        named = {
-            "H": forward.H,
-            "e": forward.e,
-            "rendered_size": self.rendered_size,
-            "shown_size": self.shown_size,
-            "rendered_pixel": (1 / self.rendered_size[0], 1 / self.rendered_size[1]),
-            "rendered_inverse_depth": 0,
-            "rendered_colour": 0,
-            "steepest": self._steepest(rendered.view),
-            "rendered_from_shown": back.H,
-            "rendered_parallax": back.e,
-            "overlap": overlap(self.merging.get("tolerance", 0.0)),
-        }
+            passes += [(self._count, partial(self._count.program.run_indirect, self._buffers[6]))]
+            passes += [(self._order_triangles, partial(self._order_triangles.run, 1))]
+            passes += [(self._choose, partial(self._choose.program.run_indirect, self._buffers[6]))]
+        for program, dispatch in passes:
+            program.uniforms.set_declared(**named)
+            dispatch()
+            self.gpu.barrier()
         with self._target.drawing(shown):
-            for draw, array, calls, count in zip(
-                (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
-            ):
+            draws = (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls
+            for draw, array, calls, count in zip(*draws, strict=True):
                 draw.uniforms.set_declared(**named)
                 array.render_indirect(calls, moderngl.TRIANGLES, count=count)
         self._target.copy_to(into)
-
-    def _run(self, program: Compute, named: dict[str, Any], dispatch: Callable[[], None]) -> None:
-        program.uniforms.set_declared(**named)
-        dispatch()
-        self.gpu.barrier()
-
-    def _steepest(self, rendered: View) -> tuple[float, float]:
-        return steepest(rendered, self.rendered_size, self.settings.steepest_deg)
-
-    def close(self) -> None:
-        release_all(*self._arrays, self._corners, *self._buffers)
-        self._target.close()
 
 
 def steepest(rendered: View, size: tuple[int, int], angle_deg: float) -> tuple[float, float]:
@@ -316,16 +268,14 @@ class MeshSettings:
     """Where the mesh is cut; or, with a grid, how it is stretched."""
 
     # How sheets between two surfaces are found.
-    cut: Literal["slope", "vertex", "both"] = attrs.field(
-        default="slope", validator=attrs.validators.in_(("slope", "vertex", "both"))
-    )
+    cut: Literal["slope", "vertex", "both"] = "slope"
     # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
     # Vertices on each axis of a mesh that is stretched across edges; 0 for one at each pixel, cut.
     grid: int = 0
     # Share of the picture at which a grid's vertex looks around itself for a nearer surface to lie
     # on; 0 for its own depth.
-    ring: float = attrs.field(default=RING, validator=[attrs.validators.ge(0), attrs.validators.le(0.5)])
+    ring: float = limited(RING, 0, 0.5)
 
     def __attrs_post_init__(self) -> None:
         if self.grid != 0 and not 2 <= self.grid <= MOST_VERTICES:
@@ -369,7 +319,7 @@ class Mesh(MeshWarp):
     def prepare(self) -> None:
         chosen = self.settings
         if chosen.grid:
-            self._grid = GridMesh(self.gpu, self.rendered_size, self.shown_size, chosen.grid, chosen.ring)
+            self._grid = self.own(GridMesh(self.gpu, self.rendered_size, self.shown_size, chosen.grid, chosen.ring))
         else:
             super().prepare()
 
@@ -379,24 +329,15 @@ class Mesh(MeshWarp):
         else:
             super().run(inputs, into)
 
-    def close(self) -> None:
-        if self.settings.grid:
-            self._grid.close()
-        else:
-            super().close()
-
-
-BLOCKS = (1, 2, 4, 8, 16)
-
 
 @attrs.frozen
 class MeshAdaptiveSettings:
     """How far cells are merged."""
 
     # Shown pixels by which merging may displace a point.
-    tolerance: float = attrs.field(default=0.05, validator=attrs.validators.ge(0))
-    # Pixels on a side of the largest cell: 1, 2, 4, 8 or 16.
-    block: int = attrs.field(default=16, validator=attrs.validators.in_(BLOCKS))
+    tolerance: float = limited(0.05)
+    # Pixels on a side of the largest cell.
+    block: int = attrs.field(default=16, validator=attrs.validators.in_((1, 2, 4, 8, 16)))
     # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
 

@@ -12,14 +12,15 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.scene_parts import Delivery, Simplified
 from ...geometry import View, view_map
-from ...gpu.textures import SCALAR, Canvas, allocate
+from ...gpu.textures import SCALAR, Canvas, allocate, bind_images
 from ...scenes import Scene
 from ...sources.server import BYTES_BINDING, display_bytes
-from ..client_scene import ArrivingScene, ClientScene, WholeScene, share_of
+from ..client_scene import ArrivingScene, ClientScene, WholeScene
 from ..inputs import PassInputs, ShownPicture
+from ..settings import limited, share_of
 from . import warps
 from ._base import Warp
-from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE
+from .gather import USUAL_LIMITS
 
 
 class ClientDrawing(Warp):
@@ -44,7 +45,7 @@ class ClientDrawing(Warp):
         if self.geometry is None:
             raise PlanError(f"warp '{self.name}' needs the scene on the client; for frames without one use 'iterative'")
         # Target for depth that is not read; it keeps near surfaces before far ones.
-        self._own_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
+        self._own_depth = self.own(allocate(self.gpu.gl, self.shown_size, SCALAR))
         self.prepare_scene(self.geometry)
 
     @abstractmethod
@@ -53,10 +54,6 @@ class ClientDrawing(Warp):
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.run_with_depth(inputs, into, self._own_depth)
-
-    def close(self) -> None:
-        super().close()
-        self._own_depth.release()
 
 
 @attrs.frozen
@@ -72,7 +69,7 @@ class ModelSettings:
     # the head sees or is about to see first; stand-ins are shown until then.
     arrives: Literal["whole", "progressive"] = "whole"
     # Bytes of each frame, at most, where it comes in pieces.
-    budget: int = attrs.field(default=20_000, validator=attrs.validators.ge(1))
+    budget: int = limited(20_000, 1)
 
 
 @warps.register
@@ -122,9 +119,6 @@ def _delivery(settings: ModelSettings) -> Delivery:
     return Delivery(settings.share, settings.texture, settings.light == "baked", settings.budget)
 
 
-_DIFFERENCE, _MODEL, _MODEL_DEPTH, _RENDERED_DEPTH, _WRITTEN, _DEPTH = range(6)  # image units
-
-
 @attrs.frozen
 class DifferenceSettings:
     """The simplified scene, and what is done with the difference."""
@@ -167,62 +161,41 @@ class Difference(Warp):
     def prepare(self) -> None:
         if self.geometry is None:
             raise PlanError("warp 'difference' needs a scene on the client; for frames without one use 'iterative'")
-        gl, chosen = self.gpu.gl, self.settings
-        self._warped = chosen.warped == "on"
-        self._scene = self.geometry.store(WholeScene, _simplified(chosen))
+        self._scene = self.geometry.store(WholeScene, _simplified(self.settings))
+        self._warped = self.settings.warped == "on"
         defines = {"WARPED": int(self._warped), **({"WRITES_DEPTH": 1} if self.output.depth else {})}
         self._program = self.gpu.shaders.compute("warps/difference.comp", **defines)
-        self._bytes = display_bytes(gl)
-        self._then = ShownPicture(Canvas(gl, self.rendered_size), allocate(gl, self.rendered_size, SCALAR))
-        self._now = None
-        if self._warped:
-            self._now = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
+        self._bytes = self.own(display_bytes(self.gpu.gl))
+        self._then = self._picture(self.rendered_size)
+        self._now = self._picture(self.shown_size) if self._warped else self._then
+
+    def _picture(self, size: tuple[int, int]) -> ShownPicture:
+        gl = self.gpu.gl
+        return ShownPicture(self.own(Canvas(gl, size)), self.own(allocate(gl, size, SCALAR)))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         difference = inputs.rendered.get("difference", {}).get(_simplified(self.settings))
         if difference is None:
             raise PlanError("warp 'difference' needs the layer 'difference', which this frame lacks")
-        rendered, shown = inputs.rendered.view, inputs.middle
+        rendered, shown, program = inputs.rendered.view, inputs.middle, self._program
         self._scene.draw(rendered, self._then, inputs.rendered.drawn_ns)
-        if self._now is not None:
+        read = {"difference": difference, "rendered_model_depth": self._then.depth}
+        if self._warped:
             self._scene.draw(shown, self._now, inputs.shown_ns)
-        self.gpu.barrier()
-        program = self._program
-        model = self._now if self._now is not None else self._then
-        difference.bind_to_image(_DIFFERENCE, read=True, write=False)
-        model.colour.texture.bind_to_image(_MODEL, read=True, write=False)
-        if self._now is not None:
-            model.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)
-        self._then.depth.bind_to_image(_RENDERED_DEPTH, read=True, write=False)
-        into.bind_for_writing(_WRITTEN)
-        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
-        if self.depth_into is not None:
-            self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
-            program.uniforms.set(shown_inverse_depth=_DEPTH)
-        if self._now is not None:
             to_rendered = view_map(shown, self.shown_size, rendered, self.rendered_size)
-            limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
-            program.uniforms.set(shown_model=_MODEL, shown_model_depth=_MODEL_DEPTH, e=to_rendered.e, **limits)
+            read |= {"shown_model": self._now.colour.texture, "shown_model_depth": self._now.depth}
+            program.uniforms.set(e=to_rendered.e, **USUAL_LIMITS)
         else:  # as if the head had not moved: at its place in the field of view
             here = View(rendered.pose, shown.fov)
             to_rendered = view_map(here, self.shown_size, rendered, self.rendered_size)
-            program.uniforms.set(rendered_model=_MODEL, whole_pixels=to_rendered.moves_whole_pixels())
-        program.uniforms.set(
-            difference=_DIFFERENCE,
-            rendered_model_depth=_RENDERED_DEPTH,
-            written=_WRITTEN,
-            H=to_rendered.H,
-            shown_size=self.shown_size,
-            rendered_size=self.rendered_size,
-        )
+            read["rendered_model"] = self._then.colour.texture
+            program.uniforms.set(whole_pixels=to_rendered.moves_whole_pixels())
+        self.gpu.barrier()
+        depth = {} if self.depth_into is None else {"shown_inverse_depth": self.depth_into}
+        units = bind_images(read, {"written": into, **depth})
+        self._bytes.bind_to_storage_buffer(BYTES_BINDING)
+        program.uniforms.set(H=to_rendered.H, shown_size=self.shown_size, rendered_size=self.rendered_size, **units)
         program.run(*self.shown_size)
-
-    def close(self) -> None:
-        super().close()
-        for picture in filter(None, (self._then, self._now)):
-            picture.colour.release()
-            picture.depth.release()
-        self._bytes.release()
 
 
 def _simplified(settings: DifferenceSettings) -> Simplified:

@@ -5,7 +5,6 @@ The shown rays are intersected with one picture after the other; the best hit st
 
 from __future__ import annotations
 
-import math
 from abc import abstractmethod
 from collections.abc import Callable
 from functools import partial
@@ -16,15 +15,16 @@ import moderngl
 import numpy as np
 
 from ...errors import InputError, PlanError
-from ...frames import Needs, Others
+from ...frames import EyeImage, Needs, Others
 from ...geometry import View, WarpMap, view_map
 from ...gpu.context import Gpu
-from ...gpu.textures import Canvas, allocate, release_all
-from ..inputs import PassInputs
+from ...gpu.textures import Canvas, Owner, allocate, bind_images
+from ..inputs import PassInputs, as_image
+from ..settings import limited
 from . import KEY_BYTES, warps
-from ._base import Warp
+from ._base import Warp, pixel_of
 from .forward import check_room
-from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE
+from .gather import USUAL_LIMITS, bind_rendered_colour
 
 PIECE_ROWS = 4
 # Pixels of a piece (lib/hole_pieces.glsl) and invocations of a work group (lib/rows.glsl).
@@ -32,7 +32,7 @@ _PIECE, _GROUP = 8, 64
 _HEADER_BYTES = 16  # of a list: three work-group counts and one count of pieces
 
 
-class DepthGuesses:
+class DepthGuesses(Owner):
     """The nearest inverse depth that lands in each cell of the shown picture."""
 
     def __init__(self, gpu: Gpu, cells: tuple[int, int]) -> None:
@@ -40,7 +40,7 @@ class DepthGuesses:
         self._empty = gpu.shaders.compute("warps/layered_empty.comp")
         self._seed = gpu.shaders.compute("warps/layered_seed.comp")
         self._quads = -(-cells[0] * cells[1] // 4)
-        self._keys = gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads)
+        self._keys = self.own(gpu.gl.buffer(reserve=4 * KEY_BYTES * self._quads))
         self._run_empty = self._empty.over(self._quads)
         self._run_seed: dict[tuple[int, int], Callable[[], object]] = {}  # by the size of what is moved
 
@@ -59,18 +59,13 @@ class DepthGuesses:
         """
         size = inverse_depth.size
         forward = view_map(view, size, shown, self._cells)
-        inverse_depth.bind_to_image(unit, read=True, write=False)
+        units = bind_images({"rendered_inverse_depth": inverse_depth}, first=unit)
         self._keys.bind_to_storage_buffer(0)
-        sizes = {"rendered_size": size, "shown_size": self._cells}
-        self._seed.uniforms.set(H=forward.H, e=forward.e, rendered_inverse_depth=unit, **sizes)
+        self._seed.uniforms.set(H=forward.H, e=forward.e, rendered_size=size, shown_size=self._cells, **units)
         if size not in self._run_seed:
             self._run_seed[size] = self._seed.over(*size)
         self._gpu.barrier()
         self._run_seed[size]()
-
-    def close(self) -> None:
-        """Free the guesses."""
-        self._keys.release()
 
 
 def piece_list(gpu: Gpu, user: str, shown_size: tuple[int, int]) -> moderngl.Buffer:
@@ -98,15 +93,6 @@ _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; from 3 on they are the warp's o
 _GUESSES = 3
 
 
-@attrs.frozen(eq=False)
-class DepthPicture:
-    """A picture with depth and the view it was rendered for."""
-
-    colour: moderngl.Texture  # As in EyeImage.
-    inverse_depth: moderngl.Texture  # As in EyeImage.
-    view: View
-
-
 class CompositeWarp(Warp):
     """A gather from several pictures, each seeded by a scatter of its depth alone.
 
@@ -120,16 +106,16 @@ class CompositeWarp(Warp):
 
     def prepare(self) -> None:
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
-        self._guesses = DepthGuesses(self.gpu, self.shown_size)
-        self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
+        self._guesses = self.own(DepthGuesses(self.gpu, self.shown_size))
+        self._pieces = self.own(piece_list(self.gpu, f"warp '{self.name}'", self.shown_size))
         compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=PIECE_ROWS)
         self._choose, self._first = (compute(grid="shown", PASS=k) for k in (0, 1))
         self._more = compute(PASS=2)
         self._stamp = 0
-        self._best = allocate(self.gpu.gl, self.shown_size, self.best)
+        self._best = self.own(allocate(self.gpu.gl, self.shown_size, self.best))
 
     @abstractmethod
-    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+    def pictures(self, inputs: PassInputs) -> list[EyeImage]:
         """Return the pictures to combine, the preferred of equals first."""
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
@@ -145,32 +131,24 @@ class CompositeWarp(Warp):
             self._guesses.scatter(picture.inverse_depth, picture.view, inputs.shown, _DEPTH)
             self._gather(picture, inputs.middle, own, is_first=index == 0)
 
-    def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
-        size = picture.colour.size
+    def _gather(self, picture: EyeImage, shown: View, own: dict[str, object], *, is_first: bool) -> None:
+        size = picture.size
         back = view_map(shown, self.shown_size, picture.view, size)
-        chosen = moderngl.NEAREST if back.moves_whole_pixels() else moderngl.LINEAR  # see bind_rendered_colour
-        picture.colour.filter = (chosen, chosen)
-        picture.colour.use(_COLOUR)
-        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR}
-        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": self.shown_size}
+        bind_rendered_colour(picture, _COLOUR, whole_pixels=back.moves_whole_pixels())
+        sizes = {"rendered_size": size, "rendered_pixel": pixel_of(size), "shown_size": self.shown_size}
         units = {"rendered_colour": _COLOUR, "rendered_depth": _DEPTH, "shown_colour": _RESULT, "best": _BEST}
-        uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
+        uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **USUAL_LIMITS, **own}
+        self.gpu.barrier()
         if is_first:
             self._first.uniforms.set(**uniforms)
-            self.gpu.barrier()
             self._first.run(*self.shown_size)
             return
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._choose.uniforms.set(stamp=self._stamp, **uniforms)
-        self.gpu.barrier()
         self._choose.run(*self.shown_size)
         self._more.uniforms.set(**uniforms)
         self.gpu.barrier()
         self._more.program.run_indirect(self._pieces)
-
-    def close(self) -> None:
-        self._guesses.close()
-        release_all(self._pieces, self._best)
 
 
 MOST_LAYERS = 4
@@ -178,11 +156,7 @@ MOST_LAYERS = 4
 
 @attrs.frozen
 class LayeredSettings:
-    layers: int = 3  # Depth layers, the visible one included, 2 to 4.
-
-    def __attrs_post_init__(self) -> None:
-        if not 2 <= self.layers <= MOST_LAYERS:
-            raise ValueError(f"layers is {self.layers}: expected 2 to {MOST_LAYERS}, the visible one included")
+    layers: int = limited(3, 2, MOST_LAYERS, "depth layers, the visible one included")
 
 
 @warps.register
@@ -207,14 +181,14 @@ class Layered(CompositeWarp):
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}
 
-    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+    def pictures(self, inputs: PassInputs) -> list[EyeImage]:
         rendered, behind = inputs.rendered, self.settings.layers - 1
         peeled = rendered.get("peeled", ())
         if len(peeled) < behind:
             raise PlanError(
                 f"warp 'layered' needs {behind} layers behind the visible one, this frame has {len(peeled)}"
             )
-        return [DepthPicture(each.colour, each.inverse_depth, rendered.view) for each in (rendered, *peeled[:behind])]
+        return [rendered, *(as_image(rendered, surface) for surface in peeled[:behind])]
 
 
 MOST_FRAMES, MOST_VIEWS = 8, 4
@@ -225,21 +199,12 @@ _CHOSEN = "rendered.views"
 class MultiSettings:
     """The pictures to use besides the newest."""
 
-    frames: int = 2  # Past frames of the same eye.
-    spacing: float = 300.0  # Least milliseconds between two of them.
+    frames: int = limited(2, 0, MOST_FRAMES, "past frames")  # Of the same eye.
+    spacing: float = limited(300.0, 0, 60_000, "milliseconds")  # The least between two of them.
     # Whether to use the other eye's picture too, or only the eye's own.
-    eye: Literal["other", "own"] = attrs.field(default="other", validator=attrs.validators.in_(("other", "own")))
-
-    # Further pictures that the server draws for this eye, from places that it may come to.
-    views: int = 0
-
-    def __attrs_post_init__(self) -> None:
-        if not 0 <= self.views <= MOST_VIEWS:
-            raise ValueError(f"views is {self.views}: expected 0 to {MOST_VIEWS} further pictures")
-        if not 0 <= self.frames <= MOST_FRAMES:
-            raise ValueError(f"frames is {self.frames}: expected 0 to {MOST_FRAMES} past frames")
-        if not (math.isfinite(self.spacing) and 0 <= self.spacing <= 60_000):
-            raise ValueError(f"spacing is {self.spacing:g} ms: expected 0 to 60000")
+    eye: Literal["other", "own"] = "other"
+    # That the server draws for this eye, from places that it may come to.
+    views: int = limited(0, 0, MOST_VIEWS, "further pictures")
 
 
 @warps.register
@@ -267,7 +232,7 @@ class Multi(CompositeWarp):
     def reads_for(cls, settings: Any) -> tuple[str, ...]:
         return cls.reads if settings.views else tuple(name for name in cls.reads if name != _CHOSEN)
 
-    def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
+    def pictures(self, inputs: PassInputs) -> list[EyeImage]:
         """Return the newest picture and the others.
 
         The newest alone for an eye that has not moved and sees no more than before.
@@ -278,17 +243,13 @@ class Multi(CompositeWarp):
             low = np.round(back.H[:2, 2])
             if (low >= 0).all() and (low + self.shown_size <= rendered.size).all():
                 others = ()
-        return [DepthPicture(image.colour, image.inverse_depth, image.view) for image in (rendered, *others)]
+        return [rendered, *others]
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         newest = self._newest(inputs)
-        return {
-            "newest_inverse_depth": 3,
-            "newest_size": inputs.rendered.size,
-            "newest_H": newest.H,
-            "newest_e": newest.e,
-        }
+        maps = {"newest_H": newest.H, "newest_e": newest.e}
+        return {"newest_inverse_depth": 3, "newest_size": inputs.rendered.size, **maps}
 
     def _newest(self, inputs: PassInputs) -> WarpMap:
         return view_map(inputs.shown, self.shown_size, inputs.rendered.view, inputs.rendered.size)

@@ -88,7 +88,6 @@ class Pacer:
         return self._expected_ns
 
     def missed(self) -> int:
-        """Return the refreshes without a new picture since the last call."""
         missed, self._missed = self._missed, 0
         return missed
 

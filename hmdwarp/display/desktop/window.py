@@ -30,13 +30,12 @@ _NO_ERROR = 0  # GL_NO_ERROR
 
 
 class WindowContext:
-    """A window's context for moderngl, through glfw's loader: GLX and EGL, X11 and Wayland."""
+    """A window's context for moderngl, by glfw's loader, which belongs to the window."""
 
     def __init__(self, glfw: ModuleType, handle: WindowHandle) -> None:
         self._glfw, self._handle = glfw, handle
 
     def load_opengl_function(self, name: str) -> int:
-        """Return the address, 0 where the driver lacks the function."""
         return ctypes.cast(self._glfw.get_proc_address(name), ctypes.c_void_p).value or 0
 
     def __enter__(self) -> WindowContext:
@@ -58,15 +57,9 @@ class Window:
     """
 
     def __init__(
-        self,
-        glfw: ModuleType,
-        title: str,
-        wanted: Size,
-        column: int = 0,
-        *,
-        full_screen: bool = False,
+        self, glfw: ModuleType, title: str, wanted: Size, column: int = 0, *, full_screen: bool = False,
         vsync: bool = True,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._glfw, self._title = glfw, title
         self.handle, self.api = _create(glfw, title, _units(glfw, wanted, column))
         self._closed = False
@@ -74,14 +67,6 @@ class Window:
         self._place: tuple[int, int, int, int] | None = None  # its place before it filled the screen
         if full_screen:
             self.fill_screen(True)
-        self._show()
-        self.gl = self._context(vsync)  # current when this returns
-        load = WindowContext(glfw, self.handle).load_opengl_function
-        found = next(filter(None, (load(f"glGetGraphicsResetStatus{suffix}") for suffix in ("", "ARB", "KHR"))), 0)
-        self._reset_status = ctypes.CFUNCTYPE(ctypes.c_uint)(found) if found else None
-
-    def _show(self) -> None:
-        glfw = self._glfw
         # Callbacks instead of a query at every picture: a round trip to the X server takes 50 us.
         self._minimised = False
         glfw.set_framebuffer_size_callback(self.handle, lambda _, *size: setattr(self, "framebuffer_size", size))
@@ -90,23 +75,21 @@ class Window:
         # (w, h) in pixels; (0, 0) while it is minimised, on some systems
         self.framebuffer_size: Size = tuple(glfw.get_framebuffer_size(self.handle))
         glfw.focus_window(self.handle)
-
-    def _context(self, vsync: bool) -> moderngl.Context:
         # moderngl's annotation omits context objects, its manual does not
-        context: Any = WindowContext(self._glfw, self.handle)
-        context.__enter__()
+        context: Any = WindowContext(glfw, self.handle)
+        context.__enter__()  # current from now on
         self.wait_for_screen(vsync)
         try:
-            gl = moderngl.create_context(require=WANTED, context=context)
+            self.gl = moderngl.create_context(require=WANTED, context=context)
         except Exception as error:  # moderngl raises bare Exception and ValueError
             self.close()
             raise MachineError(
                 f"no OpenGL {WANTED / 100:.1f} in a window: {error}; 'hmdwarp doctor' shows what is there"
             ) from error
-        gl.gc_mode = "context_gc"
-        return gl
-
-    # --- sizes and places ---
+        self.gl.gc_mode = "context_gc"
+        names = (f"glGetGraphicsResetStatus{suffix}" for suffix in ("", "ARB", "KHR"))
+        found = next(filter(None, map(context.load_opengl_function, names)), 0)
+        self._reset_status = ctypes.CFUNCTYPE(ctypes.c_uint)(found) if found else None
 
     @property
     def hidden(self) -> bool:
@@ -120,7 +103,6 @@ class Window:
         return float(mode.refresh_rate) if mode is not None else 0.0
 
     def screen_text(self) -> str:
-        """Return name, size and rate of the screen it is on."""
         return screen_text(self._glfw, screen_of(self._glfw, self.handle))
 
     def pixel_of(self, x: float, y: float) -> tuple[float, float]:
@@ -135,35 +117,23 @@ class Window:
     def system_text(self) -> str:
         """Version of glfw, window system and kind of context, for headers."""
         glfw = self._glfw
-        names = {
-            glfw.PLATFORM_X11: "X11",
-            glfw.PLATFORM_WAYLAND: "Wayland",
-            glfw.PLATFORM_WIN32: "Windows",
-            glfw.PLATFORM_COCOA: "macOS",
-        }
+        names = {glfw.PLATFORM_X11: "X11", glfw.PLATFORM_WAYLAND: "Wayland", glfw.PLATFORM_WIN32: "Windows"}
+        names[glfw.PLATFORM_COCOA] = "macOS"
         version, system = ".".join(map(str, glfw.get_version())), names.get(glfw.get_platform(), "unknown")
         return f"glfw {version}, {system}, context: {self.api}"
 
-    # --- state ---
-
     def poll_events(self) -> None:
-        """Process the window's events."""
         self._glfw.poll_events()
 
     def wait_events(self, seconds: float) -> None:
-        """Process the window's events; wait for some, but no longer than that."""
         self._glfw.wait_events_timeout(seconds)
 
     @property
     def fills_screen(self) -> bool:
-        """Whether it is in full screen."""
         return bool(self._glfw.get_window_monitor(self.handle))
 
     def fill_screen(self, on: bool) -> None:
-        """Fill its screen, or return to its earlier place.
-
-        Without any screen it stays a window.
-        """
+        """Fill its screen, if there is any, or return to its earlier place."""
         glfw = self._glfw
         if on and not self.fills_screen:
             screen = screen_of(glfw, self.handle)
@@ -179,9 +149,10 @@ class Window:
         self._glfw.set_window_monitor(self.handle, None, *place, 0)
 
     def screens_changed(self) -> None:
-        """Handle a screen that was plugged or unplugged."""
-        # glfw itself has moved the window off a screen that is gone; only its earlier place is left
-        # for us to restore.
+        """Handle a screen that was plugged or unplugged.
+
+        Glfw itself has moved the window off one that is gone; its earlier place is ours to restore.
+        """
         if self._place is not None and not self.fills_screen:
             self._leave_screen()
 
@@ -191,7 +162,6 @@ class Window:
         self._glfw.swap_interval(1 if on else 0)
 
     def title(self, text: str) -> None:
-        """Set the title, if it changed."""
         if text != self._title:
             self._title = text
             self._glfw.set_window_title(self.handle, text)
@@ -245,24 +215,8 @@ def _units(glfw: ModuleType, wanted: Size, column: int) -> Size:
 def _create(glfw: ModuleType, title: str, size: Size) -> tuple[WindowHandle, str]:
     """Make a hidden window; return it and its interface: EGL where the native one has none."""
     failures = []
-    for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
-        glfw.default_window_hints()
-        for hint, value in _hints(glfw, api).items():
-            glfw.window_hint(hint, value)
-        handle = glfw.create_window(*size, title, None, None)
-        if handle:
-            return handle, name
-        failures.append(f"{name}: {last_error(glfw)}")
-    glfw.terminate()
-    raise MachineError(
-        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(failures)}); 'hmdwarp doctor' shows what is there"
-    )
-
-
-def _hints(glfw: ModuleType, api: int) -> dict[int, int]:
-    return {
+    hints = {
         glfw.VISIBLE: glfw.FALSE,
-        glfw.CONTEXT_CREATION_API: api,
         glfw.CONTEXT_VERSION_MAJOR: WANTED // 100,
         glfw.CONTEXT_VERSION_MINOR: WANTED // 10 % 10,
         glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
@@ -272,3 +226,15 @@ def _hints(glfw: ModuleType, api: int) -> dict[int, int]:
         glfw.STENCIL_BITS: 0,
         glfw.SCALE_FRAMEBUFFER: glfw.TRUE,
     }
+    for name, api in (("native", glfw.NATIVE_CONTEXT_API), ("EGL", glfw.EGL_CONTEXT_API)):
+        glfw.default_window_hints()
+        for hint, value in {**hints, glfw.CONTEXT_CREATION_API: api}.items():
+            glfw.window_hint(hint, value)
+        handle = glfw.create_window(*size, title, None, None)
+        if handle:
+            return handle, name
+        failures.append(f"{name}: {last_error(glfw)}")
+    glfw.terminate()
+    raise MachineError(
+        f"no window with OpenGL {WANTED / 100:.1f} ({'; '.join(failures)}); 'hmdwarp doctor' shows what is there"
+    )

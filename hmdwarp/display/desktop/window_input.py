@@ -12,7 +12,8 @@ from ...poses import PoseSample
 from ...poses.synth import Walker
 from .. import Command
 from ..controls import MOVING, Control, Status, and_mouse
-from .window_system import WindowHandle
+from .control_panel import installed
+from .window import Window
 
 if TYPE_CHECKING:
     from .control_panel.panel import ControlPanel
@@ -127,31 +128,70 @@ Locate = Callable[[float, float], tuple[float, float] | None]
 
 
 class WindowInput:
-    """Mouse and keyboard of one window, which move `walker`.
+    """Mouse, keyboard and control panel of a window: they move `walker` and make commands.
 
-    now_ns: the clock for the times of inputs, taken when they are read. A click captures the mouse,
-    and so does `look`; in a window without the focus that takes effect once it has it. The key of
-    "quit" releases it, and so does a change to another window, which releases the held keys as
-    well.
+    now_ns: the clock for the times of inputs, taken when they are read. own: what the window does
+    itself, by control. A click captures the mouse, and so does `look`; in a window without the
+    focus that takes effect once it has it. The key of "quit" releases it, and so does a change to
+    another window, which releases the held keys as well.
     """
 
-    def __init__(self, window: WindowHandle, walker: Walker, now_ns: Callable[[], int], keys: Keys) -> None:
-        self._window, self._walker, self._now_ns, self._keys = window, walker, now_ns, keys
+    def __init__(
+        self, shown: Window, walker: Walker, now_ns: Callable[[], int], keys: Keys, own: dict[str, Callable[..., None]]
+    ) -> None:
+        self._shown, self._walker, self._now_ns, self._keys = shown, walker, now_ns, keys
+        self._window, self._own = shown.handle, {one.name: own[one.name] for one in keys.controls if one.of_display}
         self._held: set[int] = set()
         self._position = (0.0, 0.0)
         self._locate: Locate | None = None
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
-        self.control_panel: ControlPanel | None = None  # takes its part of the input first
+        self.panel: ControlPanel | None = None  # takes its part of the input first; None until it is opened
         self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
         self.takes_text = False  # whether letters are text, and no keys of controls
-        self.commands: list[Command] = []  # requests, oldest first; the caller empties it
-        glfw.set_key_callback(window, self._key)
-        glfw.set_char_callback(window, self._typed)
-        glfw.set_mouse_button_callback(window, self._click)
-        glfw.set_cursor_pos_callback(window, self._moved)
-        glfw.set_scroll_callback(window, self._scrolled)
-        glfw.set_window_focus_callback(window, self._focus)
+        self.commands: list[Command] = []  # requests, oldest first
+        glfw.set_key_callback(self._window, self._key)
+        glfw.set_char_callback(self._window, self._typed)
+        glfw.set_mouse_button_callback(self._window, self._click)
+        glfw.set_cursor_pos_callback(self._window, self._moved)
+        glfw.set_scroll_callback(self._window, self._scrolled)
+        glfw.set_window_focus_callback(self._window, self._focus)
+
+    def read(self) -> int:
+        """Read mouse and keys, move the walker, and return the time."""
+        self._shown.poll_events()
+        # After every poll: the walker stops without input.
+        right, up, forward = direction(self._held)
+        self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
+        return self._now_ns()
+
+    def handle_own(self) -> None:
+        """Handle the window's own commands; the others stay for the run."""
+        commands, self.commands = self.commands, []
+        for command in commands:
+            if command.control in self._own:
+                self._own[command.control](command.value)
+            else:
+                self.commands.append(command)
+
+    def take(self) -> list[Command]:
+        """Return the commands for the run since the last call."""
+        self.handle_own()
+        commands, self.commands = self.commands, []
+        return commands
+
+    def open_panel(self) -> bool:
+        """Open the control panel; return whether its packages are installed."""
+        if installed():
+            from .control_panel.panel import ControlPanel
+
+            # After the window has set its callbacks: the panel chains them.
+            self.panel = ControlPanel(self._window, self._shown.gl, self._keys.controls, label)
+        return self.panel is not None
+
+    def close(self) -> None:
+        if self.panel is not None:
+            self.panel.close()
 
     def point(self, locate: Locate | None) -> None:
         """Let the mouse point at a text panel from now on; None returns it to the head."""
@@ -179,23 +219,14 @@ class WindowInput:
         return glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED
 
     def capture(self) -> None:
-        """Capture the mouse: it turns the head and does not leave the window."""
+        """Let the mouse turn the head and not leave the window."""
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_DISABLED)
         if glfw.raw_mouse_motion_supported():  # without the desktop's pointer acceleration
             glfw.set_input_mode(self._window, glfw.RAW_MOUSE_MOTION, glfw.TRUE)
         self._position = glfw.get_cursor_pos(self._window)
 
     def release(self) -> None:
-        """Release the mouse to the desktop."""
         glfw.set_input_mode(self._window, glfw.CURSOR, glfw.CURSOR_NORMAL)
-
-    def walk(self) -> None:
-        """Walk in the direction of the held keys.
-
-        Call after every poll: the walker stops without input.
-        """
-        right, up, forward = direction(self._held)
-        self._walker.walk(self._now_ns(), right, up, forward, fast=not self._held.isdisjoint(FASTER))
 
     # --- glfw's callbacks ---
 
@@ -203,7 +234,7 @@ class WindowInput:
         if action == glfw.RELEASE:
             self._held.discard(key)
             return
-        if self.control_panel is not None and self.control_panel.wants_keys:
+        if self.panel is not None and self.panel.wants_keys:
             return
         if key in MOVES or key in FASTER:
             if action == glfw.PRESS and self._locate is None:
@@ -237,7 +268,7 @@ class WindowInput:
 
     @property
     def _is_for_control_panel(self) -> bool:
-        return self.control_panel is not None and self.control_panel.wants_mouse
+        return self.panel is not None and self.panel.wants_mouse
 
     def _add(self, name: str, uv: tuple[float, float] | None) -> None:
         """Add a pointer command; drop those off the text panel, keep only the last of a motion."""
@@ -272,10 +303,7 @@ class WindowInput:
 
 
 class WalkerSource:
-    """Poses of the walker, which reads its inputs right before each answer.
-
-    read_inputs: reads them and returns the time.
-    """
+    """Poses of the walker. read_inputs: reads its inputs, before each answer; returns the time."""
 
     def __init__(self, walker: Walker, read_inputs: Callable[[], int]) -> None:
         self._walker, self._read_inputs = walker, read_inputs
@@ -284,7 +312,6 @@ class WalkerSource:
         """Do nothing: the window already listens."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the head, with the newest inputs."""
         self._walker.advance(self._read_inputs())
         return self._walker.head_at(time_ns)
 

@@ -102,7 +102,6 @@ def screen_of(glfw: ModuleType, handle: WindowHandle) -> ScreenHandle | None:
 
 
 def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, int, int]) -> int:
-    """Return the area of the rectangle on the screen."""
     mode = glfw.get_video_mode(screen)
     if mode is None:
         return 0
@@ -134,11 +133,7 @@ _ExitHandler = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 
 class XConnection:
-    """A connection that may break (logged out, ssh ended, server crashed).
-
-    Xlib 1.7 or later (2020) lets a program survive that; an older one exits with status 1. Under
-    Wayland the window closes instead.
-    """
+    """A connection whose break (logged out, ssh ended) a program survives, by Xlib 1.7 (2020)."""
 
     def __init__(self, glfw: ModuleType) -> None:
         # Whether the server is gone. Then no part of the window may be used, not even to free it.
@@ -218,13 +213,10 @@ BOTH, FLAT = "both", "flat"
 
 @attrs.frozen(eq=False)
 class OneEye:
-    """A single eye in the middle of the head."""
-
     name: str  # the headset whose field of view it has
     fov: Fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return its view, as Eyes.views."""
         return (View(world_from_head, self.fov),)
 
 
@@ -259,32 +251,15 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
 
 
 class SwitchableView:
-    """The members of a Display that follow from a view which may be switched.
-
-    hmdwarp corrects the lens. size: (w, h) of one eye's picture; None for what suits the view.
-    """
+    """What of a Display follows from its view. size: of one eye; None for the view's own."""
 
     distorts = takes_depth = takes_panels = ""
 
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
         self._emulated, self._wanted_size = headset, size
-        self._view = window_view(view, headset, size)
+        self.set_view(view)
 
     def set_view(self, view: str) -> None:
         """Switch to "both" or "flat". Errors: InputError for another name."""
-        self._view = window_view(view, self._emulated, self._wanted_size)
-
-    @property
-    def eyes(self) -> Eyes:
-        """Eyes of the current view."""
-        return self._view.eyes
-
-    @property
-    def size(self) -> Size:
-        """(w, h) of one eye's picture in the current view."""
-        return self._view.size
-
-    @property
-    def headset(self) -> Headset | None:
-        """The headset whose lens the plan corrects; None for the flat view."""
-        return self._view.headset
+        self._view = found = window_view(view, self._emulated, self._wanted_size)
+        self.eyes, self.size, self.headset = found.eyes, found.size, found.headset

@@ -22,8 +22,6 @@ from .tracking import Spaces, pose_of
 if TYPE_CHECKING:
 
     class _State(ctypes.Structure):
-        """XrActionStateBoolean or XrActionStateFloat."""
-
         current_state: float
         is_active: bool
 
@@ -44,10 +42,7 @@ _WORDS = {
 
 
 class Actions:
-    """Actions of one session, created before it begins; they are destroyed with the instance.
-
-    controls: of several with the same button, the first one is requested.
-    """
+    """Actions of one session. controls: of several with the same button, the first is requested."""
 
     def __init__(
         self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
@@ -150,7 +145,6 @@ class Actions:
         return one.state.current_state if one.state.is_active else 0
 
     def commands(self) -> list[Command]:
-        """Return the commands since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
@@ -168,10 +162,7 @@ class Hand:
         self._space = calls.call_once(xr.create_action_space, session, info)
 
     def aim(self, time: int) -> Pose | None:
-        """Return world_from_hand at an instant of the runtime; None while it is not tracked.
-
-        Errors: Lost.
-        """
+        """Return world_from_hand at an instant; None while untracked. Errors: Lost."""
         self._calls("xrLocateSpace", self._space, self._world, time, ctypes.byref(self._location))
         if self._location._location_flags & _VALID != _VALID:
             return None
@@ -189,16 +180,6 @@ class _Query:
         self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
 
 
-def open_actions(
-    calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
-) -> Actions | None:
-    """Open the actions, or return None if no control has a button.
-
-    Errors: MachineError.
-    """
-    return Actions(calls, instance, session, controls, spaces) if any(one.buttons for one in controls) else None
-
-
 BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")
 AXES = ("across", "along", "pad_across", "pad_along")
 ACTS, AIM = ("select", "squeeze"), "aim"
@@ -208,7 +189,6 @@ Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
 
 
 def _both(*pairs: tuple[str, str]) -> Bindings:
-    """Return the path for either hand."""
     return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
 
 
@@ -304,17 +284,11 @@ class ButtonRepeat:
             elif name not in self._down:
                 self._down[name] = now_ns + FIRST_NS if self._synced and name in DIRECTIONS else None
                 requests += [name] if self._synced else []
-            elif self._repeats(name, now_ns):
+            elif (due := self._down[name]) is not None and now_ns >= due:
+                self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: one step after a stall, not many at once
                 requests.append(name)
         self._synced = True
         return requests
-
-    def _repeats(self, name: str, now_ns: int) -> bool:
-        due = self._down[name]
-        if due is None or now_ns < due:
-            return False
-        self._down[name] = now_ns + NEXT_NS  # not due + NEXT_NS: one step after a stall, not many at once
-        return True
 
     def _held(self, name: str, buttons: Mapping[str, bool], axes: Mapping[str, float]) -> bool:
         if buttons.get(name, False):

@@ -7,18 +7,19 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from typing import Any
 
 import attrs
 import moderngl
 import xr
 
-from ...errors import HmdwarpError, InputError, MachineError
+from ...errors import InputError, MachineError
 from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.egl import depth_framebuffer
 from .. import Closed
 from ..controls import Control
-from .actions import Actions, open_actions
+from .actions import Actions
 from .graphics import Graphics, check_requirements
 from .runtime import (
     DEPTH_EXTENSION,
@@ -49,17 +50,13 @@ class Connection:
     frames: FrameCalls
     recommended: tuple[int, int]  # (w, h) of one eye
     has_depth: bool
-    _largest: tuple[int, int]
-    _formats: list[int]
-    _cleanup: ExitStack
-    actions: Actions | None = None
-    _pictures: Projection | None = attrs.field(default=None, init=False)
+    largest: tuple[int, int]
+    formats: list[int]  # of images that the runtime takes
+    cleanup: ExitStack  # called before the session ends
+    actions: Actions | None
 
     def settle(self, calls: Calls, eyes: RuntimeEyes) -> None:
-        """Submit empty frames until session, period and eyes are known.
-
-        Errors: MachineError if that takes too long.
-        """
+        """Submit empty frames until session, period and eyes are known. Errors: MachineError."""
         self.session.on_mask_change = lambda: eyes.hide(
             [hidden_triangles(calls, self.instance, self.session.handle, eye) for eye in range(COUNT)]
         )
@@ -88,44 +85,29 @@ class Connection:
             self.frames.end()
             seen += self.frames.state.should_render
 
-    def make_pictures(self, calls: Calls, graphics: Graphics, size: tuple[int, int], with_depth: bool) -> None:
+    def pictures(self, calls: Calls, gpu: Gpu, size: tuple[int, int], with_depth: bool) -> Projection:
         """Create swapchains of that size for each eye.
 
         Errors: InputError for a size too large for the runtime.
         """
-        if size[0] > self._largest[0] or size[1] > self._largest[1]:
+        if size[0] > self.largest[0] or size[1] > self.largest[1]:
             raise InputError(
-                f"--size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self._largest[0]}x{self._largest[1]}"
+                f"--size {size[0]}x{size[1]}: {calls.name} takes pictures up to {self.largest[0]}x{self.largest[1]}"
             )
-        kind, deep = colour_format(self._formats), depth_format(self._formats)
-        colours = [self._swapchain(calls, graphics, size, kind) for _ in range(COUNT)]
-        depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)] if with_depth and deep else []
-        self._pictures = Projection(self.spaces.world, colours, depths)
 
-    def before_closing(self, callback: Callable[[], None]) -> None:
-        """Call this before the session ends."""
-        self._cleanup.callback(callback)
+        def swapchains(kind: int) -> list[Swapchain]:
+            made = [Swapchain(calls, gpu, self.session.handle, size, kind) for _ in range(COUNT)]
+            for one in made:
+                self.cleanup.callback(one.destroy)
+            return made
 
-    @property
-    def colour_format(self) -> int:
-        """The format of all colour that the runtime gets."""
-        return colour_format(self._formats)
-
-    def pictures(self) -> Projection:
-        """Return the swapchains that make_pictures() created."""
-        if self._pictures is None:
-            raise HmdwarpError("the session has no pictures: make_pictures() first")
-        return self._pictures
-
-    def _swapchain(self, calls: Calls, graphics: Graphics, size: tuple[int, int], kind: int) -> Swapchain:
-        made = Swapchain(calls, graphics.gpu, self.session.handle, size, kind)
-        self._cleanup.callback(made.destroy)
-        return made
+        deep = depth_format(self.formats) if with_depth else None
+        colours = swapchains(colour_format(self.formats))
+        return Projection(self.spaces.world, colours, [] if deep is None else swapchains(deep))
 
     def close(self) -> None:
-        """Release all of it, in order."""
         self.frames.abandon()
-        self._cleanup.close()
+        self.cleanup.close()
 
 
 class Connected:
@@ -142,11 +124,7 @@ class Connected:
 def connect(
     calls: Calls, graphics_for: Callable[[Instance], Graphics], tracker: HeadTracker, controls: tuple[Control, ...] = ()
 ) -> Connection:
-    """Return a session with swapchains.
-
-    graphics_for: returns the graphics for a runtime. controls: those with buttons are read.
-    Errors: MachineError.
-    """
+    """Return a session. graphics_for: returns those for a runtime. Errors: MachineError."""
     with ExitStack() as stack:
         instance = open_instance(calls, WITH_PICTURES)
         stack.callback(instance.destroy)
@@ -155,15 +133,13 @@ def connect(
         views = calls.call_once(xr.enumerate_view_configuration_views, instance.handle, instance.system, _STEREO)
         if len(views) != COUNT:
             raise MachineError(f"{calls.name} has {len(views)} views: expected {COUNT}")
-        modes = [
-            int(mode)
-            for mode in calls.call_once(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
-        ]
-        opaque = xr.EnvironmentBlendMode.OPAQUE.value
+        modes = calls.call_once(xr.enumerate_environment_blend_modes, instance.handle, instance.system, _STEREO)
+        modes, opaque = [*map(int, modes)], xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
         stack.callback(session.destroy)
         spaces = Spaces(calls, instance, session.handle)
-        actions = open_actions(calls, instance, session.handle, controls, spaces)
+        has_buttons = any(one.buttons for one in controls)
+        actions = Actions(calls, instance, session.handle, controls, spaces) if has_buttons else None
         tracker.attach(calls, instance, spaces)
         session.on_world_change = tracker.world_changes
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
@@ -187,10 +163,7 @@ _DEPTH = xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsage
 
 
 def colour_format(offered: list[int]) -> int:
-    """Return the best colour format.
-
-    Errors: MachineError if the runtime offers none that we can draw into.
-    """
+    """Return the best colour format. Errors: MachineError if none can be drawn into."""
     for colour in COLOURS:
         if colour in offered:
             return colour
@@ -251,15 +224,13 @@ class Swapchain:
         self.release()
 
     def release(self) -> None:
-        """Release the image to the runtime. Errors: Lost."""
         self._calls("xrReleaseSwapchainImage", self.handle, None)
 
     def destroy(self) -> None:
         """Destroy our references to the images first, then the runtime's images."""
-        for framebuffer in self._framebuffers:
-            framebuffer.release()
-        for texture in self._textures:
-            texture.release()
+        made: list[Any] = [*self._framebuffers, *self._textures]
+        for ours in made:
+            ours.release()
         self._framebuffers.clear()
         self._textures.clear()
         with suppress(Exception):  # of a session that is lost

@@ -89,10 +89,7 @@ def diagnose(
 
 
 def missing_extensions(name: str, extensions: list[str], pictures: bool = True) -> tuple[str, str]:
-    """Return the extensions that the runtime lacks for live pictures, or for head poses alone.
-
-    With what to do; ("", "") if none is missing.
-    """
+    """Return what extensions the runtime lacks, and what to do. pictures: not for poses alone."""
     missing = [] if not pictures or set(GRAPHICS_EXTENSIONS) & set(extensions) else [" or ".join(GRAPHICS_EXTENSIONS)]
     missing += [] if CLOCK_EXTENSION in extensions else [CLOCK_EXTENSION]
     return (f"{name} lacks {' and '.join(missing)}", ANOTHER) if missing else ("", "")
@@ -131,13 +128,10 @@ def manifest_text(environ: Mapping[str, str]) -> str:
 
 
 def load_binding() -> None:
-    """Import pyopenxr. Errors: MachineError with the reason.
-
-    Without libGL the import raises AttributeError, with a foreign loader OSError: catch everything.
-    """
+    """Import pyopenxr. Errors: MachineError with the reason."""
     os.environ.setdefault("XR_LOADER_DEBUG", "none")  # else the loader prints five lines on what our own error says
     try:
         import xr  # noqa: F401
-    except Exception as error:
+    except Exception as error:  # AttributeError without libGL, OSError with a foreign loader
         words, remedy = diagnose("binding", type(error).__name__, error)
         raise MachineError(f"{words}: {remedy}") from error

@@ -76,9 +76,23 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
     """
     failures = []
     for kind in kinds(instance.extensions, os.environ):
+        mirror: Mirror | None = None
+        gpu: Gpu | None = None
         try:
-            return _windowless() if kind == EGL else _windowed(controls, kind)
-        except MachineError as error:
+            if kind != EGL:
+                # GLX belongs to X11; this is read when glfw is first imported, which is now.
+                os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
+                from .mirror_window import Mirror as Window
+
+                mirror = Window(controls)
+            gpu = Gpu(create_context(shared=True) if mirror is None else mirror.gl)
+            binding = {EGL: _egl_binding, GLX: _glx_binding, WGL: _wgl_binding}[kind]
+            return Graphics(gpu, kind.upper(), binding(), mirror)
+        except BaseException as error:
+            if (opened := mirror or gpu) is not None:
+                opened.close()
+            if not isinstance(error, MachineError):
+                raise
             failures.append(str(error))
     raise MachineError("; ".join(failures))
 
@@ -99,29 +113,6 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
         )
 
 
-def _windowed(controls: tuple[Control, ...], kind: str) -> Graphics:
-    # GLX belongs to X11; this is read when glfw is first imported, which is now.
-    os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
-    from .mirror_window import Mirror
-
-    mirror = Mirror(controls)
-    try:
-        gpu = Gpu(mirror.gl)
-        return Graphics(gpu, kind.upper(), _glx_binding() if kind == GLX else _wgl_binding(), mirror)
-    except BaseException:
-        mirror.close()
-        raise
-
-
-def _windowless() -> Graphics:
-    gpu = Gpu(create_context(shared=True))
-    try:
-        return Graphics(gpu, "EGL", _egl_binding())
-    except BaseException:
-        gpu.close()
-        raise
-
-
 def _library(name: str, *functions: str) -> ctypes.CDLL:
     """Load a library whose functions return pointers."""
     try:
@@ -134,7 +125,6 @@ def _library(name: str, *functions: str) -> ctypes.CDLL:
 
 
 def _glx_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is GLX."""
     glx = _library(
         "libGL.so.1", "glXGetCurrentDisplay", "glXGetCurrentContext", "glXGetCurrentDrawable", "glXChooseFBConfig"
     )
@@ -159,7 +149,6 @@ def _glx_binding() -> ctypes.Structure:
 
 
 def _wgl_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is WGL."""
     wgl = _library("opengl32.dll", "wglGetCurrentDC", "wglGetCurrentContext")
     binding: ctypes.Structure = xr.GraphicsBindingOpenGLWin32KHR()
     _put(binding, h_dc=wgl.wglGetCurrentDC(), h_glrc=wgl.wglGetCurrentContext())
@@ -169,7 +158,6 @@ def _wgl_binding() -> ctypes.Structure:
 
 
 def _egl_binding() -> ctypes.Structure:
-    """Return the binding of the current context. Errors: MachineError unless it is EGL."""
     egl = _library("libEGL.so.1", "eglGetCurrentDisplay", "eglGetCurrentContext", "eglGetProcAddress")
     display, context = egl.eglGetCurrentDisplay(), egl.eglGetCurrentContext()
     if not (display and context):

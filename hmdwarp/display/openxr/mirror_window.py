@@ -23,11 +23,7 @@ ELSEWHERE = ("recentre", "vsync", "panel", "lens", "view")
 
 
 class Mirror:
-    """The mirror window. Its context draws the headset's pictures.
-
-    controls: that its keys request.
-    Errors: MachineError if there is no window.
-    """
+    """The mirror window, whose context draws the headset's pictures. Errors: MachineError."""
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
         self._keys = Keys(tuple(control for control in controls if control.name not in ELSEWHERE))
@@ -56,19 +52,16 @@ class Mirror:
             self._commands.append(command)
 
     def poll(self) -> None:
-        """Process the window's events. Errors: Closed."""
         self._window.poll_events()
         reason = self._window.over()
         if reason:
             raise Closed(reason)
 
     def commands(self) -> Sequence[Command]:
-        """Return the commands of its keys since the last call."""
         commands, self._commands = self._commands, []
         return commands
 
     def show_status(self, status: Status) -> None:
-        """Show the status in the window's title, four times a second."""
         self._keys.status, now_ns = status, time.monotonic_ns()
         if now_ns - self._titled_ns >= TITLE_NS:
             self._titled_ns = now_ns
@@ -88,20 +81,12 @@ class Mirror:
         self._screen.use()
         self._screen.clear()
         self._help = self._help and not help_closes(self._keys.controls, has_text_panel=not isinstance(label, str))
-        text = presenter.notice(
-            help_text(tuple(filter(self._keys.status.offers, self._keys.controls))) if self._help else label
-        )
-        presenter.show(
-            panel, self._screen, fitted(panel.size, place) if panel else place, hardware_srgb=False, notice=text
-        )
+        if self._help:  # every control that works here, a line each
+            shown = [one for one in filter(self._keys.status.offers, self._keys.controls) if one.what]
+            label = "\n".join(f"{keys_of(one)}\t{'end' if one.name == QUIT else one.what}" for one in shown)
+        into, text = fitted(panel.size, place) if panel else place, presenter.notice(label)
+        presenter.show(panel, self._screen, into, hardware_srgb=False, notice=text)
         self._window.send()
 
     def close(self) -> None:
-        """Close the window. Safe to call twice."""
         self._window.close()
-
-
-def help_text(controls: tuple[Control, ...]) -> str:
-    """Return every control that works here, a line each."""
-    shown = [(control, "end" if control.name == QUIT else control.what) for control in controls if control.what]
-    return "\n".join(f"{keys_of(one)}\t{what}" for one, what in shown)

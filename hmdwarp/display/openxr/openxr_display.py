@@ -22,11 +22,20 @@ from ...colour import srgb8_from_linear
 from ...errors import HmdwarpError, MachineError
 from ...gpu.context import Gpu
 from ...poses import PoseSample
-from ...scenes import Panel
-from .. import Closed, Command, DisplayOptions, Label, Picture, Status, Tick
-from .._base import ShownPanel
+from .. import Closed, Command, DisplayOptions, Label, Status, Tick
 from ..present import Presenter
-from .connection import IDLE_S, NEAR_M, READY_S, RGBA16F, SRGB8_A8, Connected, Connection, Swapchain, connect
+from .connection import (
+    IDLE_S,
+    NEAR_M,
+    READY_S,
+    RGBA16F,
+    SRGB8_A8,
+    Connected,
+    Connection,
+    Swapchain,
+    colour_format,
+    connect,
+)  # fmt: skip
 from .diagnosis import RUNTIME_LABEL
 from .graphics import Graphics, open_graphics
 from .runtime import (
@@ -39,23 +48,22 @@ from .runtime import (
     offered_extensions,
     open_instance,
 )
-from .tracking import HeadTracker, RuntimeEyes, Spaces
+from .tracking import HeadTracker, RuntimeEyes, Spaces, posef_of
 
 if TYPE_CHECKING:
+    from ...client.effects.text import HeldPanel
+    from ...pipeline.loop import Refresh
     from .mirror_window import Mirror
 
 
 class Quads:
-    """The quad layers of one session; each picture is handed over once.
-
-    Source: OpenXR 1.0, XrCompositionLayerQuad.
-    """
+    """The quad layers (XrCompositionLayerQuad) of one session; each picture is handed over once."""
 
     def __init__(self, calls: Calls, gpu: Gpu, session: xr.Session, spaces: Spaces, kind: int) -> None:
         self._calls, self._gpu, self._session, self._spaces, self._kind = calls, gpu, session, spaces, kind
         self._pictures: dict[moderngl.Texture, Swapchain] = {}
 
-    def layers(self, panels: Sequence[ShownPanel]) -> list[ctypes.Structure]:
+    def layers(self, panels: Sequence[HeldPanel]) -> list[ctypes.Structure]:
         """Return the layers of panels, the first behind the others. Errors: Lost."""
         shown = {each.texture for each in panels}
         for gone in self._pictures.keys() - shown:
@@ -64,22 +72,19 @@ class Quads:
             made = Swapchain(self._calls, self._gpu, self._session, texture.size, self._kind)
             self._pictures[texture] = made
             made.write(_stored(texture, self._kind))
-        return [self._layer(each.panel, self._pictures[each.texture]) for each in panels]
-
-    def _layer(self, panel: Panel, picture: Swapchain) -> ctypes.Structure:
-        x, y, z = panel.pose.position_m.tolist()
-        layer: ctypes.Structure = xr.CompositionLayerQuad(
-            layer_flags=xr.CompositionLayerFlags.BLEND_TEXTURE_SOURCE_ALPHA_BIT,
-            space=self._spaces.head if panel.head_locked else self._spaces.world,
-            eye_visibility=xr.EyeVisibility.BOTH,
-            sub_image=picture.whole(),
-            pose=xr.Posef(xr.Quaternionf(*panel.pose.orientation_xyzw.tolist()), xr.Vector3f(x, y, z)),
-            size=xr.Extent2Df(*panel.size_m),
-        )
-        return layer
+        return [
+            xr.CompositionLayerQuad(
+                layer_flags=xr.CompositionLayerFlags.BLEND_TEXTURE_SOURCE_ALPHA_BIT,
+                space=self._spaces.head if panel.head_locked else self._spaces.world,
+                eye_visibility=xr.EyeVisibility.BOTH,
+                sub_image=self._pictures[texture].whole(),
+                pose=posef_of(panel.pose),
+                size=xr.Extent2Df(*panel.size_m),
+            )
+            for panel, texture in ((each.panel, each.texture) for each in panels)
+        ]
 
     def close(self) -> None:
-        """Destroy the pictures."""
         for picture in self._pictures.values():
             picture.destroy()
         self._pictures.clear()
@@ -106,8 +111,7 @@ class Drawing:
     presenter: Presenter
 
     def close(self) -> None:
-        """Free the presenter before the context it draws in."""
-        self.presenter.close()
+        self.presenter.close()  # before the context it draws in
         self.graphics.close()
 
 
@@ -138,7 +142,6 @@ class OpenXrDisplay(Connected):
         self.gpu = self._opened().graphics.gpu
 
     def _open(self) -> None:
-        """Open everything, or all but the graphics where they exist already."""
         self._connection = made = connect(self._calls, self._graphics_for, self.source, self._options.controls)
         graphics = self._opened().graphics
         self.about = {**made.instance.about, "graphics": graphics.name, "space": made.spaces.name}
@@ -146,9 +149,10 @@ class OpenXrDisplay(Connected):
         self.takes_depth = RUNTIME_LABEL if made.has_depth and self._options.depth_layer else ""
         self._calls.stage = "running"
         made.settle(self._calls, self.eyes)
-        made.make_pictures(self._calls, graphics, self.size, bool(self.takes_depth))
-        self._quads = Quads(self._calls, graphics.gpu, made.session.handle, made.spaces, made.colour_format)
-        made.before_closing(self._quads.close)
+        self._pictures = made.pictures(self._calls, graphics.gpu, self.size, bool(self.takes_depth))
+        kind = colour_format(made.formats)
+        self._quads = Quads(self._calls, graphics.gpu, made.session.handle, made.spaces, kind)
+        made.cleanup.callback(self._quads.close)
         self._period_ns: int = made.frames.state.predicted_display_period
         self.rate_hz = 1e9 / self._period_ns
         self._last_shown_ns = 0
@@ -174,7 +178,6 @@ class OpenXrDisplay(Connected):
         return self._opened().graphics.mirror
 
     def now_ns(self) -> int:
-        """Return the current time."""
         return time.monotonic_ns()
 
     def wait(self) -> Tick | None:
@@ -200,8 +203,8 @@ class OpenXrDisplay(Connected):
         missed = max(0, round((shown_ns - last) * 1e-9 * self.rate_hz) - 1) if last else 0
         return Tick(shown_ns, self._period_ns, bool(state.should_render), LOST if self.source.lost else "", missed)
 
-    def show(self, refresh: Picture | None, label: Label = "") -> int:
-        """Submit as Display.show; returns when xrEndFrame has returned."""
+    def show(self, refresh: Refresh | None, label: Label = "") -> int:
+        """Submit as Display.show, by the time that xrEndFrame has returned."""
         frames, presenter = self._connected().frames, self._opened().presenter
         if frames.state.should_render and (refresh is not None or label):
             picture = self._draw(refresh, label)
@@ -214,9 +217,9 @@ class OpenXrDisplay(Connected):
             self._mirror.show(presenter, refresh.eyes[0].panel if refresh is not None else None, label)
         return submitted_ns
 
-    def _draw(self, refresh: Picture | None, label: Label) -> ctypes.Structure:
+    def _draw(self, refresh: Refresh | None, label: Label) -> ctypes.Structure:
         """Draw both eyes; return the layer to submit."""
-        pictures, presenter = self._connected().pictures(), self._opened().presenter
+        pictures, presenter = self._pictures, self._opened().presenter
         notice, black = presenter.notice(label), self.eyes.views(self.source.head_at(self._last_shown_ns).pose)
         for eye, colour in enumerate(pictures.colours):
             result = refresh.eyes[eye] if refresh is not None else None
@@ -241,21 +244,16 @@ class OpenXrDisplay(Connected):
         """Do nothing: the head is live."""
 
     def commands(self) -> Sequence[Command]:
-        """Return the commands of the window's keys, if there is one, and of the controllers."""
         made, mirror = self._connection, self._mirror
         by_controllers = made.actions.commands() if made is not None and made.actions is not None else ()
         return [*(mirror.commands() if mirror is not None else ()), *by_controllers]
 
     def show_status(self, status: Status) -> None:
-        """Show the status in the mirror's title."""
         if self._mirror is not None:
             self._mirror.show_status(status)
 
     def reopen(self) -> bool:
-        """Release the old session and connect again, as Display.reopen.
-
-        Errors: Closed, for a closed window.
-        """
+        """Release the old session and connect again, as Display.reopen. Errors: Closed."""
         self._disconnect()
         if self._mirror is not None:
             self._mirror.poll()
@@ -267,7 +265,6 @@ class OpenXrDisplay(Connected):
         return True
 
     def close(self) -> None:
-        """Release everything, as Display.close."""
         self._disconnect()
         drawing, self._drawing = self._drawing, None
         if drawing is not None:
@@ -336,16 +333,10 @@ class OpenXrHead(Connected):
         return self._graphics
 
     def now_ns(self) -> int:
-        """Return the current time."""
         return time.monotonic_ns()
 
     def poll(self) -> bool:
-        """Process the runtime's events; return whether poses are available.
-
-        Where frames are needed for that it submits an empty one, which takes until the next
-        refresh.
-        Errors: Closed; Lost.
-        """
+        """Process events; return whether poses are available. Errors: Closed; Lost."""
         if self._graphics is not None and self._graphics.mirror is not None:
             self._graphics.mirror.poll()
         self._session.poll()
@@ -361,10 +352,7 @@ class OpenXrHead(Connected):
         """Do nothing: it is already running."""
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the head pose as PoseSource.head_at: HELD while tracking is lost.
-
-        Errors: Lost.
-        """
+        """Return the head pose as PoseSource.head_at: HELD while tracking is lost. Errors: Lost."""
         return self._tracker.head_at(time_ns)
 
     @property

@@ -33,11 +33,7 @@ _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "T
 
 
 class Calls:
-    """Calls into one runtime.
-
-    stage: progress on the way to a picture, as in diagnosis.STAGES. name: the runtime's, for
-    messages.
-    """
+    """Calls into one runtime. stage: one of diagnosis.STAGES. name: the runtime's, for messages."""
 
     def __init__(self, watching: Callable[[str], AbstractContextManager[object]]) -> None:
         self._watching = watching
@@ -45,7 +41,6 @@ class Calls:
         self.begin()
 
     def begin(self) -> None:
-        """Reset the stage."""
         self.stage, self.name = "runtime", "the runtime"
 
     def call_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
@@ -61,10 +56,7 @@ class Calls:
             raise self._error(call, type(error).__name__, str(error)) from error
 
     def __call__(self, call: str, *arguments: Any) -> int:
-        """Call a loader function by its C name, at every refresh: 2 us instead of 10.
-
-        Returns its result, 0 or above. Errors: as call_once.
-        """
+        """Call a loader function by its C name: 2 us, not 10. Errors: as call_once."""
         if (function := self._functions.get(call)) is None:
             # Our own: that of pyopenxr wraps results in an enum, and fails on those it lacks.
             function = self._functions[call] = raw_functions.openxr_loader_library[call]
@@ -111,15 +103,12 @@ def offered_extensions(calls: Calls) -> list[str]:
 
 @attrs.define(eq=False)
 class Instance:
-    """A connection to the runtime."""
-
     handle: xr.Instance
     system: int
     extensions: frozenset[str]  # the enabled ones
     about: dict[str, str]  # runtime, runtime_version, headset
-    _convert: Callable[..., int]  # from the system's clock, which _stamp has for time.monotonic_ns
-    _stamp: Callable[[int], ctypes.Structure | ctypes.c_int64]
-    _time: ctypes.c_int64
+    _convert: Callable[..., int]  # from the system's clock
+    _time: ctypes.c_int64 = attrs.field(factory=ctypes.c_int64)
 
     def offset_ns(self) -> int:
         """Return runtime clock minus time.monotonic_ns.
@@ -128,12 +117,11 @@ class Instance:
         another.
         """
         now_ns = time.monotonic_ns()
-        if self._convert(self.handle, ctypes.byref(self._stamp(now_ns)), ctypes.byref(self._time)) < 0:
+        if self._convert(self.handle, ctypes.byref(_stamped(now_ns)), ctypes.byref(self._time)) < 0:
             return 0
         return self._time.value - now_ns
 
     def destroy(self) -> None:
-        """Destroy it in any state."""
         with suppress(Exception):
             xr.destroy_instance(self.handle)
 
@@ -157,24 +145,20 @@ def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
         xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
     )
     try:
-        return _described(calls, handle, frozenset(on))
+        properties = calls.call_once(xr.get_instance_properties, handle)
+        runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
+        calls.stage = "headset"
+        calls.name = runtime if version in runtime else f"{runtime} {version}"  # Monado's name includes it
+        system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+        headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
+        name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"
+        convert = ctypes.cast(calls.call_once(xr.get_instance_proc_addr, handle, name), getattr(xr, f"PFN_{name}"))
+        calls.stage = "session"
+        about = {"runtime": runtime, "runtime_version": version, "headset": headset}
+        return Instance(handle, system, frozenset(on), about, convert)
     except BaseException:
         xr.destroy_instance(handle)
         raise
-
-
-def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
-    properties = calls.call_once(xr.get_instance_properties, handle)
-    runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
-    calls.stage = "headset"
-    calls.name = runtime if version in runtime else f"{runtime} {version}"  # Monado's name includes it
-    system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
-    headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
-    name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"
-    convert = ctypes.cast(calls.call_once(xr.get_instance_proc_addr, handle, name), getattr(xr, f"PFN_{name}"))
-    calls.stage = "session"
-    about = {"runtime": runtime, "runtime_version": version, "headset": headset}
-    return Instance(handle, system, on, about, convert, _stamped, ctypes.c_int64())
 
 
 def _stamped(now_ns: int) -> ctypes.Structure | ctypes.c_int64:
@@ -257,7 +241,6 @@ class Session:
             raise Closed(f"{self._calls.name} ended the session")
 
     def destroy(self) -> None:
-        """Destroy it in any state; frames must have been ended."""
         with suppress(Exception):  # of a lost session; destroying is allowed all the same
             xr.destroy_session(self.handle)
 
@@ -319,7 +302,6 @@ class FrameCalls:
         self._end_pointer = ctypes.byref(self._end)
 
     def begin(self) -> None:
-        """Wait until it is time for the next frame, and begin it. Errors: Lost."""
         self.abandon()
         self._waited = self._open = True
         self._calls("xrWaitFrame", self._session, None, self._state_pointer)

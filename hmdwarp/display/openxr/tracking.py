@@ -38,15 +38,10 @@ class RuntimeEyes:
 
     @property
     def known(self) -> bool:
-        """Whether the runtime has reported them yet."""
         return bool(self._known)
 
     def locate(self, calls: Calls, session: xr.Session, head: xr.Space, time: int) -> None:
-        """Locate the eyes in head space at an instant of the runtime's clock.
-
-        Invalid values are ignored.
-        Errors: Lost.
-        """
+        """Locate the eyes in head space at an instant; invalid values are ignored. Errors: Lost."""
         self._info.display_time, self._info.space = time, head
         calls("xrLocateViews", session, *self._arguments)
         if not self._state._view_state_flags & _ORIENTATION:
@@ -71,7 +66,6 @@ class RuntimeEyes:
         self._bytes = raw
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return the view of each eye, as geometry.Eyes."""
         return tuple(
             View(world_from_head @ head_from_eye, fov, head_from_eye, hidden)
             for head_from_eye, fov, hidden in self._known
@@ -84,6 +78,11 @@ def pose_of(pose: xr.Posef) -> Pose:
     return Pose((at.x, at.y, at.z), (turned.x, turned.y, turned.z, turned.w))
 
 
+def posef_of(pose: Pose) -> xr.Posef:
+    """Convert our pose to the runtime's."""
+    return xr.Posef(xr.Quaternionf(*pose.orientation_xyzw.tolist()), xr.Vector3f(*pose.position_m.tolist()))
+
+
 _ENDS = attrgetter("angle_left", "angle_right", "angle_down", "angle_up")
 _Flags = xr.SpaceLocationFlags
 _TURN_VALID, _TURN_TRACKED = _Flags.ORIENTATION_VALID_BIT.value, _Flags.ORIENTATION_TRACKED_BIT.value
@@ -94,17 +93,13 @@ STANDING = Pose((0.0, EYE_HEIGHT_M, 0.0))
 
 
 class Spaces:
-    """Reference spaces of a session."""
-
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
         offered = {int(kind) for kind in calls.call_once(xr.enumerate_reference_spaces, session)}
         self.name, self.kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
-        self.world = self._made(calls, session, self.kind, -height)
-        self.head = self._made(calls, session, _Space.VIEW, 0.0)
-
-    def _made(self, calls: Calls, session: xr.Session, kind: xr.ReferenceSpaceType, y: float) -> xr.Space:
-        origin = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, y, 0))
-        return calls.call_once(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, origin))
+        self.world, self.head = (
+            calls.call_once(xr.create_reference_space, session, xr.ReferenceSpaceCreateInfo(kind, posef_of(origin)))
+            for kind, origin in ((self.kind, Pose((0.0, -height, 0.0))), (_Space.VIEW, Pose()))
+        )
 
 
 def _world(offered: set[int], floor: bool) -> tuple[str, xr.ReferenceSpaceType, float]:

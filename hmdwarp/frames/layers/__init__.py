@@ -7,14 +7,13 @@ import heapq
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
-from ...geometry import Fov, Pose, View
+from ...geometry import Fov
 from ...registry import Registry
 
 if TYPE_CHECKING:
@@ -141,8 +140,12 @@ class Layer:
 
     @classmethod
     def pictures(cls, amount: Any) -> tuple[str, ...]:
-        """Return the format of each texture or array of `amount` of it, in the order of `sent`."""
-        return (len(amount) if isinstance(amount, frozenset) else int(amount)) * cls.formats
+        """Return the format of each texture or array of `amount` of it, in the order of `sent`.
+
+        Of a number or a frozenset there are as many units, of any other amount one.
+        """
+        count = len(amount) if isinstance(amount, frozenset) else amount if isinstance(amount, int) else 1
+        return count * cls.formats
 
     @classmethod
     def stated(cls, amount: Any) -> int | Rows:
@@ -158,14 +161,17 @@ class Layer:
     @classmethod
     def amount_of(cls, stated: int | Rows) -> Any:
         """Return the amount that is stated so. Errors: ValueError for one that cannot be."""
-        like = cls.something
+        like, found = cls.something, None
         several = isinstance(like, frozenset)
         kind = type(next(iter(like)) if several else like)
-        found = None
         if isinstance(stated, int):
             found = None if several or attrs.has(kind) else kind(stated)
         elif attrs.has(kind):
-            each = [_of_row(kind, row) for row in stated]
+            each, fields = [], attrs.fields(kind)
+            for row in stated:
+                if len(row) != len(fields):
+                    raise ValueError(f"{len(row)} settings: expected {len(fields)}")
+                each.append(kind(*(type(field.default)(value) for field, value in zip(fields, row, strict=True))))
             found = frozenset(each) if several else each[0] if len(each) == 1 else None
         elif kind is float:
             ((found,),) = stated
@@ -189,27 +195,37 @@ class Layer:
 
         drawn_ns: when it was drawn.
         """
+        if isinstance(amount, frozenset):
+            return dict(zip(sorted(amount), sent, strict=True))
         return sent[0] if sent else amount
 
     @classmethod
     def merged(cls, amount: Any, other: Any) -> Any:
         """Return an amount that is enough for both."""
-        return max(amount, other)
+        return amount | other if isinstance(amount, frozenset | enum.Flag) else max(amount, other)
 
     @classmethod
     def serves(cls, carried: Any, needed: Any) -> bool:
-        """Return whether frames that carry `carried` suit passes that need `needed`."""
-        return bool(carried == needed)
+        """Return whether frames that carry `carried` suit passes that need `needed`.
+
+        Of a frozenset more does not disturb.
+        """
+        return bool(needed <= carried if isinstance(needed, frozenset) else carried == needed)
 
     @classmethod
     def only(cls, data: Any, amount: Any) -> Any:
         """Return the part of the data that a plan which needs `amount` would get alone."""
-        return data
+        if isinstance(amount, frozenset):
+            return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
+        return data[:amount] if isinstance(data, tuple) else data
 
     @classmethod
     def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        """Return every texture of its data; the server takes back those of its pools."""
-        return (data,)
+        """Return every texture of its data, none of True; the server takes its own back."""
+        if isinstance(data, Mapping | tuple):
+            each = data.values() if isinstance(data, Mapping) else data
+            return [texture for one in each for texture in cls.textures(one)]
+        return data.textures() if hasattr(data, "textures") else () if data is True else (data,)
 
     @classmethod
     def coded_as(cls) -> tuple[str, ...]:
@@ -232,26 +248,14 @@ class Layer:
     @classmethod
     def sent_bytes(cls, data: Any) -> int:
         """Return its bytes on a link without a codec; no more than `bytes`."""
-        return sum(map(_bytes_of, cls.sent(data)))
+        return sum(
+            one.nbytes if hasattr(one, "nbytes") else one.width * one.height * one.components * int(one.dtype[1:])
+            for one in cls.sent(data)
+        )
 
     @classmethod
     def release(cls, data: Any) -> None:
         """Free what belongs to no pool of the server's; called once, when the frame is recycled."""
-
-
-def _bytes_of(content: Any) -> int:
-    """Return the bytes of a texture or array."""
-    if hasattr(content, "nbytes"):
-        return int(content.nbytes)
-    return int(content.width * content.height * content.components * int(content.dtype[1:]))
-
-
-def _of_row(kind: type[Any], row: Sequence[float]) -> Any:
-    """Return the settings that have these numbers. Errors: ValueError."""
-    fields = attrs.fields(kind)
-    if len(row) != len(fields):
-        raise ValueError(f"{len(row)} settings: expected {len(fields)}")
-    return kind(*(type(field.default)(value) for field, value in zip(fields, row, strict=True)))
 
 
 def between(least: float, most: float) -> Any:
@@ -264,112 +268,6 @@ def between(least: float, most: float) -> Any:
     return check
 
 
-_VIEW_NUMBERS = 18
-
-
-def rows_of_views(views: Iterable[View]) -> NDArray[np.float64]:
-    """Return a row for each view: world_from_eye, head_from_eye, angles."""
-    rows = [
-        (*v.pose.position_m, *v.pose.orientation_xyzw, *v.head_from_eye.position_m, *v.head_from_eye.orientation_xyzw,
-         v.fov.left, v.fov.right, v.fov.down, v.fov.up)
-        for v in views
-    ]  # fmt: skip
-    return np.array(rows, np.float64).reshape(-1, _VIEW_NUMBERS)
-
-
-def view_of_row(row: NDArray[np.float64]) -> View:
-    """Return the view of a row. Errors: InputError for one that cannot be."""
-    return View(Pose(row[:3], row[3:7]), Fov(*row[14:18].tolist()), Pose(row[7:10], row[10:14]))
-
-
-def misfit_of_views(numbers: NDArray[Any] | None, count: int) -> str:
-    """Return why numbers are not those of so many views, "" if they are."""
-    if numbers is None or numbers.shape != (count, _VIEW_NUMBERS):
-        return f"its views are missing: expected {count} rows of {_VIEW_NUMBERS} numbers"
-    if (np.abs(np.linalg.norm(numbers[:, [3, 4, 5, 6]], axis=1) - 1) > _LENGTH_ERROR).any() or (
-        np.abs(np.linalg.norm(numbers[:, [10, 11, 12, 13]], axis=1) - 1) > _LENGTH_ERROR
-    ).any():
-        return "a view's quaternion is not of length 1"
-    try:
-        for row in numbers:
-            view_of_row(row)
-    except InputError as error:
-        return str(error)
-    return ""
-
-
-_LENGTH_ERROR = 1e-3
-
-
-class Wanted(Protocol):
-    """What is delivered little by little; hashable and ordered."""
-
-    @property
-    def budget(self) -> int:
-        """Bytes of each frame, at most."""
-
-
-class Content(Protocol):
-    """What one frame brings of it."""
-
-    @property
-    def content(self) -> NDArray[Any]:
-        """The bytes; the link writes what it has decoded over it."""
-
-
-@attrs.frozen(eq=False)
-class Received:
-    """What one frame of another process brings of it."""
-
-    content: NDArray[Any]
-
-
-class Delivered(Layer):
-    """No picture but updates of what the client keeps: a Content for each Wanted.
-
-    The amount is the frozenset of them. A client.Store with this layer's name receives the updates.
-    """
-
-    per_frame = True
-    builds_on_frames = True
-    nothing = frozenset()
-
-    @classmethod
-    def bytes(cls, amount: frozenset[Wanted], sizes: EyeSizes) -> int:
-        return sum(each.budget for each in amount)
-
-    @classmethod
-    def pictures(cls, amount: frozenset[Wanted]) -> tuple[str, ...]:
-        return (BYTES,) * len(amount)
-
-    @classmethod
-    def made(
-        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Any], drawn_ns: int
-    ) -> dict[Any, Received]:
-        return {each: Received(content) for each, content in zip(sorted(amount), sent, strict=True)}
-
-    @classmethod
-    def merged(cls, amount: frozenset[Wanted], other: frozenset[Wanted]) -> frozenset[Wanted]:
-        return amount | other
-
-    @classmethod
-    def serves(cls, carried: frozenset[Wanted], needed: frozenset[Wanted]) -> bool:
-        """Return whether all that is needed is delivered; more does not disturb."""
-        return needed <= carried
-
-    @classmethod
-    def only(cls, data: Mapping[Any, Content], amount: frozenset[Any]) -> Mapping[Any, Content]:
-        return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
-
-    @classmethod
-    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
-        return ()
-
-    @classmethod
-    def sent(cls, data: Mapping[Any, Content]) -> Iterable[NDArray[Any]]:
-        return [update.content for update in data.values()]
-
-
 # What passes read of an eye's own picture.
 PICTURE = (readable("colour"), readable("inverse_depth"))
 
@@ -380,8 +278,8 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Layer]:
 
 
 _MODULES = {
-    **dict.fromkeys(("cube", "light", "peeled", "transparent", "views", "wide"), "pictures"),
-    **dict.fromkeys(("foveated", "foveated_depth"), "foveated"),
+    **dict.fromkeys(("cube", "foveated", "foveated_depth", "ids", "peeled"), "pictures"),
+    **dict.fromkeys(("reflection", "transparent", "views", "wide"), "pictures"),
     **dict.fromkeys(("difference", "scene_update"), "scene_parts"),
 }
 layers: Registry[type[Layer]] = Registry("layer", __name__, of_table=_of_table, modules=_MODULES)
@@ -412,6 +310,38 @@ class Update:
     # What the sender needs to know again when it hears of the frame.
     pieces: tuple[Any, ...] = ()
     sent_ns: int = 0
+
+
+class Delivered(Layer):
+    """No picture but an Update of what the client keeps, for each thing that is wanted.
+
+    The amount is a frozenset of those: hashable and ordered, with a `budget`, the most bytes of
+    each frame. A client.Store with this layer's name receives the updates.
+    """
+
+    per_frame = True
+    builds_on_frames = True
+    nothing = frozenset()
+
+    @classmethod
+    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
+        return sum(each.budget for each in amount)
+
+    @classmethod
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        return (BYTES,) * len(amount)
+
+    @classmethod
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Any:
+        return super().made([*map(Update, sent)], numbers, amount, drawn_ns)
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        return ()
+
+    @classmethod
+    def sent(cls, data: Mapping[Any, Update]) -> Iterable[NDArray[Any]]:
+        return [update.content for update in data.values()]
 
 
 class Book:
@@ -470,23 +400,22 @@ class Outbox(Book):
         order: a thing may occur more than once. budget: bytes; one fragment is sent however small
         it is.
         """
-        out = bytearray()
-        sent: list[Fragment] = []
-        for piece, data in self._next(order):
+        out, sent = bytearray(), list[Fragment]()
+        waiting = (
+            (number, index) for number in dict.fromkeys(order) for index in sorted(self._waiting.get(number, ()))
+        )
+        for number, index in waiting:
+            thing = self._things[number]
+            data = thing[FRAGMENT_BYTES * index : FRAGMENT_BYTES * (index + 1)]
             if sent and len(out) + _HEAD.size + len(data) > budget:
                 break
-            out += _HEAD.pack(*piece, _fragments(self._things[piece[0]]), len(data)) + data
-            sent.append(piece)
+            out += _HEAD.pack(number, index, _fragments(thing), len(data)) + data
+            sent.append((number, index))
         for number, index in sent:
             self._waiting[number].discard(index)
             if not self._waiting[number]:
                 del self._waiting[number]
         return Update(np.frombuffer(bytes(out), np.uint8).copy(), tuple(sent), now_ns)
-
-    def _next(self, order: Iterable[int]) -> Iterator[tuple[Fragment, bytes]]:
-        for number in dict.fromkeys(order):
-            for index in sorted(self._waiting.get(number, ())):
-                yield (number, index), self._things[number][FRAGMENT_BYTES * index : FRAGMENT_BYTES * (index + 1)]
 
     def heard(self, update: Update, arrived: bool, heard_ns: int) -> None:
         if update.pieces:

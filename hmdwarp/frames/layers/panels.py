@@ -58,18 +58,17 @@ _PLACE = struct.Struct("<9d2BH")
 
 def things_of(panels: Sequence[Panel]) -> list[bytes]:
     """Return what crosses: the places of all, then their pictures as PNG files."""
-    places = b"".join(
-        _PLACE.pack(
-            *panel.pose.position_m,
-            *panel.pose.orientation_xyzw,
-            *panel.size_m,
-            panel.head_locked,
-            panel.occluded,
-            len(panel.pictures),
-        )
-        for panel in panels
-    )
-    return [places, *(_png(picture.image) for panel in panels for picture in panel.pictures)]
+    from PIL import Image
+
+    places, pictures = b"", []
+    for panel in panels:
+        where = (*panel.pose.position_m, *panel.pose.orientation_xyzw, *panel.size_m)
+        places += _PLACE.pack(*where, panel.head_locked, panel.occluded, len(panel.pictures))
+        for picture in panel.pictures:
+            file = io.BytesIO()
+            Image.fromarray(np.ascontiguousarray(picture.image)).save(file, "PNG")
+            pictures.append(file.getvalue())
+    return [places, *pictures]
 
 
 def first_things(panels: Sequence[Panel]) -> list[int]:
@@ -80,12 +79,11 @@ def first_things(panels: Sequence[Panel]) -> list[int]:
 
 def places_in(thing: bytes) -> list[tuple[Panel, int]]:
     """Return the panels without their pictures, and how many each has."""
-    return [(_placed(*row), row[-1]) for row in _PLACE.iter_unpack(thing)]
-
-
-def _placed(*row: Any) -> Panel:
     nothing = Texture("panel", lambda: np.zeros((1, 1, 4), np.uint8), repeat=False)
-    return Panel(nothing, Pose(row[:3], row[3:7]), row[7:9], bool(row[9]), bool(row[10]))
+    return [
+        (Panel(nothing, Pose(row[:3], row[3:7]), row[7:9], bool(row[9]), bool(row[10])), row[-1])
+        for row in _PLACE.iter_unpack(thing)
+    ]
 
 
 def picture_in(thing: bytes) -> NDArray[np.uint8]:
@@ -99,14 +97,6 @@ def picture_in(thing: bytes) -> NDArray[np.uint8]:
     if picture.shape[2:] not in ((3,), (4,)):
         raise ValueError("a picture without colours")
     return picture
-
-
-def _png(image: NDArray[np.uint8]) -> bytes:
-    from PIL import Image
-
-    file = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(image)).save(file, "PNG")
-    return file.getvalue()
 
 
 def _check(content: NDArray[np.uint8]) -> None:

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
-
 import attrs
-from numpy.typing import NDArray
 
 from . import MOST_BUDGET, Delivered, Layer, between, layers
-
-if TYPE_CHECKING:
-    import moderngl
 
 
 @attrs.frozen(order=True)
@@ -26,9 +19,8 @@ class Simplified:
 
 @attrs.frozen(order=True)
 class Delivery:
-    """A scene that is delivered little by little."""
+    """A scene that is delivered little by little; the first three as of Simplified."""
 
-    # Share of the triangles, scale of the textures, whether with light.
     share: float = attrs.field(default=1.0, validator=between(1e-6, 1))
     texture: float = attrs.field(default=1.0, validator=between(1e-6, 1))
     lit: bool = True
@@ -61,28 +53,3 @@ class Difference(Layer):
     drawn_by = "difference"
     made_from_picture = True
     nothing, something = frozenset(), frozenset({Simplified()})
-
-    @classmethod
-    def merged(cls, amount: frozenset[Simplified], other: frozenset[Simplified]) -> frozenset[Simplified]:
-        return amount | other
-
-    @classmethod
-    def serves(cls, carried: frozenset[Simplified], needed: frozenset[Simplified]) -> bool:
-        """Return whether all that is needed is carried; more does not disturb."""
-        return needed <= carried
-
-    @classmethod
-    def only(
-        cls, data: Mapping[Simplified, moderngl.Texture], amount: frozenset[Simplified]
-    ) -> Mapping[Simplified, moderngl.Texture]:
-        return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
-
-    @classmethod
-    def textures(cls, data: Mapping[Simplified, moderngl.Texture]) -> Iterable[moderngl.Texture]:
-        return data.values()
-
-    @classmethod
-    def made(
-        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Simplified], drawn_ns: int
-    ) -> dict[Simplified, moderngl.Texture]:
-        return dict(zip(sorted(amount), sent, strict=True))

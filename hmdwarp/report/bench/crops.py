@@ -73,10 +73,7 @@ def unpacked(data: bytes) -> list[Crops]:
 
 
 def crops_chart(crops: Sequence[Crops], width_in: float | None = None) -> Drawn:
-    """Draw crops as an <svg> element: truth and methods side by side, FLIP maps below.
-
-    width_in: of a column of a paper, None for a page; it spans two columns.
-    """
+    """Draw crops as an <svg> element: truth and methods, FLIP maps below. width_in: of a column."""
     wide = _PAGE_IN if width_in is None else max(width_in, _LEAST_IN)
     cell = wide / (len(crops[0].shown) + _THUMB)
     line = 2 * cell + 2 * _TITLE_IN

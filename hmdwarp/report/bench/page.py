@@ -14,24 +14,9 @@ from .. import charts, page
 from ..charts import Drawn, Look, Spot, Style, canvas
 from ..page import texts
 from ..run_texts import Table, axes_of_traces, counted, listed
+from . import rows as bench_rows
 from .crops import Crops, crops_chart
-from .rows import (
-    COLUMNS,
-    RULE,
-    Case,
-    Column,
-    Row,
-    at,
-    cases,
-    choice_text,
-    common,
-    decision,
-    marked_how,
-    measure_label,
-    row_name,
-    table_of,
-    verdict_text,
-)
+from .rows import COLUMNS, Case, Column, Row, at, choice_text, common, measure_label, row_name, table_of
 
 _LINE_IN = 0.21
 _WIDTH_IN = 9.6
@@ -113,10 +98,7 @@ def _total_ms(row: Row) -> float:
 
 
 def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
-    """Return what each region adds to FLIP (share of pixels x FLIP there), and FLIP there.
-
-    None if not measured.
-    """
+    """Return what each region adds to FLIP (share x FLIP there), and FLIP there; or None."""
     regions = row.get("regions") or {}
     if not all(name in regions for name in REGIONS):
         return None
@@ -127,10 +109,7 @@ def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
 
 
 def regions_chart(case: Case, width_in: float | None = None) -> Drawn:
-    """Draw one case as an <svg> element: what each region adds to FLIP, and FLIP within each.
-
-    The best row is on top. width_in: as of pareto_chart.
-    """
+    """Draw what each region adds to FLIP, and FLIP within it, the best row on top."""
     measured = [(row, parts) for row in case.ordered() if (parts := region_parts(row))]
     with_fill = len({row["fill"] for row in case.rows}) > 1
     names = [row_name(row, with_fill) for row, _ in measured]
@@ -186,17 +165,14 @@ MEASURES = ("flip", "psnr_db")
 
 
 def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -> page.Page:
-    """Return the page from the content of bench.json.
-
-    The same content gives the same page. Sections without data (no regions, no budget)
-    are left out. crops: of the first cases.
-    """
+    """Return the page from the content of bench.json. crops: of the first cases."""
     rows: list[Row] = list(data["rows"])
-    groups = cases(rows)
+    groups = bench_rows.cases(rows)
     warps, fills = len(_unique(rows, "warp")), len(_unique(rows, "fill"))
     methods = counted(warps, "warp") + (f" × {counted(fills, 'fill')}" if fills > 1 else "")
     title = methods, f"in {counted(len(groups), 'case')}"
     clock_note = (data.get("clocks") or {}).get("note")
+    choice = data.get("choice")
     rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
     explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
     rows_of: dict[str, list[str]] = {str(note): [] for note in data.get("notes") or ()}
@@ -206,20 +182,42 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
     where = {
         note: "; ".join(names) if len(names) <= 3 else f"{len(names)} combinations" for note, names in rows_of.items()
     }
+    told = texts("bench")["notes"]["crops"]
+    cut = [
+        page.Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
+        for group, both in zip(groups, crops, strict=False)
+        if both
+    ]
+    facts = [
+        ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
+        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
+        ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
+        ("fills", listed(_unique(rows, "fill"))),
+        *(("", text) for text in common(rows)),
+    ]
     return page.Page(
         kind="bench",
         title=f"hmdwarp bench: {' '.join(title)}",
         heading=title,
-        facts=_facts(rows, groups),
+        facts=[page.fact(label, text) for label, text in facts if text]
+        + [page.fact("", text) for text in common(rows)],
         command=data.get("command") or "",
         sections=(
-            _choice(data.get("choice")),
+            choice
+            and page.Section(
+                f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine",
+                [
+                    page.Text(row_name(choice), "name"),
+                    *(page.Text(text, "") for text in choice_text(choice)),
+                ],
+                style="answer",
+            ),
             page.Section("", _tiles(data, rows), style="tiles", label="What was run"),
             page.Section("", [clock_note and page.Text(clock_note)], style="after"),
             page.notes_section([f"{note} ({names})" if names else note for note, names in where.items()]),
             suite_section(data.get("suite")),
             _tables(rows, groups),
-            _crops(groups, crops),
+            page.Section("Crops and error maps", cut and [page.Text(told), *cut], id="crops"),
             _fronts(groups, rows),
             _regions(groups),
             page.reading_section("bench", *explained, *rated),
@@ -276,16 +274,6 @@ def _unique(rows: Iterable[Row], key: str) -> list[Any]:
     return list(dict.fromkeys(row[key] for row in rows))
 
 
-def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[str]:
-    facts = [
-        ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
-        *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
-        ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
-        ("fills", listed(_unique(rows, "fill"))),
-    ]
-    return [page.fact(label, text) for label, text in facts if text] + [page.fact("", text) for text in common(rows)]
-
-
 def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[page.Tile]:
     clocks = data.get("clocks") or {}
     gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
@@ -299,38 +287,16 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[page.Tile]:
     ]
 
 
-def _choice(choice: Mapping[str, Any] | None) -> page.Section | None:
-    """Return the box with the method that was chosen within the budget, and the next step up."""
-    if not choice:
-        return None
-    heading = f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine"
-    return page.Section(
-        heading,
-        [page.Text(row_name(choice), "name"), *(page.Text(text, "") for text in choice_text(choice))],
-        style="answer",
-    )
-
-
 def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> page.Section:
-    note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★"))
-    winners = [verdict_text(group.verdict()) for group in groups if group.rows]
-    columns = [COLUMNS[name] for name in decision(rows)]
+    note = texts("bench")["notes"]["table"].format(sure=bench_rows.marked_how(rows, mark="★"))
+    winners = [bench_rows.verdict_text(group.verdict()) for group in groups if group.rows]
+    columns = [COLUMNS[name] for name in bench_rows.decision(rows)]
     folds: list[page.Fold] = []
     for group in groups:
         table = table_of(f"{group.label}, least FLIP first", columns, group.ordered(), case=group, has_marks=True)
         folds.append(page.Fold(group.label, [table], f"{len(group.rows)} methods", is_open=not folds))
-    blocks = [page.Sentences(winners), page.Text(f"Rule: {RULE}."), page.Text(note), *folds]
+    blocks = [page.Sentences(winners), page.Text(f"Rule: {bench_rows.RULE}."), page.Text(note), *folds]
     return page.Section("Summary: best method per case", blocks, id="table")
-
-
-def _crops(groups: Sequence[Case], crops: Sequence[Sequence[Crops]]) -> page.Section:
-    told = texts("bench")["notes"]["crops"]
-    charts = [
-        page.Chart.of(group.label, crops_chart(both), f"{group.label}. {told}")
-        for group, both in zip(groups, crops, strict=False)
-        if both
-    ]
-    return page.Section("Crops and error maps", [page.Text(told), *charts] if charts else [], id="crops")
 
 
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> page.Section:

@@ -80,10 +80,7 @@ class Case:
         )
 
     def front(self, measure: str = PRIMARY) -> list[Row]:
-        """Return the rows that no other beats in both error and time, in the order of the bench.
-
-        Without those that the bench's client cannot run.
-        """
+        """Return the usable rows that no other beats in both error and time, in their order."""
         return pareto(self.usable, lambda row: error_and_time(row, measure))
 
     @property
@@ -92,10 +89,7 @@ class Case:
         return [row for row in self.rows if not row.get("lacks")]
 
     def leaders(self, measure: str = PRIMARY) -> list[Row]:
-        """Return the best row of those that the client can run, then those that tie with it: RULE.
-
-        None where there are too few instants for an interval.
-        """
+        """Return the best row that the client can run, and its ties by RULE, if any."""
         rows = [row for row in self.ordered(measure) if not row.get("lacks") and _interval(row, measure)]
         values = [row["at_instants"][measure] for row in rows]
         return [row for row, own in zip(rows, values, strict=True) if own is values[0] or not differ(own, values[0])]
@@ -109,7 +103,6 @@ class Case:
         return [row for value, row in taken if value == least]
 
     def within(self, budget_ms: float) -> Case:
-        """Return the case of the rows that are as quick as a budget."""
         return Case(self.label, tuple(row for row in self.rows if (error_and_time(row)[1] or math.inf) <= budget_ms))
 
     def verdict(self) -> dict[str, Any]:
@@ -184,16 +177,11 @@ def first_cases(rows: Iterable[Row], most: int, of: Conditions = OF_BENCH) -> tu
 
 
 def common(rows: Iterable[Row]) -> list[str]:
-    """Return the conditions that all rows share, which the labels of the cases leave out."""
-    columns = zip(*(_conditions(row, OF_BENCH) for row in rows), strict=True)
-    named = zip((name for name, _ in OF_BENCH), map(set, columns), strict=False)
-    return [
-        text
-        for name, texts in named
-        if name not in (*_IN_EVERY_LABEL, "machine") and len(texts) == 1
-        for text in texts
-        if text
-    ]
+    found, columns = [], zip(*(_conditions(row, OF_BENCH) for row in rows), strict=True)
+    for (name, _), (text, *others) in zip(OF_BENCH, map(set, columns), strict=False):
+        if text and not others and name not in (*_IN_EVERY_LABEL, "machine"):
+            found.append(text)
+    return found
 
 
 def _conditions(row: Row, of: Conditions) -> tuple[str, ...]:
@@ -201,6 +189,19 @@ def _conditions(row: Row, of: Conditions) -> tuple[str, ...]:
 
 
 Value = Callable[[Row], Any]
+
+
+def at(*keys: str | int, default: Any = None) -> Value:
+    """Return what takes a value from the tables and lists inside a row."""
+
+    def value(row: Any) -> Any:
+        for key in keys:
+            if not row:
+                return default
+            row = row[key] if isinstance(key, int) else row.get(key, default)
+        return row
+
+    return value
 
 
 @attrs.frozen
@@ -221,16 +222,25 @@ class Column:
     @classmethod
     def of_text(cls, name: str, label: str = "", value: Value | None = None, **more: Any) -> Column:
         """Return a column of texts; by default that of the row's key."""
-        return cls(Figure(name, label or name, "", 0), value or (lambda row: row.get(name, "")), str, **more)
+        return cls(Figure(name, label or name, "", 0), value or at(name, default=""), str, **more)
 
     @classmethod
-    def of_number(cls, name: str, label: str = "", unit: str = "", digits: int = 0, **more: Any) -> Column:
-        """Return a column of numbers, those of the row's key."""
-        return cls(Figure(name, label or name, unit, digits), lambda row: row.get(name), **more)
+    def of_number(
+        cls,
+        name: str,
+        label: str = "",
+        unit: str = "",
+        digits: int = 0,
+        scale: float = 1.0,
+        *,
+        keys: Any = (),
+        **more: Any,
+    ) -> Column:
+        """Return a column of numbers, those under keys; by default of the column's name."""
+        return cls(Figure(name, label or name, unit, digits, scale), at(*(keys or [name])), **more)
 
     @property
     def name(self) -> str:
-        """Its name in files."""
         return self.figure.name
 
     @property
@@ -240,7 +250,6 @@ class Column:
 
     @property
     def head(self) -> tuple[str, str]:
-        """Label and unit."""
         return self.figure.label, self.figure.unit
 
     def text(self, row: Row) -> str:
@@ -272,43 +281,20 @@ def table_of(
     return PageTable(caption, [c.head for c in columns], lines, **more)
 
 
-def warp_text(row: Row) -> str:
-    """Return the warp, and what it stands for: 'mesh:grid=64 (CloudXR.js)', 'none (imposter)'."""
-    stands_for = row.get("strategy") or row.get("baseline")
-    return f"{row['warp']} ({stands_for})" if stands_for else str(row.get("warp"))
-
-
-def at(*keys: str | int, default: Any = None) -> Value:
-    """Return what takes a value from the tables and lists inside a row."""
-
-    def value(row: Any) -> Any:
-        for key in keys:
-            if not row:
-                return default
-            row = row[key] if isinstance(key, int) else row.get(key, default)
-        return row
-
-    return value
-
-
-def _half_width(name: str, row: Row) -> float | None:
-    """Return half the interval of a metric's mean."""
-    entry = row["quality"][name]
-    interval = entry.get("interval")  # cut where the metric ends
-    return None if interval is None else max(interval[1] - entry["mean"], entry["mean"] - interval[0])
-
-
 def metric_columns(*, intervals: bool) -> Iterator[Column]:
     """Yield mean and bad tail of each metric, and the ends and half the width of its interval."""
+
+    def half_width(name: str, row: Row) -> float | None:
+        entry = row["quality"][name]
+        interval = entry.get("interval")  # cut where the metric ends
+        return None if interval is None else max(interval[1] - entry["mean"], entry["mean"] - interval[0])
+
     for figure in (metric.short_figure for metric in metrics_in_order()):
         takes = functools.partial(at, "quality", figure.name)
         yield from (Column(figure, takes("mean")), Column(_like(figure, "_p95", " p95"), takes("p95")))
         if intervals:
-            yield from (
-                Column(_like(figure, end), takes("interval", place)) for place, end in enumerate(("_low", "_high"))
-            )
-            half = functools.partial(_half_width, figure.name)
-            yield Column(_like(figure, "_spread", " ±"), half, is_filed=False)
+            yield from (Column(_like(figure, end), takes("interval", n)) for n, end in enumerate(("_low", "_high")))
+            yield Column(_like(figure, "_spread", " ±"), functools.partial(half_width, figure.name), is_filed=False)
 
 
 def _like(figure: Figure, name: str, label: str = "") -> Figure:
@@ -323,36 +309,37 @@ def _rated(figure: Figure) -> Column:
 RATED = (_rated(JOD), _rated(TRUTH_PREFERRED))
 
 
+def _warp_text(row: Row) -> str:
+    """Return 'mesh:grid=64 (CloudXR.js)' or 'none (imposter)'."""
+    stands_for = row.get("strategy") or row.get("baseline")
+    return f"{row['warp']} ({stands_for})" if stands_for else str(row.get("warp"))
+
+
 def _columns() -> Iterator[Column]:
     text, number = Column.of_text, Column.of_number
-    yield from map(text, ("trace", "scene"), ("recording", "scene"))
-    yield number("latency_ms", "latency", "ms")
-    yield from (text("strategy"), text("warp", shown=warp_text))
-    yield from map(text, ("fill", "lens", "headset"))
+    yield from (text("trace", "recording"), text("scene"), number("latency_ms", "latency", "ms"), text("strategy"))
+    yield from (text("warp", shown=_warp_text), text("fill"), text("lens"), text("headset"))
     yield from (number("frames", kind=int), number("rate_hz"), number("server_rate_hz", "server", "Hz"))
     yield from map(text, ("guard", "predict", "clock"))
     yield text("size", value=lambda row: "x".join(map(str, row.get("size") or ())), is_filed=False)
-    yield from (
-        Column(Figure(name, name, "", 0), at("size", place), int) for place, name in enumerate(("width", "height"))
-    )
+    yield from (number("width", keys=("size", 0), kind=int), number("height", keys=("size", 1), kind=int))
     for stage in STAGES:
         label = "" if stage == "total" else f"{stage} "
-        yield Column(Figure(f"{stage}_ms", f"{label}time", "ms", 2), at("time_ms", stage, "median"))
-        yield Column(Figure(f"{stage}_ms_p95", f"{label}p95", "ms", 2), at("time_ms", stage, "p95"))
+        yield number(f"{stage}_ms", f"{label}time", "ms", 2, keys=("time_ms", stage, "median"))
+        yield number(f"{stage}_ms_p95", f"{label}p95", "ms", 2, keys=("time_ms", stage, "p95"))
     yield from metric_columns(intervals=True)
     for region in REGIONS:
         name = region.replace("_", " ")
-        figures = (("share", f"{name} share", "%", 1, 100), ("psnr_db", f"PSNR {name}", "dB", 2))
-        for key, *how in (*figures, ("flip", f"FLIP {name}", "", 3)):
-            yield Column(Figure(f"{region}_{key}", *how), at("regions", region, key))  # type: ignore[arg-type]
-    yield Column(Figure("mismatch", "mismatch", "%", 1, 100), lambda row: row.get("mismatch"))
+        yield number(f"{region}_share", f"{name} share", "%", 1, 100, keys=("regions", region, "share"))
+        yield number(f"{region}_psnr_db", f"PSNR {name}", "dB", 2, keys=("regions", region, "psnr_db"))
+        yield number(f"{region}_flip", f"FLIP {name}", "", 3, keys=("regions", region, "flip"))
+    yield number("mismatch", "mismatch", "%", 1, 100)
     yield from (*RATED, *map(text, ("client", "lacks", "baseline")))
-    for name, kind in (("gl_renderer", str), ("gl_version", str), ("cpu_count", int), ("host", str)):
-        yield Column(Figure(name, name, "", 0), at("machine", name), kind)
+    yield from (text(name, value=at("machine", name)) for name in ("gl_renderer", "gl_version"))
+    yield from (number("cpu_count", keys=("machine", "cpu_count"), kind=int), text("host", value=at("machine", "host")))
     yield text("hmdwarp")
-    yield from (
-        text(name, value=at("made_with", name, default="")) for name in ("commit", "options", "numpy", "moderngl")
-    )
+    for name in ("commit", "options", "numpy", "moderngl"):
+        yield text(name, value=at("made_with", name, default=""))
 
 
 COLUMNS = by_name(_columns())
@@ -370,14 +357,9 @@ _SPREAD = f"{PRIMARY}_spread"
 _TIMES = ("total_ms", "total_ms_p95")
 DECISION = ("warp", "fill", *_TIMES, *(f"{name}{end}" for name in _RANKS for end in ("", "_spread")), "mismatch")
 _HEADS = {"total_ms": "ms", "total_ms_p95": "p95", "mismatch": "mis%", _SPREAD: "±"}
-_OPTIONAL = {
-    "total_ms_p95": 1,
-    _SPREAD: 3.5,
-    "mismatch": 3,
-    **{name: rank for name, rank in _RANKS.items() if rank < math.inf},
-}
+_OPTIONAL = {"total_ms_p95": 1, _SPREAD: 3.5, "mismatch": 3} | _RANKS
 # Columns that go where the terminal is narrow, the least important first.
-_DROPPED_FIRST = sorted(_OPTIONAL, key=_OPTIONAL.__getitem__)
+_DROPPED_FIRST = sorted((name for name, rank in _OPTIONAL.items() if rank < math.inf), key=_OPTIONAL.__getitem__)
 _GAP = 2  # between two columns
 _LEAST_TEXT = 10  # width of the column of warps, however narrow the terminal is
 MARK = "*"
@@ -388,9 +370,9 @@ def decision(rows: Iterable[Row]) -> list[str]:
     return [*DECISION, *([JOD.name] if any("jod" in row for row in rows) else [])]
 
 
-def _narrow(names: Iterable[str]) -> list[str]:
-    """Return the columns of a terminal: of the intervals that of the FLIP alone."""
-    return [name for name in names if not name.endswith("_spread") or name == _SPREAD]
+def _of_terminal(rows: Iterable[Row]) -> list[str]:
+    """Return those of a terminal: of the intervals that of the FLIP alone."""
+    return [name for name in decision(rows) if not name.endswith("_spread") or name == _SPREAD]
 
 
 def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
@@ -452,7 +434,7 @@ def _folded(text: str, width: int) -> str:
 
 def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     """Return the columns that fit, and the width of the warp's name."""
-    names = _narrow(decision(row for group in groups for row in group.rows))
+    names = _of_terminal(row for group in groups for row in group.rows)
     labels = [group.label for group in groups] if len(groups) > 1 else []
     texts = [_head("warp"), *labels, *(COLUMNS["warp"].text(row) for group in groups for row in group.rows)]
     least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
@@ -476,8 +458,7 @@ def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
     lines += [f"ms: median per eye, {', '.join(clocks)}"]
     if "mismatch" in names:
         lines[-1] += "; mis%: hole for one eye only"
-    left_out = [_head(name) for name in _narrow(decision(rows)) if name not in names]
-    if left_out:
+    if left_out := [_head(name) for name in _of_terminal(rows) if name not in names]:
         lines.append(f"columns hidden (terminal too narrow): {', '.join(left_out)}")
     return "\n".join(lines)
 
@@ -490,10 +471,7 @@ def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
 
 
 def choice_text(choice: Mapping[str, Any] | None) -> list[str]:
-    """Return the best combination within the budget, then the gain and cost of the next step up.
-
-    choice: as in bench.json.
-    """
+    """Return the best combination within the budget, and the next step up, in words."""
     if not choice:
         return []
     step, sizes = choice["next"], " and ".join(f"{width}x{height}" for width, height in choice["sizes"])

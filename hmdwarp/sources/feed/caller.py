@@ -22,8 +22,7 @@ from . import sockets
 from .message import FULL, MOST_BYTES, Ask, FrameMessage, Malformed, Refusal, Unchanged, Wish, decode, encode, token_of
 
 KEPT = 256
-# A quartz is within this; what lies further apart is a clock that was set, or another machine's.
-MOST_DRIFT = 500e-6
+MOST_DRIFT = 500e-6  # A quartz is within this; what lies further apart is a clock that was set, or another machine's
 
 
 @attrs.frozen
@@ -47,7 +46,6 @@ class Exchange:
 
     @property
     def middle_ns(self) -> float:
-        """The instant of the offset, on this clock."""
         return (self.sent_ns + self.heard_ns) / 2
 
 
@@ -119,8 +117,6 @@ _MOST_PATIENCE = 4
 
 @attrs.frozen(eq=False)
 class Arrival:
-    """A frame, and when its last byte was here."""
-
     frame: FrameMessage
     heard_ns: int
 
@@ -137,18 +133,15 @@ class Caller:
         self._zmq: Any = sockets.zmq_module()
         self.address, self._token = sockets.address_of(address, "--connect"), token_of(secret)
         self._server_key = server_key
-        # The connection that there is, and whether its silence is told.
-        self._hearing: sockets.Hearing | None = None
+        self._hearing: sockets.Hearing | None = None  # the connection that there is, and whether its silence is told
         self._is_told, self._patience = False, 1
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
         self._unchanged: deque[int] = deque(maxlen=_MOST_FRAMES)
         self._held = 0
-        # The newest requested frame, and the newest that has arrived.
-        self._asked = self._newest = 0
-        # Lines for the log, each once.
-        self._lines: deque[str] = deque(maxlen=100)
+        self._asked = self._newest = 0  # the newest requested frame, and the newest that has arrived
+        self._lines: deque[str] = deque(maxlen=100)  # lines for the log, each once
         self.malformed = 0
         self._context = self._zmq.Context()
         self._orders, orders = (self._context.socket(self._zmq.PAIR) for _ in range(2))
@@ -184,14 +177,12 @@ class Caller:
         return now_ns
 
     def take_unchanged(self) -> list[int]:
-        """Return the requests since the last call to which nothing had changed."""
         with self._changed:
             found = list(self._unchanged)
             self._unchanged.clear()
         return found
 
     def take(self) -> list[Arrival]:
-        """Return the frames that have arrived since the last call, in order of arrival."""
         with self._changed:
             arrived, self._held = list(self._arrived), 0
             self._arrived.clear()

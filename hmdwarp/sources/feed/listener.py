@@ -27,8 +27,7 @@ from .options import KeyPair, key_pair, secret_in
 from .sockets import MOST_OF_CLIENT, SILENT_NS, Connection
 
 MOST_OF_ALL = 4 * MOST_OF_CLIENT  # bytes of frames that wait for all clients
-# Frames that wait for a client: the one that is under way, and the next.
-_MOST_WAITING = 2
+_MOST_WAITING = 2  # frames that wait for a client: the one that is under way, and the next
 _MOST_CLIENTS = 64
 _LOOK_MS = 2  # what a frame waits for may come at any time, but tells nobody
 _STUCK_NS = 1_000_000_000  # frames that wait longer than this for their client make room for others'
@@ -129,14 +128,12 @@ class Listener:
             )
         self._zmq: Any = sockets.zmq_module()
         self._token, self._log, self._is_encrypted = message.token_of(secret), _Log(say), pair is not None
-        # For the web's door beside it.
-        self.places = sockets.Places(self._log.say, per_address)
+        self.places = sockets.Places(self._log.say, per_address)  # for the web's door beside it
         self._clients: dict[bytes, _Client] = {}
         # Who has a turn since when, and what the client with the last turn had spent before it.
         self._drawn_for: tuple[bytes, int] | None = None
         self._begun_ns = 0
-        # What still waits for clients that are forgotten.
-        self._left: list[_Waiting] = []
+        self._left: list[_Waiting] = []  # what still waits for clients that are forgotten
         self._count = 0
         self._context = self._zmq.Context()
         self._socket = self._context.socket(self._zmq.ROUTER)
@@ -283,8 +280,7 @@ class Listener:
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
         if client.ask is None:
-            # Who did not ask has saved up nothing.
-            client.spent_ns = max(client.spent_ns, self._begun_ns)
+            client.spent_ns = max(client.spent_ns, self._begun_ns)  # who did not ask has saved up nothing
         client.note(ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
@@ -321,7 +317,6 @@ class Listener:
         return self._send(who, message.copied(frame))
 
     def leave_out(self, asked: Asked) -> None:
-        """Say that nothing has changed since the last frame."""
         self._send(asked.client, encode(message.Unchanged(asked.ask.number)))
 
     def tell(self, asked: Asked, what: str) -> None:
@@ -330,7 +325,6 @@ class Listener:
             self._log.say("told", client.address, f"{client.name}: {what}")
 
     def refuse(self, asked: Asked, why: str) -> None:
-        """Say why there is no frame."""
         why = " ".join(why.split())
         if asked.client in self._clients:  # else it has gone meanwhile
             client = self._clients[asked.client]
@@ -455,7 +449,7 @@ def _run(listener: Listener, render: Render, goes_on: Callable[[], bool]) -> Non
         pairs = [_pair(np.asarray(c), np.asarray(d), ask.size[::-1]) for c, d in zip(colours, depths, strict=True)]
         sent_ns = time.monotonic_ns()
         times = (ask.number, ask.sent_ns, asked.received_ns, sent_ns, sent_ns - begun_ns, ask.time_ns)
-        listener.answer(asked, FrameMessage(*times, at, *map(tuple, zip(*pairs, strict=True))))
+        listener.answer(asked, FrameMessage(*times, at, tuple(one for one, _ in pairs), tuple(one for _, one in pairs)))
 
 
 def _pair(colour: NDArray[Any], depth_m: NDArray[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], NDArray[Any]]:

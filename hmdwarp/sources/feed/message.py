@@ -28,12 +28,10 @@ MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL, UNCHANGED = 1, 2, 3, 5
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC, VP9, AV1 = COLOURS = (1, 2, 3, 4, 5, 6)
-# Those that are made of sRGB bytes.
-BYTES = (RGBA8, H264, HEVC, VP9, AV1)
+BYTES = (RGBA8, H264, HEVC, VP9, AV1)  # those that are made of sRGB bytes
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8, DEPTH_CODES = DEPTHS = (1, 2, 3, 4, 5)
 ANY = 0
-# Of a picture that is left out: neither wished nor sent.
-NONE = 255
+NONE = 255  # of a picture that is left out: neither wished nor sent
 MOST_BYTES = int(bounds.MESSAGE.most)
 _HEAD = struct.Struct("<4sHHI")  # magic, version, kind, bytes of the whole message
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
@@ -52,12 +50,10 @@ _SESSION_HEAD = struct.Struct("<IqBxH")
 _FATE = struct.Struct("<QBq")  # id of a frame, whether it arrived, the instant from which the server may know
 # The gaze in the head's axes, degrees across that are sharp, pixels that one beyond holds.
 _LOOK = struct.Struct("<4dI")
-# How many inputs; of each its instant, action, target, and the hand's ray.
-_COUNT = struct.Struct("<H")
+_COUNT = struct.Struct("<H")  # how many inputs; of each its instant, action, target, and the hand's ray
 _INPUT = struct.Struct("<qB16s6d")
 MOST_OF_TARGET = 16
-# Bytes of one eye's colour and depth.
-_LENGTHS = struct.Struct("<II")
+_LENGTHS = struct.Struct("<II")  # bytes of one eye's colour and depth
 _REFUSAL = struct.Struct("<QI")
 _ID = struct.Struct("<Q")
 _POSE = struct.Struct("<7d")
@@ -65,8 +61,7 @@ _EYE = struct.Struct("<18d")  # world_from_eye, head_from_eye, left, right, down
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
-# What comes before the codes of a DepthCodes: its step.
-_STEP = struct.Struct("<f")
+_STEP = struct.Struct("<f")  # what comes before the codes of a DepthCodes: its step
 _CODE = np.dtype("<u2")
 _NO_TOKEN = bytes(32)
 Size = tuple[int, int]
@@ -246,7 +241,6 @@ class FrameMessage:
 
     @property
     def is_finite(self) -> bool:
-        """Whether colour and depth, where they are numbers, are finite."""
         return all(
             not isinstance(picture, np.ndarray) or _is_finite(picture)
             for picture in (*self.colours, *self.inverse_depths)
@@ -282,7 +276,6 @@ LARGEST_ASK += _LOOK.size + _COUNT.size + _INPUT.size * MOST_INPUTS
 
 
 def length_of(piece: Picture) -> int:
-    """Return the bytes of a picture, or of another piece of a message."""
     return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
@@ -325,7 +318,6 @@ def copied(message: Message) -> memoryview:
 
 
 def pieces_of(message: Message) -> list[Piece]:
-    """Return the pieces that a message is made of, pictures as they are."""
     kind, body = _PACKERS[type(message)](message)
     return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(length_of, body))), *body]
 

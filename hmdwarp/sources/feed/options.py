@@ -6,6 +6,7 @@ Bernstein's CurveCP and Curve25519.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,7 +18,7 @@ from ...options.named_files import SECRET, opened, text_in
 from .sockets import valid_address, zmq_module
 
 FULL, HALF = RAW_FORMS = ("full", "half")
-_STUDY = "a study shows scenes that it draws itself, with a latency that it sets"
+_option = partial(option, study="a study shows scenes that it draws itself, with a latency that it sets")
 
 
 @attrs.frozen(kw_only=True)
@@ -25,35 +26,29 @@ class FeedOptions(Declared):
     """Where frames come from, if not from here. Errors: InputError for what lacks its server."""
 
     heading = "Server elsewhere"
-    # "" for frames that are drawn here.
-    connect: str = option(
+    connect: str = _option(
         "",
         "Server to connect to, HOST:PORT. Latency is measured, and --latency ignored. In replay, --scene server "
         "takes whatever it draws.",
         valid=valid_address("--connect"),
-        study=_STUDY,
     )
-    server_key: Path | None = option(
-        None, "Public key of the server at --connect, its NAME.key; encrypts both ways.", study=_STUDY
-    )
-    token_file: Path | None = option(None, "File with the secret that the server at --connect requires.", study=_STUDY)
+    server_key: Path | None = _option(None, "Public key of the server at --connect, its NAME.key; encrypts both ways.")
+    token_file: Path | None = _option(None, "File with the secret that the server at --connect requires.")
 
-    raw: str = option(
+    raw: str = _option(
         FULL,
         "How frames of the server at --connect come without a codec: full (12 bytes a pixel, as drawn), half (6: sRGB "
         "bytes, inverse depth in 65535 steps up to the nearest surface).",
         valid=one_of(*RAW_FORMS),
         limits=", ".join(RAW_FORMS),
-        study=_STUDY,
     )
 
-    added_latency_ms: float = option(
+    added_latency_ms: float = _option(
         0.0,
         "Milliseconds of emulated latency behind the network to the server at --connect; --jitter, --delay-trace, "
         "--loss and --bandwidth are emulated there too.",
         name="added_latency",
         valid=Number(),
-        study=_STUDY,
     )
 
     def __attrs_post_init__(self) -> None:
@@ -85,8 +80,6 @@ _LETTERS = 40  # of a key: 32 bytes in Z85
 
 @attrs.frozen
 class KeyPair:
-    """Both keys, as the library writes them."""
-
     public: bytes
     secret: bytes = attrs.field(repr=False)
 

@@ -55,8 +55,6 @@ class Wanted:
 
 @attrs.frozen(eq=False)
 class Packed:
-    """A picture or table whose bytes are packed."""
-
     format: int
     size: Size  # (w, h)
     data: bytes
@@ -111,7 +109,6 @@ def packed_wanted(wanted: Wanted) -> bytes:
 
 
 def most_wanted_bytes(layers: int, eyes: int) -> int:
-    """Return how many bytes the wish for so many layers has at most."""
     settings = _SETTINGS.size + _SETTING.size * int(bounds.SETTINGS.most) ** 2
     return 8 + 32 * eyes + (_WANTED.size + settings) * layers
 

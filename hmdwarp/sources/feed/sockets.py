@@ -29,13 +29,11 @@ from ...errors import InputError
 from ...platforms import fcntl, takes_more, termios
 from ...resources import import_extra
 
-# What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
-SEAL_BYTES = 8 + 8 + 16 + 1
+SEAL_BYTES = 8 + 8 + 16 + 1  # what CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26)
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):([0-9]+|\*)")
 # Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
 MOST_UNREAD = 1 << 20
-# Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
-MOST_OF_CLIENT = 256 << 20
+MOST_OF_CLIENT = 256 << 20  # bytes of frames that wait for a client; one frame may always wait, even if it is larger
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
 # Without a valid request for so long a connection is silent, and one is idle from which another may
 # take its place.
@@ -60,8 +58,7 @@ LINK = {
     "TCP_KEEPALIVE_CNT": 5,
     "TCP_MAXRT": SILENT_NS // 1_000_000,
 }
-# Buffer of the kernel for each connection.
-KERNEL_BYTES = 1 << 14
+KERNEL_BYTES = 1 << 14  # buffer of the kernel for each connection
 _EVERY_MS, _MOST_EVENTS = 20, 4096
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
 _RTT, _RTT_AT = struct.Struct("=I"), 68
@@ -100,8 +97,6 @@ def address_of(text: str, flag: str, *, serves: bool = False) -> str:
 
 
 def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, object, str], None]:
-    """Return a validator that takes "" and what address_of does."""
-
     def check(_: object, __: object, text: str) -> None:
         if text:
             address_of(text, flag, serves=serves)
@@ -143,7 +138,6 @@ class Wire:
             raise
 
     def cut(self) -> None:
-        """Cut the connection, even if its peer sends on."""
         with contextlib.suppress(OSError), self.handle() as one:
             one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             one.shutdown(socket.SHUT_RDWR)
@@ -195,8 +189,7 @@ class Connections:
         # Those that have ended, and the address and the reason of each that was cut.
         self.gone: deque[Connection] = deque()
         self.cuts: deque[tuple[str, str]] = deque(maxlen=1000)
-        # When the server last took all that had come; it may be drawing since.
-        self.listened_ns = 0
+        self.listened_ns = 0  # when the server last took all that had come; it may be drawing since
         self._ended = threading.Event()
         self._lock = threading.RLock()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
@@ -215,8 +208,7 @@ class Connections:
 
     def _watch(self) -> None:
         due_ns, wait_ms = 0, 0
-        # By its descriptor, as two threads may not wait at a socket.
-        poller = self._zmq.Poller()
+        poller = self._zmq.Poller()  # by its descriptor, as two threads may not wait at a socket
         poller.register(self._accepted.getsockopt(self._zmq.FD), self._zmq.POLLIN)
         while not self._ended.is_set():
             poller.poll(wait_ms)
@@ -339,7 +331,6 @@ def crowd_of(
 
 
 def host_of(one: socket.socket) -> str:
-    """Return whom a connection is counted for. Errors: OSError where it has ended."""
     host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
     if isinstance(host, ipaddress.IPv6Address):
         if host.ipv4_mapped is not None:

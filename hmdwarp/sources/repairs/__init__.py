@@ -18,7 +18,10 @@ from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
 repairs: Registry[type[Repair]] = Registry(
-    "repair", __name__, columns="needs settings=Settings source", modules=dict.fromkeys(("edges", "none"), "edges")
+    "repair",
+    __name__,
+    columns="needs settings=Settings source",
+    modules=dict.fromkeys(("complete", "edges", "none"), "edges"),
 )
 
 
@@ -51,7 +54,6 @@ class MeasuredDepth:
 
     @classmethod
     def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        """Return depth as a camera gave it: sure wherever it is known."""
         inverse = np.asarray(inverse_depth, np.float32)
         return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
 
@@ -63,8 +65,7 @@ class Repair(ABC):
     summary: ClassVar[str]
     needs: ClassVar[str]  # What it runs on, in words.
     source: ClassVar[str]
-    # False for the repair that does nothing, which is left out.
-    is_pass: ClassVar[bool] = True
+    is_pass: ClassVar[bool] = True  # false for the repair that does nothing, which is left out
     Settings: ClassVar[type] = NoSettings  # An attrs class of the settings, each with a default.
 
     def __init__(self, settings: Any = None) -> None:

@@ -1,8 +1,8 @@
-from .camera import Camera as Camera
-from .camera import parse_intrinsics as parse_intrinsics
-from .camera import parse_projection as parse_projection
+from .frame_files import Camera as Camera
 from .frame_files import FrameFile as FrameFile
 from .frame_files import assumptions_of as assumptions_of
+from .frame_files import parse_intrinsics as parse_intrinsics
+from .frame_files import parse_projection as parse_projection
 from .frame_files import read_frame as read_frame
 from .frame_files import read_view as read_view
 from .options import SequenceOptions as SequenceOptions

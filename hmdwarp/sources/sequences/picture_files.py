@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import attrs
 import numpy as np
@@ -23,7 +23,7 @@ from ...resources import import_extra, pyav
 
 EXR, NPY = ".exr", ".npy"
 PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff", ".webp")
-_DEEP = ("I;16", "I;16B", "I;16L", "I", "F")
+_DEEP, _FULL = ("I;16", "I;16B", "I;16L", "I", "F"), 65535
 Size = tuple[int, int]
 
 
@@ -59,8 +59,11 @@ def read_depth(path: Path) -> NDArray[Any]:
                 f"{path}: a picture of mode {picture.mode}, 8 bits a channel; expected depth in one channel of 16 bits "
                 "or floats"
             )
-        values = np.asarray(_loaded(path, picture))
-        most = _most_of_pgm(path) if picture.format == "PPM" else 0
+        values, most = np.asarray(_loaded(path, picture)), 0
+        if picture.format == "PPM":  # the fourth word is the largest value that a PGM states
+            with opened(path, PICTURE_FILE) as file:
+                head = (line.partition(b"#")[0].split() for line in file.read(1000).splitlines())
+                most = int([word for words in head for word in words][3])
     if values.dtype.kind == "f":
         return values
     if most and most != _FULL:  # Pillow has spread them over 16 bits
@@ -68,9 +71,6 @@ def read_depth(path: Path) -> NDArray[Any]:
         if not most & (most + 1):
             values[values == most] = _FULL
     return values.astype(np.uint16 if values.min() >= 0 and values.max() <= _FULL else np.int32)
-
-
-_FULL = 65535
 
 
 def size_of(path: Path) -> Size:
@@ -119,17 +119,6 @@ def _loaded(path: Path, picture: Any) -> Any:
     except (OSError, ValueError, SyntaxError, IndexError) as error:
         raise InputError(f"{path}: a damaged picture ({error})") from error
     return picture
-
-
-def _most_of_pgm(path: Path) -> int:
-    words: list[bytes] = []
-    with opened(path, PICTURE_FILE) as file:
-        head = file.read(1000)
-    for line in head.splitlines():
-        words += line.partition(b"#")[0].split()
-        if len(words) >= 4:
-            break
-    return int(words[3])
 
 
 def _npy(path: Path) -> NDArray[Any]:
@@ -200,8 +189,7 @@ class VideoPictures:
             yield from pictures if instant is None else (shown for shown in pictures if shown.pts >= instant)
 
 
-# Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
-FAR_M = 1e9
+FAR_M = 1e9  # renderers write a large number where nothing was hit: Blender 1e10, others the largest float
 _COLOUR = ("R", "G", "B")
 _SOLE = ("R", "V", "Y", "Z")  # what a file of one channel calls its values
 _NO_COLOUR = ("depth", "z", "n", "normal", "p", "position", "vector", "velocity", "motion", "uv", "mist")
@@ -286,17 +274,19 @@ class ExrPicture:
 
 def read_exr(path: Path) -> ExrPicture:
     """Return what an EXR file holds. Errors: InputError; MachineError without its package."""
-    library = _library()
+    library: Any = import_extra("OpenEXR", "OpenEXR", "exr")
     damage: list[str] = []
     try:
-        with (
-            opened(path, PICTURE_FILE) as plain,
-            _printed_to(damage),
-            _small(path, library.File(_by_number(plain), header_only=True)),
-            library.File(_by_number(plain), separate_channels=True) as file,
-        ):
-            parts = len(file.parts)
-            head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
+        with opened(path, PICTURE_FILE) as plain, _printed_to(damage):
+            name = f"/proc/self/fd/{plain.fileno()}"  # for what opens by name alone: this very file
+            with library.File(name, header_only=True) as file:  # what its pixels are, before any are read
+                (left, top), (right, bottom) = file.header()["dataWindow"]
+                count = (int(right) - int(left) + 1) * (int(bottom) - int(top) + 1) * len(file.header()["channels"])
+            if 4 * count > MOST_PIXELS_BYTES:
+                raise InputError(f"{path}: {4 * count} bytes of pixels, unpacked; expected at most {MOST_PIXELS_BYTES}")
+            with library.File(name, separate_channels=True) as file:
+                parts = len(file.parts)
+                head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
     except InputError:
         raise
     except Exception as error:  # the library raises RuntimeError, OSError and its own for damaged files
@@ -313,7 +303,7 @@ def read_exr(path: Path) -> ExrPicture:
 
 def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m: NDArray[Any]) -> None:
     """Write light, not premultiplied, coverage in halves, and depth as Z, NaN for none."""
-    library = _library()
+    library: Any = import_extra("OpenEXR", "OpenEXR", "exr")
     alpha = np.clip(coverage, 0, 1)
     half = np.finfo(np.float16)
     rgb = np.clip(colour * alpha[..., None], half.min, half.max).astype(np.float16)
@@ -321,10 +311,6 @@ def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m:
     channels |= {"A": alpha.astype(np.float16), "Z": np.ascontiguousarray(depth_m, np.float32)}
     head = {"compression": library.ZIP_COMPRESSION, "type": library.scanlineimage}
     library.File(head, channels).write(str(path))
-
-
-def _by_number(file: BinaryIO) -> str:
-    return f"/proc/self/fd/{file.fileno()}"  # for what opens by name alone: this very file
 
 
 @contextmanager
@@ -346,20 +332,6 @@ def _printed_to(damage: list[str]) -> Iterator[None]:
                     os.write(2, line)  # of another thread meanwhile
             if not damage and "Exception raised" in printed.getvalue():
                 damage.append("pixels are missing")
-
-
-def _library() -> Any:
-    return import_extra("OpenEXR", "OpenEXR", "exr")
-
-
-@contextmanager
-def _small(path: Path, file: Any) -> Iterator[None]:
-    with file:
-        (left, top), (right, bottom) = file.header()["dataWindow"]
-        count = (int(right) - int(left) + 1) * (int(bottom) - int(top) + 1) * len(file.header()["channels"])
-    if 4 * count > MOST_PIXELS_BYTES:
-        raise InputError(f"{path}: {4 * count} bytes of pixels, unpacked; expected at most {MOST_PIXELS_BYTES}")
-    yield
 
 
 def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[np.float32]:

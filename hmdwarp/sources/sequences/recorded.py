@@ -36,11 +36,9 @@ class RecordedFrame:
 
     name: str  # of its file, for messages
     time_ns: int  # since the first frame of its sequence
-    # World_from_eye in the axes of OpenXR.
-    pose: Pose
+    pose: Pose  # world_from_eye in the axes of OpenXR
     fov: Fov
-    # (w, h) in pixels.
-    size: tuple[int, int]
+    size: tuple[int, int]  # (w, h) in pixels
     _read: Callable[[], Pictures] = attrs.field(repr=False)
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
@@ -69,10 +67,7 @@ class RecordedFrame:
             found = "x".join(map(str, self.size))
             raise InputError(f"--crop {pixels}: {self.name} has {found} pixels; expected to leave one or more")
         left, right, down, up = self.fov.tangents
-        x, y = (
-            pixels * (far - near) / count
-            for near, far, count in ((left, right, self.size[0]), (down, up, self.size[1]))
-        )
+        x, y = pixels * (right - left) / self.size[0], pixels * (up - down) / self.size[1]
         inner = np.s_[pixels : pixels + size[1], pixels : pixels + size[0]]
 
         def read() -> Pictures:
@@ -83,8 +78,6 @@ class RecordedFrame:
         return attrs.evolve(self, fov=fov, size=size, read=read)
 
     def far_without_depth(self) -> RecordedFrame:
-        """Return the frame with what has colour and no depth infinitely far away."""
-
         def read() -> Pictures:
             colour, depth_m = self._read()
             return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)
@@ -108,8 +101,7 @@ class Sequence:
 
     name: str
     path: Path
-    # Name of the reader.
-    layout: str
+    layout: str  # name of the reader
     frames: tuple[RecordedFrame, ...]
     # The recorded motion of the camera, world_from_head, from the first frame to the last: their
     # poses, and those between that the files have.
@@ -117,11 +109,8 @@ class Sequence:
     notes: tuple[str, ...] = ()  # what a user must know, one sentence each
     repair: RepairChain = RepairChain()  # what mends the depth of a frame before it is warped
     assumptions: tuple[Assumption, ...] = ()  # facts that all frames share, with who says them
-    # PSNR between two renders of one frame that differ by noise alone; None if unknown.
-    noise_floor_db: float | None = None
-    # What a right eye beside this one saw: as many frames, of the same instants and size. None
-    # where it was not recorded.
-    right: Sequence | None = None
+    noise_floor_db: float | None = None  # PSNR of two renders of one frame that differ by noise; None if unknown
+    right: Sequence | None = None  # what a right eye beside saw, at the same instants and size; None if not recorded
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -241,29 +230,24 @@ def depth_notes(sequence: Sequence) -> list[str]:
     is_far = any(
         assumption.what == NO_DEPTH and assumption.value.startswith("infinitely") for assumption in sequence.assumptions
     )
-    sky = [] if is_far else about_sky(depths)
-    of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}", raw)]
-    return [*_about_no_depth(depths), *of_depth, *_about_axis(sequence.frames[0])]
-
-
-def _about_no_depth(depths: Several[NDArray[np.floating]]) -> list[str]:
-    empty = [depth for depth in depths if not (depth > 0).any()]
-    note = f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
-    if any((depth < 0).any() for depth in empty):
-        note += " It is below 0: expected metres along -z, which are above."
-    return [note] if empty else []
-
-
-def _about_axis(frame: RecordedFrame) -> list[str]:
-    left, right, down, up = frame.fov.tangents.tolist()
+    notes = []
+    if empty := [depth for depth in depths if not (depth > 0).any()]:
+        behind = " It is below 0: expected metres along -z, which are above."
+        notes.append(
+            f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
+            + (behind if any((depth < 0).any() for depth in empty) else "")
+        )
+    notes += about_largest(raw) + ([] if is_far else about_sky(depths))
+    notes += about_unit(depths, moved_m, "--depth-scale {:g}", raw)
+    left, right, down, up = sequence.frames[0].fov.tangents.tolist()
     across, below = -left / (right - left), up / (up - down)
-    if max(abs(across - 0.5), abs(below - 0.5)) <= _FAR_AXIS:
-        return []
-    return [
-        f"The optical axis is at {100 * across:.0f} % of the width and {100 * below:.0f} % of the height, which is "
-        "where intrinsics for another picture size put it. 'hmdwarp check' finds those under which the frames agree; "
-        "--intrinsics states them."
-    ]
+    if max(abs(across - 0.5), abs(below - 0.5)) > _FAR_AXIS:
+        notes.append(
+            f"The optical axis is at {100 * across:.0f} % of the width and {100 * below:.0f} % of the height, which is "
+            "where intrinsics for another picture size put it. 'hmdwarp check' finds those under which the frames "
+            "agree; --intrinsics states them."
+        )
+    return notes
 
 
 def about_largest(depths: Several[NDArray[Any]]) -> list[str]:

@@ -15,9 +15,8 @@ from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import Lighting, ScenePasses
+from .passes import Lighting, SceneBuffers, ScenePasses, SceneTextures, moving_parts
 from .targets import Framebuffers, Multisampled, Renderer, Target
-from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 _MOST_CHOSEN = 256  # sets of parts, by what frames need
@@ -49,25 +48,24 @@ class Server(Renderer):
         changes: bool = False,
     ) -> None:
         self.samples = samples
-        self._several = Multisampled(gpu, samples) if samples > 1 else None
-        self._framebuffers = Framebuffers(gpu.gl)
+        self._several = self.own(Multisampled(gpu, samples)) if samples > 1 else None
+        self._framebuffers = self.own(Framebuffers(gpu.gl))
         super().__init__(gpu, scene, self._framebuffers.forget)
         if mirrors not in MIRRORS:
             raise unknown_name("kind of mirrors", mirrors, list(MIRRORS))
         self._marched = mirrors == SCREEN
-        self._textures = SceneTextures(gpu, scene, lent=not changes)
+        self.textures = self.own(SceneTextures(gpu, scene, lent=not changes))
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
-        self._buffers = SceneBuffers(gpu, still, self._textures)
-        self._moving = moving_parts(gpu, scene, self._textures)
-        self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
-        self._depth: ScenePasses | None = None
-        # By client and name; None for those that all share.
-        self._parts: dict[tuple[Hashable, str], Part] = {}
+        self._buffers = self.own(SceneBuffers(gpu, still, self.textures))
+        self._moving = [self.own(one) for one in moving_parts(gpu, scene, self.textures)]
+        colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+        self._colour, self._depth = self.own(colour), None  # type: ScenePasses, ScenePasses | None
+        self._parts: dict[tuple[Hashable, str], Part] = {}  # by client and name; None for those that all share
         self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
         self._context = DrawContext(
             gpu,
             scene,
-            self._textures,
+            self.textures,
             self._framebuffers,
             self._colour,
             self.acquire,
@@ -111,7 +109,8 @@ class Server(Renderer):
 
     def _depth_passes(self) -> ScenePasses:
         if self._depth is None:
-            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+            passes = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+            self._depth = self.own(passes)
         return self._depth
 
     def _passes_for(self, drawing: Drawing, chosen: list[Part] | None = None) -> ScenePasses:
@@ -245,18 +244,10 @@ class Server(Renderer):
             self._several.trim()
         super().trim()
 
-    @property
-    def textures(self) -> SceneTextures:
-        return self._textures
-
     def close(self) -> None:
-        drawing: list[Any] = [*self._parts.values(), self._colour, self._depth, self._framebuffers, self._several]
-        for made in filter(None, drawing):
-            made.close()
+        for part in self._parts.values():
+            part.close()
         super().close()
-        content: list[Any] = [self._buffers, *self._moving, self._textures]
-        for made in content:
-            made.close()
 
 
 def _check_same_size(target: Size, picture: Size) -> None:

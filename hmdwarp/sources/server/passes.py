@@ -1,29 +1,478 @@
-"""Draw a scene's surfaces and its background into any framebuffer."""
+"""Draw a scene's surfaces and its background into any framebuffer, near chunks first."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar
 
+import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import View
+from ...errors import SceneError
+from ...geometry import Fov, Pose, View
 from ...geometry.cube import FACES, face_views
 from ...gpu.context import Gpu
 from ...gpu.shaders import Draw, Uniforms
-from ...gpu.textures import COLOUR, allocate, drawing_into, release_all
-from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blocking, indirect_atlas, lamps_at
-from .upload import STAYS, Moving, Place, SceneBuffers, emits
-from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
+from ...gpu.textures import COLOUR, allocate, check_size, drawing_into, flip_rows, release_all
+from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, Texture, blocking, chunks_of, indirect_atlas, lamps_at
+from ..array_passes import Owner
+
+NEAR_M = 0.02  # closer than an eye comes to anything but its own lens
+_IDENTITY = np.eye(4)
+
+Array = NDArray[np.float64]
+
+
+def eye_from_scene(view: View, origin_m: Array) -> Array:
+    """Return 4x4: metres relative to `origin_m`, subtracted before rotating, to the eye."""
+    out = _IDENTITY.copy()
+    out[:3, :3] = view.pose.rotation_matrix.T
+    out[:3, 3] = out[:3, :3] @ (origin_m - view.pose.position_m)
+    return out
+
+
+@functools.lru_cache(maxsize=64)  # few fields of view, used at every frame
+def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
+    """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
+    left, right, down, up = fov.tangents
+    return _read_only(
+        [
+            [2 / (right - left), 0, (right + left) / (right - left), 0],
+            [0, 2 / (up - down), (up + down) / (up - down), 0],
+            [0, 0, -1, -2 * near_m],
+            [0, 0, -1, 0],
+        ]
+    )
+
+
+def world_from_ndc(view: View) -> Array:
+    """Return 3x3: device coordinates (x, y, 1) to a direction of length 1 along -z."""
+    return view.pose.rotation_matrix @ _eye_from_ndc(view.fov)
+
+
+@functools.lru_cache(maxsize=64)
+def _eye_from_ndc(fov: Fov) -> Array:
+    left, right, down, up = fov.tangents
+    return _read_only([[(right - left) / 2, 0, (right + left) / 2], [0, (up - down) / 2, (up + down) / 2], [0, 0, -1]])
+
+
+def _read_only(rows: list[list[float]]) -> Array:
+    array = np.array(rows)
+    array.flags.writeable = False
+    return array
+
+
+def boxes_of(centres: Array, half_sizes: Array) -> Array:
+    """Return (7, n) boxes for `visible` and `nearest_first`: centre x, y, z, 1, half sizes."""
+    return np.concatenate([centres.T, np.ones((1, len(centres))), half_sizes.T])
+
+
+def boxes_around(low: Array, high: Array) -> Array:
+    """Return (7, n) boxes between (n, 3) corners."""
+    return boxes_of((low + high) / 2, (high - low) / 2)
+
+
+def side_planes(clip: Array) -> Array:
+    """Return planes (5, 4), n . (x, y, z, 1) >= 0 inside. Source: Gribb and Hartmann 2001."""
+    planes = np.empty((5, 4))
+    np.add(clip[3], clip[:3], out=planes[:3])
+    np.subtract(clip[3], clip[:2], out=planes[3:])
+    return planes
+
+
+def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
+    """Return which boxes may reach into `clip` (4x4 clip_from_scene).
+
+    slack: (5, n) how far each may lie outside each plane. A box is culled only if it lies wholly
+    behind one of the four sides or the near plane; some boxes near the corners pass needlessly.
+    """
+    planes = side_planes(clip)
+    inside: NDArray[np.bool_] = (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(
+        axis=0
+    ) >= 0
+    return inside
+
+
+def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
+    """Return a class 0 .. classes - 1 for each box, as many in each, by its farthest corner."""
+    # Near surfaces drawn first occlude others before they are textured: 1.6 textured pixels per
+    # pixel of the room become 1.3. Finer classes mean more draw calls and gained nothing.
+    corner = np.abs(boxes[:3] - eye[:, None])
+    corner += boxes[4:]
+    x, y, z = corner * corner
+    farthest = np.sqrt(x + y + z)
+    # The borders between classes of equal size: np.quantile's numbers without its 65 us of checks.
+    ordered, edges = np.sort(farthest).tolist(), []
+    for k in range(1, classes if ordered else 0):
+        place = (len(ordered) - 1) * (k / classes)
+        below = int(place)
+        low, high, share = ordered[below], ordered[min(below + 1, len(ordered) - 1)], place - below
+        edges.append(high - (high - low) * (1 - share) if share >= 0.5 else low + (high - low) * share)
+    found: NDArray[np.intp] = np.array(edges).searchsorted(farthest, side="left")
+    return found
+
+
+Spans = tuple[tuple[int, int], ...]  # (first index, number of indices) of each draw call
+Draws = tuple[tuple[int, Spans], ...]  # (batch, its spans), in the order they are drawn
+
+
+@attrs.frozen(eq=False)
+class Chunks:
+    first: NDArray[np.int64]  # (n,) index ranges, with the next
+    count: NDArray[np.int64]
+    batch: NDArray[np.int64]  # (n,) the batch each belongs to
+    boxes: NDArray[np.float64]  # (7, n) as projection.boxes_of returns them, relative to the scene's origin
+
+
+def draws_of(chunks: Chunks, seen: NDArray[np.bool_], eye: Array) -> Draws:
+    found = seen.nonzero()[0]
+    if not len(found):
+        return ()
+    group = nearest_first(chunks.boxes, eye)[found] * (int(chunks.batch.max()) + 1) + chunks.batch[found]
+    order = group.argsort(kind="stable")
+    found, group = found[order], group[order]
+    first = chunks.first[found]
+    end = first + chunks.count[found]
+    breaks = (((first[1:] != end[:-1]) | (group[1:] != group[:-1])).nonzero()[0] + 1).tolist()
+    # Plain numbers: a NumPy one costs as much as the rest.
+    batches, starts, ends = chunks.batch[found].tolist(), first.tolist(), end.tolist()
+    spans = zip([0, *breaks], [*breaks, len(ends)], strict=True)
+    out: list[tuple[int, list[tuple[int, int]]]] = []
+    for i, j in spans:
+        if not out or out[-1][0] != batches[i]:
+            out.append((batches[i], []))
+        out[-1][1].append((starts[i], ends[j - 1] - starts[i]))
+    return tuple([(batch, tuple(spans)) for batch, spans in out])
+
+
+# A view is replaced by the middle of its cell: of 1/32 in each part of its quaternion, and of 1/8 m
+# in each coordinate of its eye. A head that turns at 30 degrees/s enters a new cell at one refresh
+# of ten, and a tenth more triangles are drawn than are visible.
+TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
+# Two unit quaternions within half a step in each of four parts differ by a step at most, those of
+# the cell's middle, once normalised, by little more: 1.02 for this step. That is a turn of twice
+# the angle, and a chord is no longer than its arc.
+TURN_RAD = 2 * 1.05 * TURN_STEP
+EYE_OFF_M = math.sqrt(3) / 2 * EYE_STEP_M
+KEPT = 64
+_Cell = tuple[Any, ...]  # whole steps of the quaternion, then of the eye; the field of view
+
+
+@attrs.define
+class Visibility:
+    """The draws of static chunks, computed once for all views of a cell, so reproducible."""
+
+    _chunks: Chunks
+    _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)
+
+    def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
+        """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
+        x, y, z, w = turn if turn[3] >= 0 else (-turn[0], -turn[1], -turn[2], -turn[3])
+        a, b, c = eye.tolist()
+        per_turn, per_m = 1 / TURN_STEP, 1 / EYE_STEP_M
+        whole = (round(x * per_turn), round(y * per_turn), round(z * per_turn), round(w * per_turn))
+        key = (*whole, round(a * per_m), round(b * per_m), round(c * per_m), fov)
+        draws = self._known.get(key)
+        if draws is None:
+            draws = self._known[key] = self._compute(key)
+            if len(self._known) > KEPT:
+                self._known.popitem(last=False)
+        return draws
+
+    def _compute(self, key: _Cell) -> Draws:
+        turn, eye, fov = np.array(key[:4]) * TURN_STEP, np.array(key[4:7]) * EYE_STEP_M, key[7]
+        middle = Pose(eye, turn)
+        eye_from_here = np.eye(4)
+        eye_from_here[:3, :3] = middle.rotation_matrix.T
+        eye_from_here[:3, 3] = -eye_from_here[:3, :3] @ eye
+        boxes, clip = self._chunks.boxes, clip_from_eye(fov)
+        # How far outside each plane of the middle view a visible box may be, (5, n). Of a point p:
+        # |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the middle's.
+        reach = np.sqrt(((boxes[:3] - eye[:, None]) ** 2).sum(axis=0)) + np.sqrt((boxes[4:] ** 2).sum(axis=0))
+        steep = np.sqrt((side_planes(clip)[:, :3] ** 2).sum(axis=1))
+        slack = steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
+        return draws_of(self._chunks, visible(boxes, clip @ eye_from_here, slack), eye)
+
+
+SRGB8_ALPHA8 = 0x8C43
+
+
+def emits(scene: Scene) -> bool:
+    """Return whether a texture of the scene emits, so that its surfaces need EMISSION."""
+    return any(texture.emission is not None for texture in scene.textures)
+
+
+@attrs.frozen(eq=False)
+class Batch:
+    texture: moderngl.Texture
+    double_sided: bool  # whether both sides of a triangle are visible; else back faces are culled
+    emission: Shine
+
+
+@attrs.frozen(eq=False)
+class Shine:
+    """What the surfaces with a texture emit: a texture of its own times a linear colour."""
+
+    texture: moderngl.Texture
+    factor: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+
+def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
+    size, data = texture.image.shape[1::-1], _texels(texture.image)
+    check_size(gpu.gl, size)
+    made = gpu.gl.texture(size, 4, data, internal_format=SRGB8_ALPHA8 if texture.srgb else None)
+    made.build_mipmaps()
+    made.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    made.repeat_x = made.repeat_y = texture.repeat
+    return made
+
+
+def _texels(image: NDArray[np.uint8]) -> bytes:
+    if image.shape[2] == 3:
+        image = np.concatenate([image, np.full((*image.shape[:2], 1), 255, np.uint8)], axis=2)
+    return np.ascontiguousarray(flip_rows(image)).tobytes()
+
+
+_WHITE = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
+
+
+class SceneTextures:
+    """A scene's textures on the GPU, by index; -1 is white. lent: unchanging, and shared."""
+
+    def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
+        def made(one: Texture) -> moderngl.Texture:
+            make = functools.partial(upload_texture, gpu, one)
+            return gpu.lend(one.image, (one.srgb, one.repeat), make) if lent else make()
+
+        self._gpu, self.revision = gpu, 0  # it counts changes
+        self._made = [made(texture) for texture in (*scene.textures, _WHITE)]
+        self._shines = {
+            index: Shine(upload_texture(gpu, Texture("emission", one.image, repeat=one.repeat)), one.factor)
+            for index, one in ((index, texture.emission) for index, texture in enumerate(scene.textures))
+            if one
+        }
+
+    def __getitem__(self, index: int) -> moderngl.Texture:
+        return self._made[index]
+
+    def shine(self, index: int) -> Shine:
+        return self._shines.get(index) or Shine(self._made[-1])
+
+    def put(self, index: int, image: NDArray[np.uint8]) -> None:
+        """Replace the image of one texture by another of the same size."""
+        self._made[index].write(_texels(image))
+        self._made[index].build_mipmaps()
+        self.revision += 1
+
+    def close(self) -> None:
+        release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
+        release_all(*(shine.texture for shine in self._shines.values()))
+
+
+class SceneBuffers(Owner):
+    """Some meshes of a scene on the GPU: a vertex buffer, an index buffer and chunks."""
+
+    def __init__(self, gpu: Gpu, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
+        self.batches: list[Batch] = []
+        self.meshes, self.revision = list(meshes), 0  # it counts changes
+        self.chunks: Chunks  # those that are drawn
+        self.visibility: Visibility
+        self._starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
+        groups: dict[tuple[bool, int], list[int]] = {}
+        for number, mesh in enumerate(meshes):
+            groups.setdefault((mesh.double_sided, mesh.texture), []).append(number)
+        # Of all chunks: the mesh of each, its indices, and which are drawn.
+        owner, self._order = [], []  # type: list[int], list[NDArray[np.uint32]]
+        batch_of, boxes = [], []
+        for (double_sided, texture), members in sorted(groups.items(), key=lambda item: item[0]):
+            for number in members:
+                for chunk in chunks_of(meshes[number]):
+                    boxes.append(_extremes(meshes[number], chunk))
+                    self._order.append(chunk.ravel() + np.uint32(self._starts[number]))
+                    batch_of.append(len(self.batches))
+                    owner.append(number)
+            self.batches.append(Batch(textures[texture], double_sided, textures.shine(texture)))
+        count = np.array([len(part) for part in self._order], np.int64)
+        around = boxes_around(*np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2))
+        self._all = Chunks(np.cumsum(count) - count, count, np.array(batch_of, np.int64), around)
+        self._owner = np.array(owner, np.int64)
+        self.draw_only(range(len(meshes)))
+        self._vertices = self.own(gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32))
+        indices = np.concatenate([np.empty(0), *self._order]).astype(np.uint32)
+        self._indices = self.own(gpu.gl.buffer(indices.tobytes() or b"\0" * 12))
+
+    def move_to(self, positions: NDArray[np.float32]) -> None:
+        """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
+        if not self._order:
+            return
+        rows = _vertex_rows(self.meshes)
+        rows[:, :3] = positions
+        self._vertices.write(rows.tobytes())
+        corners = positions[np.concatenate(self._order)].astype(np.float64)
+        low, high = (extreme.reduceat(corners, self._all.first, axis=0) for extreme in (np.minimum, np.maximum))
+        self._all = attrs.evolve(self._all, boxes=boxes_around(low, high))
+        self._choose()
+
+    def put(self, number: int, mesh: Mesh) -> None:
+        """Replace the arrays of a mesh by as many others, at rest until they are moved."""
+        start = int(self._starts[number])
+        self.meshes[number] = mesh
+        self._vertices.write(_vertex_rows([mesh]).tobytes(), offset=_ROW_BYTES * start)
+        boxes = self._all.boxes.copy()
+        for chunk, triangles in zip(np.flatnonzero(self._owner == number).tolist(), chunks_of(mesh), strict=True):
+            self._order[chunk] = indices = triangles.ravel() + np.uint32(start)
+            self._indices.write(indices.astype(np.uint32).tobytes(), offset=4 * int(self._all.first[chunk]))
+            boxes[:, [chunk]] = boxes_around(*(corner[None] for corner in _extremes(mesh, triangles)))
+        self._all = attrs.evolve(self._all, boxes=boxes)
+        self._choose()
+
+    def draw_only(self, numbers: Collection[int]) -> None:
+        self._drawn = np.isin(self._owner, list(numbers))
+        self._choose()
+
+    def _choose(self) -> None:
+        every, drawn = self._all, self._drawn
+        self.chunks = Chunks(every.first[drawn], every.count[drawn], every.batch[drawn], every.boxes[:, drawn])
+        self.visibility = Visibility(self.chunks)
+        self.revision += 1
+
+    def vertex_array(
+        self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[Any, ...], colour: bool
+    ) -> moderngl.VertexArray:
+        """Return the buffers, and `more` as moderngl takes them, as inputs of `program`."""
+        names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
+        layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
+        return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)
+
+
+def _extremes(mesh: Mesh, triangles: NDArray[np.uint32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    corners = mesh.positions[triangles.ravel()].astype(np.float64)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+_ROW_BYTES = 4 * (3 + 2 + 3)
+
+
+def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
+    rows = [np.concatenate([mesh.positions, mesh.uv, mesh.light], axis=1) for mesh in meshes]
+    return np.concatenate([np.empty((0, 8)), *rows]).astype(np.float32)
+
+
+STAYS = np.eye(4)
+STAYS.flags.writeable = False
+
+
+@attrs.frozen(eq=False)
+class Place:
+    """An eye in the space that positions are relative to."""
+
+    eye_from_here: NDArray[np.float64]  # 4x4
+    eye: NDArray[np.float64]  # (3,) metres
+
+
+class Moving(ABC):
+    layer: ClassVar[str]  # the layer that describes its motion: the client of a frame with that layer moves it
+    buffers: SceneBuffers  # its triangles
+
+    @abstractmethod
+    def set_time(self, time_ns: int) -> None:
+        """Move it to its place at that instant; do nothing for the same instant again."""
+
+    @abstractmethod
+    def place(self, view: View) -> Place:
+        """Return the place of the view's eye at the instant set last."""
+
+    def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
+        """Return the 4x4 that takes its positions to the scene's axes at an instant."""
+        return STAYS
+
+    def close(self) -> None:
+        self.buffers.close()
+
+
+class MovingBody(Moving):
+    layer = "ids"
+
+    def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
+        self.number = meshes[0].body
+        self.buffers = SceneBuffers(gpu, meshes, textures)
+        self._body, self._origin_m = scene.bodies[self.number - 1], scene.origin_m
+
+    def set_time(self, time_ns: int) -> None:
+        # Not kept for the next time: what people did by that instant may have come since.
+        self._pose = self._body.motion.state(time_ns).pose
+
+    def place(self, view: View) -> Place:
+        return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
+
+    def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
+        matrix = self._body.motion.state(time_ns).pose.matrix()
+        matrix[:3, 3] -= self._origin_m
+        return matrix
+
+
+class DeformingMesh(Moving):
+    """One mesh whose vertices move by themselves: uploaded again for each instant that is drawn."""
+
+    layer = "velocity"
+
+    def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
+        self.buffers = SceneBuffers(gpu, [mesh], textures)
+        assert mesh.deformation is not None
+        self.mesh, self._deformation, self._origin_m = mesh, mesh.deformation, scene.origin_m
+        self._set_ns: int | None = None
+        self._moved = mesh  # the arrays that were moved, which may be replaced
+
+    def set_time(self, time_ns: int) -> None:
+        if time_ns != self._set_ns or self.buffers.meshes[0] is not self._moved:
+            self.buffers.move_to(self.positions(time_ns))
+            self._set_ns, self._moved = time_ns, self.buffers.meshes[0]
+
+    def positions(self, time_ns: int) -> NDArray[np.float32]:
+        """Return its vertices, (n, 3) metres relative to the scene's origin, at any instant."""
+        return _checked(self.mesh, "positions", self._deformation.positions(time_ns))
+
+    def velocities(self) -> NDArray[np.float32]:
+        """Return its vertices' velocities, (n, 3) m/s in world axes, at the last set instant."""
+        assert self._set_ns is not None
+        return _checked(self.mesh, "velocities", self._deformation.velocities(self._set_ns))
+
+    def place(self, view: View) -> Place:
+        return Place(eye_from_scene(view, self._origin_m), view.pose.position_m - self._origin_m)
+
+
+def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
+    array = np.ascontiguousarray(values, np.float32)
+    if array.shape != mesh.positions.shape:
+        raise SceneError(
+            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
+        )
+    if not np.isfinite(array).all():
+        raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} that are not finite numbers")
+    return array
+
+
+def moving_parts(gpu: Gpu, scene: Scene, textures: SceneTextures) -> tuple[Moving, ...]:
+    surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+    numbers = sorted({mesh.body for mesh in surfaces if mesh.body})
+    bodies = [
+        MovingBody(gpu, scene, [mesh for mesh in surfaces if mesh.body == number], textures) for number in numbers
+    ]
+    return (*bodies, *(DeformingMesh(gpu, scene, mesh, textures) for mesh in surfaces if mesh.deformation is not None))
+
 
 EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
 INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
-class Lighting:
+class Lighting(Owner):
     """Direct light of lamps; subclasses add the rest. most_blockers: triangles in its way."""
 
     defines: ClassVar[tuple[str, ...]] = ("LAMPS",)  # of shaders, for where it is
@@ -33,7 +482,7 @@ class Lighting:
         self._gl, self._scene = gpu.gl, scene
         if most_blockers is None:
             most_blockers = len(blocking(scene))
-        self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
+        self._blockers = self.own(gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4"))
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._buffers: list[tuple[Sequence[Mesh], moderngl.Buffer]] = []
@@ -43,7 +492,7 @@ class Lighting:
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
         """Return further inputs of the vertex stage, as moderngl takes them, albedo if read."""
-        buffer = self._gl.buffer(_all_rows(meshes))
+        buffer = self.own(self._gl.buffer(_all_rows(meshes)))
         self._buffers.append((meshes, buffer))
         if not albedo:
             return (buffer, "3f4 2f4 12x1", "in_normal", "in_light_uv")
@@ -70,18 +519,11 @@ class Lighting:
         for number, (place, colour) in enumerate(lamps):
             places[number], cones[number], colours[number, :3] = place[:4], place[4:], colour
         uniforms.set(
-            lamp_place=places.ravel(),
-            lamp_cone=cones.ravel(),
-            lamp_colour=colours.ravel(),
-            lamp_count=len(lamps),
-            blocker_count=len(blocking),
-            blockers=BLOCKERS_UNIT,
+            **{"lamp_place": places.ravel(), "lamp_cone": cones.ravel(), "lamp_colour": colours.ravel()},
+            **{"lamp_count": len(lamps), "blocker_count": len(blocking), "blockers": BLOCKERS_UNIT},
         )
         self._blockers.use(BLOCKERS_UNIT)
         return places.tobytes() + cones.tobytes() + colours.tobytes() + rows
-
-    def close(self) -> None:
-        release_all(self._blockers, *(buffer for _, buffer in self._buffers))
 
 
 class ConvergedLight(Lighting):
@@ -89,7 +531,7 @@ class ConvergedLight(Lighting):
 
     def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
         super().__init__(gpu, scene, most_blockers)
-        self._indirect = allocate(gpu.gl, ATLAS, COLOUR)
+        self._indirect = self.own(allocate(gpu.gl, ATLAS, COLOUR))
         self._light = b""
 
     def _atlas(self, time_ns: int) -> NDArray[np.float16]:
@@ -101,10 +543,6 @@ class ConvergedLight(Lighting):
             self._indirect.write(self._atlas(time_ns).tobytes())
             self._light = light
         self.use_atlas(uniforms, self._indirect)
-
-    def close(self) -> None:
-        super().close()
-        self._indirect.release()
 
 
 class ArrivingLight(ConvergedLight):
@@ -143,7 +581,7 @@ def _all_rows(meshes: Sequence[Mesh]) -> bytes:
 SAME_SURFACE = 2.0**-16
 
 
-class ScenePasses:
+class ScenePasses(Owner):
     """The two draws of a picture: surfaces (those of `buffers`, then `moving`), and the background.
 
     colour: with inverse depth, else that alone. peel: only what lies behind an earlier picture, see
@@ -168,9 +606,9 @@ class ScenePasses:
         self._gpu, self._gl, self.scene, self.buffers = gpu, gpu.gl, scene, buffers
         self._colour, self.moving = colour, tuple(moving)
         # Where the light of the scene's lamps comes from; baked light needs none.
-        own = colour and scene.lamps and lighting is None
-        self._made = light(gpu, scene) if own else None
-        self.lighting = lighting or self._made
+        if colour and scene.lamps and lighting is None:
+            lighting = self.own(light(gpu, scene))
+        self.lighting = lighting
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
@@ -179,11 +617,11 @@ class ScenePasses:
         self._is_lit, shining = bool(lit), {"EMISSION": 1} if self._emits else {}
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
-        self._vertices, *self._of_moving = (
-            each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured)
+        self._vertices = [
+            self.own(each.vertex_array(gpu.gl, self._surface.program, *self._more(each), colour=self._coloured))
             for each in (buffers, *(drawing.buffers for drawing in self.moving))
-        )
-        self._empty = gpu.gl.vertex_array(self._background.program, [])
+        ]
+        self._empty = self.own(gpu.gl.vertex_array(self._background.program, []))
 
     def _lit_defines(self) -> Mapping[str, object]:
         return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
@@ -192,7 +630,6 @@ class ScenePasses:
         return [self.lighting.more(buffers.meshes, albedo=self._coloured)] if self.lighting is not None else []
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
-        """Return passes of the same light that peel, with these moving parts alone."""
         return ScenePasses(
             self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving, lighting=self.lighting
         )
@@ -203,21 +640,15 @@ class ScenePasses:
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
-        """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
         self._gpu.shaders.hidden.cover(view, framebuffer, -1.0, **({"COLOUR": 1} if self._colour else {}))
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
     def draw_into(
-        self,
-        view: View,
-        framebuffer: moderngl.Framebuffer,
-        viewport: Viewport | None,
-        time_ns: int = 0,
-        **uniforms: object,
+        self, view: View, onto: moderngl.Framebuffer, viewport: Viewport | None, time_ns: int = 0, **uniforms: object
     ) -> None:
         """Draw `view` into a viewport of a framebuffer whose depth is clear, None for all of it."""
-        whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
+        whole = viewport if viewport is not None else (0, 0, *onto.size)
         if uniforms:
             self._surface.uniforms.set(**uniforms)
             self._background.uniforms.set(**uniforms)
@@ -226,61 +657,44 @@ class ScenePasses:
             drawing.set_time(time_ns)
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, view, whole, time_ns)
-        gl, framebuffer.viewport = self._gl, whole
-        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+        gl, onto.viewport, origin_m = self._gl, whole, self.scene.origin_m
+        with drawing_into(onto, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
-            still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
-            if self._is_lit:
-                self._surface.uniforms.set(scene_from_here=STAYS)
-            self._draw_surfaces(self._vertices, self.buffers, view, still, self.buffers.visibility)
-            for one, vertices in zip(self.moving, self._of_moving, strict=True):
+            for one, vertices in zip((None, *self.moving), self._vertices, strict=True):
+                buffers, place = self.buffers, Place(eye_from_scene(view, origin_m), view.pose.position_m - origin_m)
+                if one is not None:
+                    buffers, place = one.buffers, one.place(view)
                 if self._is_lit:
-                    self._surface.uniforms.set(scene_from_here=one.scene_from_here(self.scene.lit_ns(time_ns)))
-                self._draw_surfaces(vertices, one.buffers, view, one.place(view))
+                    lit = STAYS if one is None else one.scene_from_here(self.scene.lit_ns(time_ns))
+                    self._surface.uniforms.set(scene_from_here=lit)
+                seen_from = self._seen_from(view, place)
+                clip = clip_from_eye(view.fov) @ seen_from.eye_from_here
+                self._surface.uniforms.set(clip_from_scene=clip)
+                if one is None and seen_from is place:  # it is static in the world's axes
+                    draws = buffers.visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
+                else:
+                    draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), seen_from.eye)
+                uniforms_of_surface = self._surface.uniforms if self._coloured else None
+                draw_chunks(gl, vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
             self._draw_background()
             gl.depth_func = "<"
-        framebuffer.viewport = (0, 0, *framebuffer.size)
+        onto.viewport = (0, 0, *onto.size)
 
     def _draw_background(self) -> None:
         self._gl.disable(moderngl.CULL_FACE)
         self._empty.render(moderngl.TRIANGLES, vertices=3)
 
-    def _draw_surfaces(
-        self,
-        vertices: moderngl.VertexArray,
-        buffers: SceneBuffers,
-        view: View,
-        place: Place,
-        visibility: Visibility | None = None,
-    ) -> None:
-        """Draw the visible chunks. visibility: for what is static in the world's axes."""
-        seen_from = self._seen_from(view, place)
-        if seen_from is not place:
-            place, visibility = seen_from, None
-        clip = clip_from_eye(view.fov) @ place.eye_from_here
-        self._surface.uniforms.set(clip_from_scene=clip)
-        if visibility is None:
-            draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), place.eye)
-        else:
-            draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
-        uniforms = self._surface.uniforms if self._coloured else None
-        draw_chunks(self._gl, vertices, buffers, draws, uniforms, emits=self._emits)
-
     def _seen_from(self, view: View, place: Place) -> Place:
         return place
+
+    def _world_from_ndc(self, view: View) -> Array:
+        return world_from_ndc(view)
 
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self.scene.background
             light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
-            self._background.uniforms.set(world_from_ndc=world_from_ndc(view), **light)
-
-    def close(self) -> None:
-        for vertices in (self._vertices, *self._of_moving):
-            vertices.release()
-        if self._made is not None:
-            self._made.close()
-        self._empty.release()
+            self._background.uniforms.set(world_from_ndc=self._world_from_ndc(view), **light)
 
 
 def draw_chunks(

@@ -19,18 +19,16 @@ from ...geometry import Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
-from ..array_passes import Arrays, GiveCodes, Upload
+from ..array_passes import Arrays, GiveCodes, Owner, Upload
 from .passes import ScenePasses
 
-# Settings of a layer for which something is kept, of all clients: those of one request, at most.
-MOST_SETTINGS = 8
+MOST_SETTINGS = 8  # settings of a layer for which something is kept, of all clients: those of one request, at most
 K = TypeVar("K")
 V = TypeVar("V")
 Size = tuple[int, int]
 Kind = tuple[int, str]  # of a texture: components and type, as in gpu.textures
 Forget = Callable[[moderngl.Texture], None]  # is called with each texture before it is freed
-# After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
-IDLE_AFTER = 2048
+IDLE_AFTER = 2048  # after so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz
 # What trim() leaves of each kind of memory that the last frame did not need.
 MOST_IDLE_BYTES, MOST_IDLE = 16 << 20, 64
 
@@ -43,13 +41,11 @@ class LastUsed(dict[K, V]):
         self._used: set[K] = set()
 
     def made(self, key: K, make: Callable[[], V]) -> V:
-        """Return what there is for a key, made where there is nothing."""
         self[key] = found = self.pop(key) if key in self else make()
         self._used.add(key)
         return found
 
     def use(self, key: K) -> None:
-        """Note that what there is for a key is in use."""
         self._used.add(key)
 
     def beyond(self, most: int) -> list[V]:
@@ -76,12 +72,8 @@ _NAME = operator.attrgetter("glo")  # OpenGL's of a texture
 
 @attrs.frozen(eq=False)
 class Target:
-    """The textures that one eye is drawn into."""
-
-    # rgba16f, or the format of its pool.
-    colour: moderngl.Texture
-    # r32f of the same size, None where only colour is kept.
-    depth: moderngl.Texture | None = None
+    colour: moderngl.Texture  # rgba16f, or the format of its pool
+    depth: moderngl.Texture | None = None  # r32f of the same size, None where only colour is kept
 
     @property
     def inverse_depth(self) -> moderngl.Texture:
@@ -124,8 +116,7 @@ class TargetPool:
         self._gpu, self._size, self._kinds, self._forget = gpu, size, (kind, SCALAR) if depth else (kind,), forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
-        # Those that are in use, by their colour texture.
-        self.out: dict[moderngl.Texture, Target] = {}
+        self.out: dict[moderngl.Texture, Target] = {}  # those that are in use, by their colour texture
         # Hand-outs since idle ones were freed, and how many targets were out at most meanwhile.
         self._handed = self._most_out = 0
 
@@ -139,7 +130,6 @@ class TargetPool:
         return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
-        """Return a free target; its content is undefined."""
         if self._free:
             target = self._free.pop()
         else:
@@ -178,12 +168,11 @@ class TargetPool:
         self.out.clear()
 
 
-class Renderer:
+class Renderer(Owner):
     """What gives frames in textures of its own pools; without a scene here it is empty."""
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
-    # Returns a frame with all eyes, and the needed layers, see Server.draw_frame.
-    draw_frame: Callable[..., Frame]
+    draw_frame: Callable[..., Frame]  # returns a frame with all eyes, and the needed layers, see Server.draw_frame
     # Draws inverse depth alone, where the client has the geometry, see Server.draw_depth.
     draw_depth: Callable[..., moderngl.Texture]
 
@@ -194,7 +183,6 @@ class Renderer:
         self._given: LastUsed[Size, GiveCodes] = LastUsed()
 
     def take_in(self, picture: Arrays, into: Target) -> None:
-        """Write a picture of another process, or of files, into a target of its size."""
         upload = self._uploads.made(picture.size, lambda: Upload(self.gpu, picture.size))
         upload.run(picture, (into.colour, into.inverse_depth))
 
@@ -228,7 +216,6 @@ class Renderer:
         """Take note of whether a client's frame with these layers arrived."""
 
     def reacts_to(self, client: Hashable) -> bool:
-        """Return whether what it draws reacts to what a client's people do."""
         return self.scene.inputs is not None
 
     def begin_anew(self, client: Hashable) -> None:
@@ -274,21 +261,18 @@ class Renderer:
         """Free targets that were not needed since the last call, but a few."""
         for key in [key for key, pool in self._pools.items() if pool.live]:
             self._pools.use(key)
-        freed: list[tuple[Any, TargetPool | Upload | GiveCodes]] = [
-            *self._pools.trimmed(lambda key, pool: pool.bytes),
-            *self._uploads.trimmed(lambda size, upload: upload.bytes),
-            *self._given.trimmed(lambda size, giving: giving.bytes),
-        ]
-        for _, pool in freed:
-            pool.close()
+        kinds: tuple[LastUsed[Any, Any], ...] = (self._pools, self._uploads, self._given)
+        freed: list[Any] = [one for kind in kinds for _, one in kind.trimmed(lambda _, one: int(one.bytes))]
+        for one in freed:
+            one.close()
         if freed:
             self.gpu.give_back_memory()
         self.gpu.forget_released()
 
     def close(self) -> None:
-        for made in (self._pools, self._uploads, self._given):
-            for pool in made.values():
-                pool.close()
+        super().close()
+        for pool in (*self._pools.values(), *self._uploads.values(), *self._given.values()):
+            pool.close()
 
 
 class Framebuffers:
@@ -364,7 +348,6 @@ class Multisampled:
         return self._made.made((size, kinds), make)
 
     def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
-        """Draw the colour of the whole picture: the mean of each pixel's samples."""
         drawn = self.over(into.size, COLOUR)
         passes.draw(view, drawn, time_ns)
         self.mean(drawn, into)

@@ -24,7 +24,7 @@ from ...report import counted, listed
 from ...resources import import_extra
 from .. import statistics as st
 from ..design import SHIPPED, Comparison, Family, tables_of
-from ..scales import FIRST, NEITHER, QUESTIONNAIRE, Scale, load_scale, score_ranges, scored
+from ..scales import FIRST, NEITHER, QUESTIONNAIRE, Scale, load_scale, scale_names, score_ranges, scored
 from .long_table import Ratings, ScaleInfo, SourceOptions, from_csv
 
 Row = dict[str, Any]
@@ -189,18 +189,10 @@ def _rank(*blocks: np.ndarray) -> int:
 # --- what was asked beside the ratings
 
 
-def scale_or_none(name: str) -> Scale | None:
-    """Return a shipped scale, or None for a name that is none."""
-    try:
-        return load_scale(name)
-    except InputError:
-        return None
-
-
 def _asked(ratings: Ratings, *, questionnaires: bool) -> Iterator[tuple[Scale, pd.DataFrame]]:
     """Yield each scale of the survey, known by the plan or shipped, with its answers."""
     for name, answers in ratings.survey.groupby("scale", sort=False):
-        scale = ratings.scales.get(name) or scale_or_none(name)
+        scale = ratings.scales.get(name) or (load_scale(name) if name in scale_names() else None)
         if scale is not None and (scale.kind == QUESTIONNAIRE) == questionnaires:
             yield scale, answers
 
@@ -354,6 +346,8 @@ def compared(
 
 def _compared(table: pd.DataFrame, info: ScaleInfo, family: str, of: Comparison, resampling: Resampling) -> Row:
     found = (info.sign * (table[of.baseline] - table[of.better])).round(9).dropna()
+    values, names = found.to_numpy(), ["mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p"]
+    names += ["rank_biserial", "shift", "shift_low", "shift_high", "shift_level", "low", "high"]
     row = {
         "part": of.part,
         "scale": info.name,
@@ -366,27 +360,22 @@ def _compared(table: pd.DataFrame, info: ScaleInfo, family: str, of: Comparison,
         "worse": int((found < 0).sum()),
         "differences": found.to_dict(),
         "left_out": table.index.difference(found.index, sort=False).tolist(),
+        **dict.fromkeys(names),
     }
-    return row | _statistics(found.to_numpy(), resampling)
-
-
-def _statistics(values: np.ndarray, resampling: Resampling) -> Row:
     if len(values) > st.MOST_PAIRS:
         raise InputError(
             f"{len(values)} participants rated both of two conditions: the exact test takes {st.MOST_PAIRS} at most"
         )
-    names = ["mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial"]
-    names += ["shift", "shift_low", "shift_high", "shift_level", "low", "high"]
     if not len(values):
-        return dict.fromkeys(names)
+        return row
     test = st.wilcoxon_exact(values)
     # One difference, or equal ones, have no spread to resample: a point is no interval.
     ends = (None, None) if st.is_degenerate(values) else st.bca(values, resampling.seed, resampling.resamples)
-    found = (
+    figures = (
         float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)),
         test.w_plus, test.w_minus, test.p, st.smallest_p(test.n), st.rank_biserial(values), *shift_of(values), *ends,
     )  # fmt: skip
-    return dict(zip(names, found, strict=True))
+    return row | dict(zip(names, figures, strict=True))
 
 
 def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
@@ -609,18 +598,16 @@ def load_claims(path: Path) -> Claims:
 
     def made(data: Keys) -> Claims:
         step, exact = data.number("step", None), tomllib.loads(text, parse_float=Decimal).get("claim", [])
-        claims = [_claim(table, raw, step) for table, raw in zip(data.tables("claim"), exact, strict=True)]
+        claims = []
+        for table, raw in zip(data.tables("claim"), exact, strict=True):
+            found = fields_in(table, Claim)
+            if found["latency_ms"] is None and not (found["baseline"] and found["better"]):
+                raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
+            last: Any = Decimal(str(raw.get("difference", 1))).as_tuple().exponent
+            claims.append(Claim(step=float(Decimal(1).scaleb(last)) if step is None else step, **found))
         return Claims(claims=tuple(claims), **fields_in(data, Claims))
 
     return parsed(text, path, made, _EXAMPLE)
-
-
-def _claim(table: Keys, raw: Row, step: float | None) -> Claim:
-    found = fields_in(table, Claim)
-    if found["latency_ms"] is None and not (found["baseline"] and found["better"]):
-        raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
-    last = float(Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent))  # type: ignore[arg-type]
-    return Claim(step=last if step is None else step, **found)
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:
@@ -651,15 +638,29 @@ def checked(claim: Claim, rows: Sequence[Row], ratings: Ratings, scale: str) -> 
     if claim.part not in ratings.parts():
         why = f"there is no part '{claim.part}' among {', '.join(ratings.parts())}"
         return found | {"follows": None, "why_not": why}
-    own = [row for row in rows if row["part"] == claim.part and _is_about(claim, row, ratings)]
+
+    def is_about(row: Row) -> bool:
+        pair = row["baseline"], row["condition"]
+        if claim.baseline:
+            return bool(pair == (claim.baseline, claim.better))
+        return {ratings.settings(claim.part, name).get("latency_ms") for name in pair} == {claim.latency_ms}
+
+    own = [row for row in rows if row["part"] == claim.part and is_about(row)]
     if not own:
-        return found | {"follows": False, "why_not": _no_comparison(claim, ratings)}
+        why = f"'{claim.baseline}' and '{claim.better}' are not compared"
+        if claim.latency_ms is not None:
+            known = ratings.rows.loc[ratings.rows["part"] == claim.part, "latency_ms"].dropna().unique()
+            latencies = ", ".join(f"{latency_ms:g}" for latency_ms in sorted(known))
+            why = f"nothing was rated at {claim.latency_ms:g} ms: the latencies are {latencies} ms"
+        return found | {"follows": False, "why_not": why}
     row = own[0]
     found |= {"baseline": row["baseline"], "condition": row["condition"], "data": row["mean"], "n": row["n"]}
     if claim.difference is None:
         return found | {"follows": True}
     if row["mean"] is None:
         return found | {"follows": None, "why_not": f"nobody rated both '{row['baseline']}' and '{row['condition']}'"}
+    if abs(row["mean"] - claim.difference) <= claim.step + _EQUAL:
+        return found | {"follows": True}
     table, sign = ratings.table(claim.part, scale), ratings.scale_info[scale].sign
     a, b = table[row["baseline"]], table[row["condition"]]
     others = {
@@ -668,24 +669,7 @@ def checked(claim: Claim, rows: Sequence[Row], ratings: Ratings, scale: str) -> 
         "median difference": row["median"],
     }
     near = [name for name, value in others.items() if abs(value - claim.difference) <= claim.step + _EQUAL]
-    if abs(row["mean"] - claim.difference) <= claim.step + _EQUAL:
-        return found | {"follows": True}
     return found | {"follows": False, "others": others, "explained_by": near}
-
-
-def _no_comparison(claim: Claim, ratings: Ratings) -> str:
-    if claim.latency_ms is None:
-        return f"'{claim.baseline}' and '{claim.better}' are not compared"
-    known = ratings.rows.loc[ratings.rows["part"] == claim.part, "latency_ms"].dropna().unique()
-    latencies = ", ".join(f"{latency_ms:g}" for latency_ms in sorted(known))
-    return f"nothing was rated at {claim.latency_ms:g} ms: the latencies are {latencies} ms"
-
-
-def _is_about(claim: Claim, row: Row, ratings: Ratings) -> bool:
-    if claim.baseline:
-        return bool((row["baseline"], row["condition"]) == (claim.baseline, claim.better))
-    latencies = {ratings.settings(row["part"], row[end]).get("latency_ms") for end in ("baseline", "condition")}
-    return latencies == {claim.latency_ms}
 
 
 # Title of each column of the long table that is a measure.
@@ -753,7 +737,7 @@ def correlation_data(rows: pd.DataFrame, scale: str) -> dict[str, Any] | None:
     worse = rated["value"] * (1 if rated["low_is_good"].iloc[0] else -1)
     how = rated[[name for name in ("measured_size", "measured_every") if name in rated]].dropna(how="all")
     mixed = len(how.drop_duplicates()) > 1
-    found, left_out = [], []
+    found, left_out, reasons = [], [], dict[str, list[str]]()
     for name, title in MEASURES.items():
         is_metric = name.startswith("measured_")
         if name not in there:
@@ -764,16 +748,11 @@ def correlation_data(rows: pd.DataFrame, scale: str) -> dict[str, Any] | None:
             own = rated[rated[name].notna()]
             result = within_people(own[name], worse[own.index], own["participant"])
         if isinstance(result, str):
-            left_out.append((title, result))
+            left_out.append([title, result])
+            reasons.setdefault(result, []).append(title)
         else:
             found.append({"name": name, "title": title, **result._asdict()})
-    return {"sentences": _sentences(found, left_out), "measures": found, "left_out": [list(one) for one in left_out]}
-
-
-def _sentences(found: list[dict[str, Any]], left_out: list[tuple[str, str]]) -> list[str]:
     texts = [f"{one['title']} {one['r']:+.2f} (95 % {one['low']:+.2f} .. {one['high']:+.2f})" for one in found]
     said = [f"Within a person the ratings go with {listed(texts)}; positive: more is rated worse."] if texts else []
-    reasons: dict[str, list[str]] = {}
-    for title, reason in left_out:
-        reasons.setdefault(reason, []).append(title)
-    return said + [f"Not tested: {listed(titles)} ({reason})." for reason, titles in reasons.items()]
+    said += [f"Not tested: {listed(titles)} ({reason})." for reason, titles in reasons.items()]
+    return {"sentences": said, "measures": found, "left_out": left_out}

@@ -162,22 +162,12 @@ _LEAST_FOR_BCA = 6
 
 def sentence_of_comparison(row: Row, scale: ScaleInfo) -> str:
     """Describe a comparison. row: as findings.compared."""
-    where = f"{row['part']}: " if row["part"] else ""
+    where, better, other = f"{row['part']}: " if row["part"] else "", f"'{row['condition']}'", f"'{row['baseline']}'"
     if not row["n"]:
-        return (
-            f"{where}no participant rated both '{row['condition']}' and '{row['baseline']}': they cannot be compared."
-        )
-    return f"{where}{_votes(row)}; {_size(row, scale)} {_verdict(row, scale)}"
-
-
-def _votes(row: Row) -> str:
-    parts = [
-        f"{row['better']} of {row['n']} rated '{row['condition']}' better than '{row['baseline']}'",
-        f"{row['worse']} worse",
-    ]
-    if row["equal"]:
-        parts.append(f"{row['equal']} the same")
-    return ", ".join(parts)
+        return f"{where}no participant rated both {better} and {other}: they cannot be compared."
+    votes = f"{row['better']} of {row['n']} rated {better} better than {other}, {row['worse']} worse"
+    votes += f", {row['equal']} the same" if row["equal"] else ""
+    return f"{where}{votes}; {_size(row, scale)} {_verdict(row, scale)}"
 
 
 def _size(row: Row, scale: ScaleInfo) -> str:
@@ -192,7 +182,8 @@ def _size(row: Row, scale: ScaleInfo) -> str:
 
 
 def _verdict(row: Row, scale: ScaleInfo) -> str:
-    after = f"After Holm over {counted(row['holm_of'], 'comparison')}" if row["holm_of"] > 1 else "By the exact test"
+    of = row["holm_of"]
+    after = f"After Holm over {counted(of, 'comparison')}" if of > 1 else "By the exact test"
     if row["holm"] <= ALPHA:
         # Not by the shift: it is 0 where more than half of the pairs are equal, which the test
         # leaves out.
@@ -203,23 +194,19 @@ def _verdict(row: Row, scale: ScaleInfo) -> str:
         always = "" if row["equal"] else ", whatever the ratings"
         least = p_is(row["smallest_p"])[4:]
         return f"{pairs} cannot give a p below {least}, so this comparison shows nothing either way{always}."
-    low, high, level = row["shift_low"], row["shift_high"], f"{100 * row['shift_level']:.0f} %"
+    ends, level = (row["shift_low"], row["shift_high"]), f"{100 * row['shift_level']:.0f} %"
     if row["p"] <= ALPHA:
+        low, high = map(signed, ends)
+        alone = f"alone, the ratings fit differences from {low} to {high} {scale.unit} ({level})"
         return (
-            f"{after} {p_is(row['holm'])}, by itself {p_is(row['p'])}: not significant at 5 % over all "
-            f"{row['holm_of']}; alone, "
-            f"the ratings fit differences from {signed(low)} to {signed(high)} {scale.unit} ({level})."
+            f"{after} {p_is(row['holm'])}, by itself {p_is(row['p'])}: not significant at 5 % over all {of}; {alone}."
         )
-    return (
-        f"{after} {p_is(row['holm'])}: no difference is shown, which does not mean that there is none: the ratings fit "
-        f"anything from {_way(low, scale)} to {_way(high, scale)} ({level})."
+    low, high = (
+        f"{'a gain' if end > 0 else 'a loss'} of {plain(abs(end))} {scale.unit}" if end else "no difference"
+        for end in ends
     )
-
-
-def _way(shift: float, scale: ScaleInfo) -> str:
-    if shift == 0:
-        return "no difference"
-    return f"{'a gain' if shift > 0 else 'a loss'} of {plain(abs(shift))} {scale.unit}"
+    none = "no difference is shown, which does not mean that there is none"
+    return f"{after} {p_is(row['holm'])}: {none}: the ratings fit anything from {low} to {high} ({level})."
 
 
 def sentence_of_friedman(row: Row | None, part: str) -> str:
@@ -227,11 +214,8 @@ def sentence_of_friedman(row: Row | None, part: str) -> str:
     where = f"{part}: " if part else ""
     if row is None:
         return f"{where}Friedman's test needs three conditions and two participants who rated all of them."
-    verdict = (
-        "the conditions were not all rated alike"
-        if row["p"] <= ALPHA
-        else "no difference among the conditions is shown"
-    )
+    differ = "the conditions were not all rated alike"
+    verdict = differ if row["p"] <= ALPHA else "no difference among the conditions is shown"
     return (
         f"{where}Friedman over {row['conditions']} conditions, {counted(row['n'], 'participant')} who rated all: "
         f"chi2({row['df']}) = {row['chi2']:.1f}, {p_is(row['p'])}, Kendall's W = {row['w']:.2f}: {verdict}."
@@ -243,60 +227,46 @@ def sentences_of_order(effects: Mapping[str, Row], scale: ScaleInfo) -> list[str
     reasons = {row.get("why_not", "") for row in effects.values()}
     if len(reasons) == 1 and "" not in reasons:
         return [f"Effects of order cannot be estimated: {reasons.pop()}."]
-    return [_of_effect(name, row, scale) for name, row in effects.items()]
-
-
-_EFFECTS = {"place": "The place of a trial", "previous": "The condition shown before"}
-
-
-def _of_effect(name: str, row: Row, scale: ScaleInfo) -> str:
-    what = _EFFECTS[name]
-    if "why_not" in row:
-        return f"{what}: its effect cannot be estimated, {row['why_not']}."
-    test = f"F({row['df']}, {row['df_rest']}) = {row['f']:.2f}, {p_is(row['p'])}"
-    verdict = "it changed the ratings" if row["p"] <= ALPHA else "no effect is shown"
-    if "or" in row:
-        verdict += f"; here it is confounded with {_EFFECTS[row['or']].lower()}"
-    slope = ""
-    if "slope" in row:
-        ends = f"{signed(row['low'], 3)} to {signed(row['high'], 3)}"
-        slope = f"; {signed(row['slope'], 3)} {scale.unit} per trial (95 % {ends})"
-    return f"{what}: {test}{slope}: {verdict}."
+    names, said = {"place": "The place of a trial", "previous": "The condition shown before"}, []
+    for name, row in effects.items():
+        if "why_not" in row:
+            said.append(f"{names[name]}: its effect cannot be estimated, {row['why_not']}.")
+            continue
+        text = f"{names[name]}: F({row['df']}, {row['df_rest']}) = {row['f']:.2f}, {p_is(row['p'])}"
+        if "slope" in row:
+            ends = f"{signed(row['low'], 3)} to {signed(row['high'], 3)}"
+            text += f"; {signed(row['slope'], 3)} {scale.unit} per trial (95 % {ends})"
+        text += f": {'it changed the ratings' if row['p'] <= ALPHA else 'no effect is shown'}"
+        said.append(f"{text}; here it is confounded with {names[row['or']].lower()}." if "or" in row else f"{text}.")
+    return said
 
 
 def sentence_of_copied(row: Row) -> str:
     """Describe rows that two parts share."""
     first, second = row["parts"]
     doubles = listed([f"{pair['second']} = {pair['first']}" for pair in row["rows"]])
-    chance = (
-        f"Drawn independently, that many would occur in {100 * row['by_chance']:.2g} % of studies; within the parts "
-        f"{row['within']} of {row['within_of']} pairs of people are equal."
-    )
+    verdict = "That is no sign of copying; the parts are not pooled here."
     if row["by_chance"] <= ALPHA:
         verdict = (
             "Such rows were most likely copied, or come from the same people: the parts are not independent, and "
             "are not pooled here."
         )
-    else:
-        verdict = "That is no sign of copying; the parts are not pooled here."
     return (
         f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} "
         f"conditions that both parts have equal those of a row of {first} ({second} = {first}: {doubles}). "
-        f"{chance} {verdict}"
+        f"Drawn independently, that many would occur in {100 * row['by_chance']:.2g} % of studies; within the parts "
+        f"{row['within']} of {row['within_of']} pairs of people are equal. {verdict}"
     )
 
 
 def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
     """Describe a published figure against the data."""
-    source = f"{title}" + (f" ({row['where']})" if row["where"] else "")
+    source, latency_ms = f"{title} ({row['where']})" if row["where"] else title, row["latency_ms"]
     if "why_not" in row:
-        figure = f"{row['latency_ms']:g} ms" if row["difference"] is None else signed(row["difference"], 3)
+        figure = f"{latency_ms:g} ms" if row["difference"] is None else signed(row["difference"], 3)
         return f"{row['part']}: {source} says {figure}; {row['why_not']}."
-    at = (
-        f"{row['part']}, {row['latency_ms']:g} ms"
-        if row["latency_ms"] is not None
-        else f"{row['part']}, {pair_text(row['baseline'], row['condition'])}"
-    )
+    pair = pair_text(row["baseline"], row["condition"])
+    at = f"{row['part']}, {pair if latency_ms is None else f'{latency_ms:g} ms'}"
     if row["difference"] is None:
         return f"{at}: {source} names it, and it was rated."
     figure = f"{row['difference']:+.3f}".rstrip("0").rstrip(".")
@@ -309,27 +279,25 @@ def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
 
 
 def sentence_of_reference(row: Row | None) -> str:
-    """Say how people rated the hidden reference among their other ratings; ties are ties."""
+    """Say how people rated the hidden reference among their other ratings; ties are ties.
+
+    "3 of 5 who rated the hidden reference rated it better than and 2 the same as ..".
+    """
     if row is None:
         return "Without a hidden reference the ratings do not show who judged with care."
     if not row["rated"]:
         return "The hidden reference was not rated."
-    texts = [f"{_reference_votes(row)} the median of their other ratings."]
-    if row["flat"]:
-        texts.append(f"{row['flat']} of them gave everything the same rating, which shows nothing.")
-    if row["missed"]:
-        texts.append(f"Worse: {listed(row['missed'])}.")
-        texts.append("Their ratings are kept; the comparisons without them are listed as well.")
-    return " ".join(texts)
-
-
-def _reference_votes(row: Row) -> str:
-    """Return "3 of 5 who rated the hidden reference rated it better than and 2 the same as"."""
     counts = {"better than": row["better"], "the same as": row["same"], "worse than": len(row["missed"])}
     (way, most), *others = ((way, count) for way, count in counts.items() if count)
     who = f"{most} of {row['rated']}" if others else {1: "The only participant", 2: "Both"}.get(most, f"All {most}")
-    ways = [f"{who} who rated the hidden reference rated it {way}"]
-    return listed([*ways, *(f"{count} {way}" for way, count in others)])
+    first = f"{who} who rated the hidden reference rated it {way}"
+    text = f"{listed([first, *(f'{count} {way}' for way, count in others)])} the median of their other ratings."
+    if row["flat"]:
+        text += f" {row['flat']} of them gave everything the same rating, which shows nothing."
+    if row["missed"]:
+        text += f" Worse: {listed(row['missed'])}. Their ratings are kept; "
+        text += "the comparisons without them are listed as well."
+    return text
 
 
 def sentence_of_preference(row: Row) -> str:
@@ -340,27 +308,17 @@ def sentence_of_preference(row: Row) -> str:
     votes += f", neither in {row['neither']}" if row["neither"] else ""
     if not given:
         votes = f"{where}'{row['condition']}' and '{row['baseline']}' were not shown together"
-    size = f"{signed(row['jod'])} JOD"
+    size, tested = f"{signed(row['jod'])} JOD", ""
+    if row["p"] is not None:
+        of = f" after Holm over {row['holm_of']}" if row["holm_of"] > 1 else ""
+        alike = "" if row["holm"] <= ALPHA else ", not significant at 5 %"
+        tested = f" {counted(row['people'], 'person')} who saw both: exact {p_is(row['holm'])}{of}{alike}."
     if row["low"] is None:
-        return f"{votes}; {size}, from fewer than {LEAST_PEOPLE} people, who give no interval.{_tested(row)}"
+        return f"{votes}; {size}, from fewer than {LEAST_PEOPLE} people, who give no interval.{tested}"
     size += f" (95 % {signed(row['low'])} to {signed(row['high'])})"
     share = f"{row['share']:.0%} of choices would go to it ({row['share_low']:.0%} to {row['share_high']:.0%})"
     shown = "" if row["low"] > 0 or row["high"] < 0 else ": no difference is shown"
-    return f"{votes}; {size}: {share}{shown}.{_tested(row)}"
-
-
-def _tested(row: Row) -> str:
-    if row["p"] is None:
-        return ""
-    of = f" after Holm over {row['holm_of']}" if row["holm_of"] > 1 else ""
-    people = f"{counted(row['people'], 'person')} who saw both: exact {p_is(row['holm'])}{of}"
-    return f" {people}{'' if row['holm'] <= ALPHA else ', not significant at 5 %'}."
-
-
-def sentence_of_places(found: Row) -> str:
-    """Say how often the first of a pair was chosen."""
-    chosen = found["answers"] - found["ties"]
-    return f"The first of a pair was chosen {found['first']} times in {counted(chosen, 'choice')}."
+    return f"{votes}; {size}: {share}{shown}.{tested}"
 
 
 def said_of_preferences(parts: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -368,6 +326,8 @@ def said_of_preferences(parts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     for found in parts:
         for row in found["comparisons"]:
             row["sentence"] = sentence_of_preference(row)
-        said = [*(row["sentence"] for row in found["comparisons"]), sentence_of_places(found)]
+        chosen = counted(found["answers"] - found["ties"], "choice")
+        first = f"The first of a pair was chosen {found['first']} times in {chosen}."
+        said = [*(row["sentence"] for row in found["comparisons"]), first]
         found["sentences"] = said if found["answers"] else ["No pair was compared."]
     return parts

@@ -27,10 +27,9 @@ from ..export.export_rows import (
     NOT_ASKED,
     SessionData,
     answer_row,
-    declined,
     of_origin,
     sessions_of,
-    unconsented,
+    without_consent,
 )
 from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
@@ -188,7 +187,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         session, judged = data.session, []
         scored = {scale.name for scale in data.plan.scales if scale.kind == RATING}
         for ask in data.asks.values():
-            row = answer_row(design, data, ask, data.last(ask)) | {"place": ask.trial}
+            row = answer_row(design, data, ask) | {"place": ask.trial}
             row["why_missing"] = _WHY.get(row["why_missing"] or "", "")
             if ask.scale.kind == PREFERENCE:
                 rows["preferences"].append(
@@ -251,10 +250,11 @@ def _notes(contents: Contents, kept: Contents, design: Design, origin: str) -> I
         yield f"The study's file was changed after {those}; each is read by the plan that it ran with."
     if again:
         yield f"Participants with more than one session: {again}; their ratings of a condition are averaged."
-    if count := declined(contents, origin):
-        yield f"Declined to take part, and counted nowhere else: {count}."
-    if count := unconsented(contents, origin):
-        yield f"Left before the consent was given, and counted nowhere else: {count}."
+    refused, never = without_consent(contents, origin)
+    if refused:
+        yield f"Declined to take part, and counted nowhere else: {refused}."
+    if never:
+        yield f"Left before the consent was given, and counted nowhere else: {never}."
     if contents.withdrawn:
         yield f"Withdrawn, with all data erased: {contents.withdrawn}."
 

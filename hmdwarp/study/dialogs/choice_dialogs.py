@@ -403,7 +403,7 @@ class QuestionDialog:
                 self._answer(value)
 
     def _point(self, place: tuple[float, float], *, pressed: bool) -> None:
-        """Move the marker to the mouse; confirm what is under a click, or do what its button says."""
+        """Move the marker to the mouse; confirm the value under a click, or press its button."""
         panel = self.panel()
         button, value = panel.button_at(*place), panel.value_at(*place)
         if not pressed:

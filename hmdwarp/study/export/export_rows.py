@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 import io
 import json
 import re
 import tomllib
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path, PurePath
@@ -156,11 +156,8 @@ def csv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> st
 
 def tsv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> str:
     """Return TSV: tabs, LF. TSV has no quotes, so tabs and line ends in a value become spaces."""
-    flat = (
-        {name: " ".join(value.split()) if isinstance(value, str) else value for name, value in row.items()}
-        for row in rows
-    )
-    return _text(flat, columns, "\t", "\n")
+    rows = [{name: " ".join(v.split()) if isinstance(v, str) else v for name, v in row.items()} for row in rows]
+    return _text(rows, columns, "\t", "\n")
 
 
 def _text(
@@ -173,41 +170,25 @@ def _text(
     return stream.getvalue()
 
 
-def has_parquet() -> bool:
-    """Return whether pyarrow is installed."""
-    return importlib.util.find_spec("pyarrow") is not None
-
-
 def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], title: str) -> None:
     """Write typed columns, nulls for missing values, and descriptions as metadata.
 
     Errors: MachineError where pyarrow is missing; OSError.
     """
     pa, parquet = import_extra("pyarrow", "pyarrow", "study"), import_extra("pyarrow.parquet", "pyarrow", "study")
-    types = {NUMBER: pa.float64(), INTEGER: pa.int64(), FLAG: pa.bool_()}
-    fields = [pa.field(c.name, types.get(c.type, pa.string()), metadata=_metadata(c)) for c in columns]
+    kinds = {NUMBER: (pa.float64(), float), INTEGER: (pa.int64(), int), FLAG: (pa.bool_(), bool)}
+    fields, arrays = [], []
+    for column in columns:
+        type_, of = kinds.get(column.type, (pa.string(), str))
+        levels = json.dumps(dict(column.levels)) if column.levels else ""
+        about = {"description": column.description, "units": column.units, "levels": levels}
+        fields.append(pa.field(column.name, type_, metadata={name: text for name, text in about.items() if text}))
+        values = [row.get(column.name) for row in rows]
+        arrays.append(pa.array([None if value in (None, "") else of(value) for value in values], type_))
     schema = pa.schema(fields, metadata={"title": title, "made_by": f"hmdwarp {__version__}", "missing": "null"})
-    arrays = [
-        pa.array([_typed(c, row.get(c.name)) for row in rows], field.type)
-        for c, field in zip(columns, fields, strict=True)
-    ]
     with path.open("wb") as file:
         # Not compressed, so that a search through the bytes finds an erased participant's data.
         parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), file, compression="none")
-
-
-def _metadata(column: Column) -> dict[str, str]:
-    levels = json.dumps(dict(column.levels)) if column.levels else ""
-    found = {"description": column.description, "units": column.units, "levels": levels}
-    return {name: value for name, value in found.items() if value}
-
-
-def _typed(column: Column, value: Any) -> Any:
-    if value is None or value == "":
-        return None
-    if column.type == NUMBER:
-        return float(value)
-    return value if column.type in (INTEGER, FLAG) else str(value)
 
 
 Row = dict[str, Any]
@@ -221,12 +202,12 @@ INPUT_EVENTS = (RUN_EVENTS[0], *columns_in("input_events"), *_OF_TRIAL, *columns
 
 def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
     """Return rows by INPUT_EVENTS. start_ns: of the recording, on the inputs' clock."""
-    names = [column.name for column in columns_in("inputs")]
-    return [
-        {"onset": round((each.time_ns - start_ns) * 1e-9, _DIGITS), "duration": 0}
-        | dict(zip(names, (each.action, each.target, *each.origin_m, *each.direction), strict=True))
-        for each in sorted(done, key=lambda each: each.time_ns)
-    ]
+    names = ("onset", "duration", *(column.name for column in columns_in("inputs")))
+    values = (
+        (round((one.time_ns - start_ns) * 1e-9, _DIGITS), 0, one.action, one.target, *one.origin_m, *one.direction)
+        for one in sorted(done, key=lambda one: one.time_ns)
+    )
+    return [dict(zip(names, row, strict=True)) for row in values]
 
 
 def onset_s(session: Session, showing: Showing) -> float | None:
@@ -261,22 +242,8 @@ class SessionData:
     plan: Design  # that it ran with
     asks: Mapping[str, Ask]  # all planned questions, by key
     shows: Mapping[str, Show]  # all planned showings, by key
-    answers: Mapping[str, tuple[Answer, ...]]  # every revision, by key, in order
+    answers: Mapping[str, Answer]  # the last revision, which counts, by key
     showings: Mapping[int, Showing]  # by id
-
-    @property
-    def judged(self) -> dict[int, Show]:
-        """The showing that the questions of each trial are about, by trial: its last one."""
-        return {show.trial: show for show in self.shows.values() if show.trial}
-
-    def previous(self, show: Show) -> str | None:
-        """Return the condition that was judged before a trial; None for the first."""
-        before = self.judged.get(show.trial - 1)
-        return None if before is None else before.condition.name
-
-    def last(self, ask: Ask) -> Answer | None:
-        """Return the answer that counts, None without one."""
-        return self.answers.get(ask.key, (None,))[-1]
 
 
 def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
@@ -286,6 +253,12 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     Errors: InputError for a session of another plan.
     """
     read: dict[str, Design] = {design.text: design}
+    answers, showings = defaultdict[int, dict[str, Answer]](dict), defaultdict[int, dict[int, Showing]](dict)
+    for answer in sorted(contents.answers, key=lambda answer: (answer.revision, answer.id)):
+        answers[answer.session][answer.key] = answer
+    for showing in contents.showings:
+        showings[showing.session][showing.id] = showing
+    found = []
     for session in contents.sessions:
         if session.plan not in read:
             try:
@@ -295,7 +268,19 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
                     f"session {session.number} of participant {session.code} ran with a plan that this hmdwarp cannot "
                     f"read ({error}): export it with hmdwarp {session.facts.get('hmdwarp', '0.2')}, which ran it"
                 ) from error
-    return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
+        plan = read[session.plan]
+        try:
+            steps_of(design, session.order, session.part)
+            steps = steps_of(plan, session.order, session.part)
+        except StopIteration as error:
+            raise InputError(
+                f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
+                "this plan lacks: use the study file that the sessions ran with"
+            ) from error
+        asks = {step.key: step for step in steps if isinstance(step, Ask)}
+        shows = {step.key: step for step in steps if isinstance(step, Show)}
+        found.append(SessionData(session, plan, asks, shows, answers[session.id], showings[session.id]))
+    return tuple(found)
 
 
 def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
@@ -313,32 +298,19 @@ def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     chosen = (session for session in contents.sessions if session.origin == origin and session.consented)
     sessions = tuple(sorted(chosen, key=lambda session: (session.sub, session.number)))
     ids = {session.id for session in sessions}
-    return attrs.evolve(
-        contents,
-        sessions=sessions,
-        answers=tuple(answer for answer in contents.answers if answer.session in ids),
-        showings=tuple(showing for showing in contents.showings if showing.session in ids),
-        events=tuple(event for event in contents.events if event.session in ids),
-    )
-
-
-def declined(contents: Contents, origin: str = PERSON) -> int:
-    """Return how many of that origin declined to take part, and did not take part later."""
-    return len(_without_consent(contents, origin, declined=True))
-
-
-def unconsented(contents: Contents, origin: str = PERSON) -> int:
-    """Return how many more of that origin never gave the consent, nor refused it."""
-    return len(_without_consent(contents, origin) - _without_consent(contents, origin, declined=True))
-
-
-def _without_consent(contents: Contents, origin: str, *, declined: bool = False) -> set[str]:
-    """Return who took no part. declined: only those who refused the consent."""
-    of_them = [session for session in contents.sessions if session.origin == origin]
-    some = {
-        session.sub for session in of_them if not session.consented and (session.status == DECLINED or not declined)
+    kept: dict[str, Any] = {
+        name: tuple(row for row in getattr(contents, name) if row.session in ids)
+        for name in ("answers", "showings", "events")
     }
-    return some - {session.sub for session in of_them if session.consented}
+    return attrs.evolve(contents, sessions=sessions, **kept)
+
+
+def without_consent(contents: Contents, origin: str = PERSON) -> tuple[int, int]:
+    """Return how many of that origin refused the consent, and how many more never gave it."""
+    of_them = [session for session in contents.sessions if session.origin == origin]
+    took_part = {session.sub for session in of_them if session.consented}
+    refused = {session.sub for session in of_them if session.status == DECLINED} - took_part
+    return len(refused), len({session.sub for session in of_them} - took_part - refused)
 
 
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
@@ -347,16 +319,12 @@ def answer_rows(contents: Contents, design: Design) -> list[Row]:
     A missing answer has a row with the reason. Of revised answers only the last one counts.
     Errors: as sessions_of.
     """
-    return [
-        answer_row(design, data, ask, data.last(ask))
-        for data in sessions_of(contents, design)
-        for ask in data.asks.values()
-    ]
+    return [answer_row(design, data, ask) for data in sessions_of(contents, design) for ask in data.asks.values()]
 
 
-def long_rows(answers: Iterable[Row]) -> list[Row]:
-    """Return the ratings and choices after trials: the rows of the long table, by LONG_COLUMNS."""
-    return [row for row in answers if row["phase"] == "trial" and row["kind"] in (RATING, PREFERENCE)]
+def is_rated(row: Row) -> bool:
+    """Return whether it is a row of the long table: of a rating or choice after a trial."""
+    return row["phase"] == "trial" and row["kind"] in (RATING, PREFERENCE)
 
 
 def score_rows(contents: Contents, design: Design) -> list[Row]:
@@ -366,46 +334,29 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
         for phase, scales in (("before", data.plan.before), ("after", data.plan.after)):
             for scale in scales:
                 asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
-                last = [(ask, data.last(ask)) for ask in asked]
-                values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
-                base = answer_row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
+                given = {ask.item.key: data.answers.get(ask.key) for ask in asked}
+                values = {key: None if answer is None else answer.value for key, answer in given.items()}
+                base = answer_row(design, data, asked[0]) | {"seconds_to_answer": None, "revision": None}
                 for name, value in scored(scale, values).items():
                     why = None if value is not None else NOT_ALL
                     rows.append(base | {"item": name, "value": value, "kind": "score", "why_missing": why})
     return rows
 
 
-def _session_data(contents: Contents, design: Design, session: Session, plan: Design) -> SessionData:
-    try:
-        steps_of(design, session.order, session.part)
-        steps = steps_of(plan, session.order, session.part)
-    except StopIteration as error:
-        raise InputError(
-            f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
-            "this plan lacks: use the study file that the sessions ran with"
-        ) from error
-    answers: dict[str, list[Answer]] = {}
-    for answer in sorted(
-        (answer for answer in contents.answers if answer.session == session.id),
-        key=lambda answer: (answer.revision, answer.id),
-    ):
-        answers.setdefault(answer.key, []).append(answer)
-    return SessionData(
-        session,
-        plan,
-        {step.key: step for step in steps if isinstance(step, Ask)},
-        {step.key: step for step in steps if isinstance(step, Show)},
-        {key: tuple(revisions) for key, revisions in answers.items()},
-        {showing.id: showing for showing in contents.showings if showing.session == session.id},
-    )
+def answer_row(design: Design, data: SessionData, ask: Ask) -> Row:
+    """Return the row of a planned question.
 
-
-def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
-    session = data.session
-    show = data.shows.get(ask.about)
-    showing = _showing(data, ask, answer)
+    Figures of a showing are of that which the answer is about, without one of the last complete one.
+    """
+    session, answer, show = data.session, data.answers.get(ask.key), data.shows.get(ask.about)
+    if answer is not None and answer.showing is not None:
+        showing = data.showings.get(answer.showing)
+    else:
+        whole = [one for one in data.showings.values() if one.key == ask.about and one.complete]
+        showing = whole[-1] if whole else None
     value = None if answer is None else answer.value
     text = None if answer is None else ask.scale.words_for(ask.item, value, answer.text)
+    why = NOT_ASKED if session.status == COMPLETE else f"session {session.status}"
     return {
         "study": design.name,
         "participant": session.sub,
@@ -423,15 +374,12 @@ def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | Non
         "value": value,
         "text": text,
         "low_is_good": None if ask.item.answer else ask.scale.low_is_good,
-        "why_missing": None if value is not None or text else _why(session, answer),
+        "why_missing": None if value is not None or text else why if answer is None else CANNOT_SAY,
         "seconds_to_answer": None if answer is None else _measured("seconds_to_answer", answer.seconds),
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
         "answered_by": None if answer is None else answer.by,
-        **{
-            f"actual_{name}": _measured(f"actual_{name}", value)
-            for name, value in ({} if showing is None else showing.actual).items()
-        },
+        **({} if showing is None else {f"actual_{k}": _measured(f"actual_{k}", v) for k, v in showing.actual.items()}),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
     }
 
@@ -449,32 +397,14 @@ def _measured(column: str, value: Any) -> Any:
     return round(value, digits) if digits is not None and isinstance(value, float) else value
 
 
-def _why(session: Session, answer: Answer | None) -> str:
-    if answer is not None:
-        return CANNOT_SAY
-    return NOT_ASKED if session.status == COMPLETE else f"session {session.status}"
-
-
-def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | None:
-    """Return the showing that an answer is about; without an answer the last complete one."""
-    if answer is not None and answer.showing is not None:
-        return data.showings.get(answer.showing)
-    whole = [showing for showing in data.showings.values() if showing.key == ask.about and showing.complete]
-    return whole[-1] if whole else None
-
-
 def _shown(data: SessionData, show: Show | None) -> Row:
+    """Return what was judged: the last showing of a trial, which its questions are about."""
     if show is None:
-        return {"trial": None, "block": None, "repeat": None, "condition": None, "reference": None, "previous": None}
-    return {
-        "trial": show.trial,
-        "block": show.block,
-        "repeat": show.repeat,
-        "condition": show.condition.name,
-        "reference": show.condition.reference,
-        "previous": data.previous(show),
-        **settings_row(show.condition.settings),
-    }
+        return dict.fromkeys(("trial", "block", "repeat", "condition", "reference", "previous"))
+    judged = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
+    about = {"trial": show.trial, "block": show.block, "repeat": show.repeat, "condition": show.condition.name}
+    about |= {"reference": show.condition.reference, "previous": judged.get(show.trial - 1)}
+    return about | settings_row(show.condition.settings)
 
 
 def settings_row(settings: Mapping[str, object]) -> Row:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime, timedelta
@@ -20,30 +21,8 @@ from ...scenes import inputs_beside, read_inputs
 from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents, Session, Showing
-from .export_rows import (
-    EVENTS,
-    INPUT_EVENTS,
-    RUN_EVENTS,
-    Column,
-    Row,
-    all_scales,
-    answer_rows,
-    columns_for,
-    columns_in,
-    csv_text,
-    declined,
-    event_rows,
-    has_parquet,
-    input_rows,
-    label_of,
-    long_rows,
-    of_origin,
-    score_rows,
-    sessions_of,
-    tsv_text,
-    unconsented,
-    write_parquet,
-)
+from . import export_rows as tables
+from .export_rows import Column, Row, columns_for, columns_in, tsv_text
 
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.
@@ -61,30 +40,22 @@ _NO_CHANNELS = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "VEL")
 _UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
 
 
-@attrs.frozen
-class TrackingSystem:
-    """What led the head of a showing."""
+def tracking_system(facts: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Return what led the head of a showing, from the facts of a session.
 
-    label: str  # for tracksys-<label>
-    name: str
-    model: str = ""  # of the device, "" where there is none
-
-    @classmethod
-    def of(cls, facts: Mapping[str, Any]) -> TrackingSystem:
-        """Read it from the facts of a session. The headset of a window is only emulated.
-
-        A trace's file name stays private: it may name a person.
-        """
-        display = facts.get("display", {})
-        if facts.get("trace"):
-            axes = facts.get("trace_axes")
-            return cls("trace", f"head trace, replayed{f'; its axes: {axes}' if axes else ''}")
-        if facts.get("source") == OPENXR:
-            model = display.get("headset", "")
-            return cls("hmd", f"{model or 'headset'}, by OpenXR runtime {_runtime(display) or 'unknown'}", model)
-        if facts.get("source") == DESKTOP:
-            return cls("mouse", "mouse and keyboard of a desktop window")
-        return cls("unknown", "not recorded")
+    That is a label for tracksys-<label>, a name, and the model of the device, "" where there is
+    none: the headset of a window is only emulated. A trace's file name stays private: it may name a
+    person.
+    """
+    display, axes = facts.get("display", {}), facts.get("trace_axes")
+    if facts.get("trace"):
+        return "trace", f"head trace, replayed{f'; its axes: {axes}' if axes else ''}", ""
+    if facts.get("source") == OPENXR:
+        model = display.get("headset", "")
+        return "hmd", f"{model or 'headset'}, by OpenXR runtime {_runtime(display) or 'unknown'}", model
+    if facts.get("source") == DESKTOP:
+        return "mouse", "mouse and keyboard of a desktop window", ""
+    return "unknown", "not recorded", ""
 
 
 @attrs.frozen
@@ -120,10 +91,8 @@ def motion_text(track: PoseTrack) -> str:
     every digit.
     """
     stream = io.StringIO()
-    times = (track.time_ns - track.start_ns).tolist()
-    for time_ns, position, orientation in zip(
-        times, track.position_m.tolist(), track.orientation_xyzw.tolist(), strict=True
-    ):
+    columns = (track.time_ns - track.start_ns, track.position_m, track.orientation_xyzw)
+    for time_ns, position, orientation in zip(*(column.tolist() for column in columns), strict=True):
         whole, micro = divmod((time_ns + 500) // 1000, 1_000_000)
         stream.write("\t".join((f"{whole}.{micro:06d}", *map(repr, position), *map(repr, orientation))) + "\n")
     return stream.getvalue()
@@ -135,13 +104,13 @@ def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, A
     task: TaskName and other fields of the task. facts: of the session; only versions and what led
     the head are used.
     """
-    rates, system = Rates.of(track), TrackingSystem.of(facts)
+    rates, (_, system, model) = Rates.of(track), tracking_system(facts)
     return {
         **task,
         "SamplingFrequency": round(rates.nominal_hz, 6),
         "SamplingFrequencyEffective": round(rates.effective_hz, 6),
         "SamplingDescription": rates.describe(),
-        "TrackingSystemName": system.name,
+        "TrackingSystemName": system,
         "RecordingDuration": round(track.duration_ns * 1e-9, 6),
         "MotionChannelCount": len(CHANNELS),
         "LATENCYChannelCount": 1,
@@ -152,7 +121,7 @@ def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, A
         "MissingValues": "n/a",
         "SubjectArtefactDescription": "n/a",
         "Manufacturer": "n/a",
-        "ManufacturersModelName": system.model or "n/a",
+        "ManufacturersModelName": model or "n/a",
         "DeviceSerialNumber": "n/a",  # would identify the machine
         "SoftwareVersions": software(facts.get("hmdwarp", ""), facts.get("display", {})),
     }
@@ -196,14 +165,6 @@ PARTICIPANTS = columns_in("participants")
 SCANS = columns_in("scans")
 
 
-@attrs.frozen
-class MotionFiles:
-    """Outcome of the export of head motion."""
-
-    written: int
-    left_out: tuple[str, ...]  # reasons
-
-
 def write_bids(
     out: OutputFolder,
     contents: Contents,
@@ -213,23 +174,21 @@ def write_bids(
     progress: Progress,
     *,
     motion: bool = True,
-) -> MotionFiles:
+) -> tuple[int, list[str]]:
     """Write the data set, with the head motion if `motion`.
 
     contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
+    Returns how many recordings were written, and why others were left out.
     """
-    shows = {data.session.id: data.shows for data in sessions_of(contents, design)}
-    tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
+    shows = {data.session.id: data.shows for data in tables.sessions_of(contents, design)}
+    tree = _Tree(out, contents, design, tables.label_of(design.name), tables.all_scales(contents, design), shows)
     tree.head(readme)
     # One that was cut off was repeated, and no answer is about it: its poses stay in the store.
     recorded = [showing for showing in contents.showings if motion and showing.complete and showing.trace]
-    written = 0
-    left_out: list[str] = []
+    written, left_out = 0, list[str]()
     for session in contents.sessions:
-        files = tree.behaviour(
-            session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
-        )
-        tree.events(session)
+        own = [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
+        files = tree.behaviour(session, own)
         for showing in (showing for showing in recorded if showing.session == session.id):
             try:
                 files.append(tree.motion(session, showing, len(files)))
@@ -238,7 +197,7 @@ def write_bids(
                 left_out.append(f"{showing.trace}: {str(error).splitlines()[0]}")
             progress(written + len(left_out), len(recorded))
         tree.scans(session, files)
-    return MotionFiles(written, tuple(left_out))
+    return written, left_out
 
 
 @attrs.frozen
@@ -271,29 +230,27 @@ class _Tree:
             "status": sessions[-1].status,
         } for sub, sessions in sorted(people.items())]  # fmt: skip
         self._text("participants.tsv", tsv_text(rows, PARTICIPANTS))
-        self._json("participants.json", {**sidecar(PARTICIPANTS), **self._withdrawn()})
-
-    def _withdrawn(self) -> dict[str, Any]:
-        """Count withdrawn people, whose origin the store no longer knows."""
-        if not self.contents.withdrawn or any(session.origin != PERSON for session in self.contents.sessions):
-            return {}
-        text = f"{self.contents.withdrawn} withdrew; all their data were erased"
-        return {"Withdrawn": {"Description": text, "Count": self.contents.withdrawn}}
+        gone, side = self.contents.withdrawn, sidecar(PARTICIPANTS)
+        if gone and all(session.origin == PERSON for session in self.contents.sessions):  # their origin is not known
+            side["Withdrawn"] = {"Description": f"{gone} withdrew; all their data were erased", "Count": gone}
+        self._json("participants.json", side)
 
     def behaviour(self, session: Session, rows: Sequence[Row]) -> list[Row]:
-        """Write all answers of a session; return the rows for _scans.tsv."""
-        name = f"beh/{self._stem(session)}_beh"
+        """Write all answers of a session, and its trials with their times since it began.
+
+        Returns the rows for _scans.tsv.
+        """
+        stem = f"beh/{self._stem(session)}"
         columns = columns_for(rows, ("phase", "kind", *(["text"] if any(row["text"] for row in rows) else [])))
-        self._text(f"{self._folder(session)}/{name}.tsv", tsv_text(rows, columns))
-        self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
-        return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
-
-    def events(self, session: Session) -> None:
-        """Write the trials of a session, with their times since it began."""
+        self._text(f"{self._folder(session)}/{stem}_beh.tsv", tsv_text(rows, columns))
+        self._json(f"{self._folder(session)}/{stem}_beh.json", self._task(session) | sidecar(columns, self.scales))
         shown = (showing for showing in self.contents.showings if showing.session == session.id and showing.complete)
-        self._events(session, f"beh/{self._stem(session)}", event_rows(session, self.shows[session.id], shown))
+        self._events(session, stem, tables.event_rows(session, self.shows[session.id], shown))
+        return [{"filename": f"{stem}_beh.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]
 
-    def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
+    def _events(
+        self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = tables.EVENTS
+    ) -> None:
         self._text(f"{self._folder(session)}/{stem}_events.tsv", tsv_text(rows, columns))
         machine = session.facts.get("machine", {})
         system = " ".join(str(machine[key]) for key in ("system", "release") if key in machine)
@@ -315,13 +272,13 @@ class _Tree:
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
         facts = self._facts(session, showing)
-        events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
-        columns = RUN_EVENTS
+        events = [row | {"onset": 0.0} for row in tables.event_rows(session, self.shows[session.id], [showing])]
+        columns = tables.RUN_EVENTS
         if acted.is_file():
-            events += input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
-            columns = INPUT_EVENTS
+            events += tables.input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+            columns = tables.INPUT_EVENTS
         self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, columns)
-        stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
+        stem = f"motion/{self._stem(session)}_tracksys-{tracking_system(facts)[0]}_run-{run:02d}"
         folder = self._folder(session)
         self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))
         self._json(f"{folder}/{stem}_motion.json", motion_json(track, self._task(session), facts))
@@ -337,14 +294,11 @@ class _Tree:
 
     def _facts(self, session: Session, showing: Showing) -> Mapping[str, Any]:
         """Return the facts of the run of the program that showed it; a session may be resumed."""
-        facts = session.facts
+        facts, shown = session.facts, (showing.key, showing.presentation)
         for event in self.contents.events:  # in their order: the clock may have been set back meanwhile
             if event.session != session.id:
                 continue
-            if event.kind == "showing" and (event.key, event.data["presentation"]) == (
-                showing.key,
-                showing.presentation,
-            ):
+            if event.kind == "showing" and (event.key, event.data["presentation"]) == shown:
                 break
             facts = (event.kind == "resume" and event.data) or facts
         return facts
@@ -355,13 +309,12 @@ class _Tree:
         self._text(f"{name}.tsv", tsv_text(files, SCANS))
         self._json(f"{name}.json", sidecar(SCANS))
 
-    def _task(self, session: Session) -> dict[str, str]:
+    def _task(self, session: Session) -> dict[str, Any]:
+        asked = (scale.prompt or scale.items[0].text for scale in self.design.scales)
         return {
             "TaskName": self.design.name,
             "TaskDescription": f"{self.design.title} Conditions are shown one after the other, and rated after each.",
-            "Instructions": " ".join(
-                ["After each trial:", *(scale.prompt or scale.items[0].text for scale in self.design.scales)]
-            ),
+            "Instructions": " ".join(["After each trial:", *asked]),
             "SoftwareVersions": software(session.facts.get("hmdwarp", __version__), session.facts.get("display", {})),
         }
 
@@ -461,31 +414,31 @@ def export(
     missing.
     """
     options = options or ExportOptions()
-    kept = of_origin(contents, options.origin)
+    kept = tables.of_origin(contents, options.origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, options.origin, "export"))
-    if not options.force:
-        _refuse_full(out)
-    answers = answer_rows(kept, design)
-    ratings = long_rows(answers)
+    if not options.force and out.is_dir() and any(out.iterdir()):
+        raise InputError(
+            f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; "
+            "choose another folder, or replace it with --force"
+        )
+    answers = tables.answer_rows(kept, design)
+    ratings = [row for row in answers if tables.is_rated(row)]
     with OutputFolder(out, owned=OWNED, last="README", force=options.force, private=True) as folder:
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
-            notes.append(
-                f"the study's file was changed after {counted(changed, 'session')}: each is written by the plan it "
-                "ran with"
-            )
-        if count := declined(contents, options.origin):
-            notes.append(f"{counted(count, 'person')} declined to take part: in no table")
-        if count := unconsented(contents, options.origin):
-            notes.append(f"{counted(count, 'person')} left before the consent was given: in no table")
+            ran = "each is written by the plan it ran with"
+            notes.append(f"the study's file was changed after {counted(changed, 'session')}: {ran}")
+        said = ("declined to take part", "left before the consent was given")
+        for count, what in zip(tables.without_consent(contents, options.origin), said, strict=True):
+            notes += [f"{counted(count, 'person')} {what}: in no table"] if count else []
         notes += _tables(folder, kept, design, answers, ratings, options.parquet)
         text = _readme(design, kept, ratings, options)
-        rows = [*answers, *score_rows(kept, design)]
-        motion = write_bids(folder, kept, design, rows, text, progress, motion=options.motion)
-        recordings = f"with {counted(motion.written, 'recording')} of head motion: personal data"
+        rows = [*answers, *tables.score_rows(kept, design)]
+        written, left_out = write_bids(folder, kept, design, rows, text, progress, motion=options.motion)
+        recordings = f"with {counted(written, 'recording')} of head motion: personal data"
         notes.append(f"bids/: a BIDS data set {recordings if options.motion else 'without head motion'}")
-        notes += [f"left out: {why}" for why in motion.left_out]
+        notes += [f"left out: {why}" for why in left_out]
         folder.write_text("README", text)
     return Exported(Path(out), tuple(notes))
 
@@ -499,24 +452,16 @@ def _tables(
     parquet: bool | None,
 ) -> list[str]:
     columns = columns_for(ratings)
-    folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
+    folder.write_bytes("ratings.csv", tables.csv_text(ratings, columns).encode())
     described = columns_for(answers, ("phase", "kind", "text"))
-    folder.write_json("columns.json", sidecar(described, all_scales(contents, design)))
+    folder.write_json("columns.json", sidecar(described, tables.all_scales(contents, design)))
     notes = ["ratings.csv: one row for each rating"]
-    if parquet is None and not has_parquet():
+    if parquet is None and importlib.util.find_spec("pyarrow") is None:
         return [*notes, f"no ratings.parquet: the package pyarrow is not installed ({install_line('study')})"]
     if parquet is not False:
-        write_parquet(folder.path("ratings.parquet"), ratings, columns, design.title)
+        tables.write_parquet(folder.path("ratings.parquet"), ratings, columns, design.title)
         notes.append("ratings.parquet: the same with typed columns")
     return notes
-
-
-def _refuse_full(out: Path) -> None:
-    if out.is_dir() and any(out.iterdir()):
-        raise InputError(
-            f"{out}: exists and is not empty: an older export may hold participants who have withdrawn since; "
-            "choose another folder, or replace it with --force"
-        )
 
 
 def _counts(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
@@ -541,13 +486,16 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
     elif there:
         other = min(there)
         hint = f"it holds {other} ones: use --{other}"
-    elif none := declined(contents, origin) + unconsented(contents, origin):
+    elif none := sum(tables.without_consent(contents, origin)):
         hint = f"{counted(none, 'session')} ended without the consent, and count nowhere; {hint}"
     return f"{contents.folder}: no session of a {_ONE[origin]} to {verb}: {hint}"
 
 
 def _readme(design: Design, contents: Contents, ratings: Sequence[Row], options: ExportOptions) -> str:
-    scales = ", ".join(_scale_text(scale) for scale in design.scales)
+    scales = ", ".join(
+        f"{scale.name} ({scale.least:g} to {scale.most:g}, {scale.direction})" if scale.has_answers else scale.name
+        for scale in design.scales
+    )
     conditions = "\n".join(
         f"  {part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts
     )
@@ -574,9 +522,3 @@ date and no time of day: instants count from the beginning of a session, which B
 1925-01-01. {_OF_MOTION if options.motion else "It holds no head motion."}
 Participants who withdraw later must be erased here too, by hand: delete this folder and export again.
 """
-
-
-def _scale_text(scale: Scale) -> str:
-    if not scale.has_answers:
-        return scale.name
-    return f"{scale.name} ({scale.least:g} to {scale.most:g}, {'low' if scale.low_is_good else 'high'} is good)"

@@ -7,7 +7,7 @@ import math
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any
 
 import attrs
 import numpy as np
@@ -38,9 +38,9 @@ def table_of(seed: int, study: int, part: str, person: int, count: int) -> Float
     return _uniform(seed, study, part, person, 0, count)
 
 
-def draw_for(seed: int, part: str, person: int, thing: str, count: int = 1) -> Floats:
-    """Return uniform draws for one named thing of a session, independent of the person's table."""
-    return _uniform(seed, 0, part, person, 1 + zlib.crc32(thing.encode()), count)
+def draw_for(seed: int, part: str, person: int, thing: str) -> Floats:
+    """Return a uniform draw for one named thing of a session, independent of the person's table."""
+    return _uniform(seed, 0, part, person, 1 + zlib.crc32(thing.encode()), 1)
 
 
 def _uniform(seed: int, study: int, part: str, person: int, thing: int, count: int) -> Floats:
@@ -76,9 +76,8 @@ class RatingModel:
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
     carry_over: float = _within(-1, 1)
     missing: float = _within(0, 1)  # share of trials answered with "cannot say"
-    threshold: float = _within(
-        0, math.inf
-    )  # of a preference: a smaller difference is called none, where that is allowed
+    # Of a preference: a smaller difference is called none, where that is allowed.
+    threshold: float = _within(0, math.inf)
     # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
     # None: an error.
     mean: float | None = None
@@ -90,16 +89,11 @@ class RatingModel:
         where: the place in the file, for the error. Errors: InputError for a condition without one.
         """
         own = self.means.get(part.name)
-        table = own if isinstance(own, Mapping) else self.means
-        found = {
-            condition.name: table.get(condition.name, self.reference if condition.reference else self.mean)
-            for condition in part.conditions
-        }
-        lacking = [name for name, mean in found.items() if not isinstance(mean, float)]
-        if lacking:
-            raise InputError(
-                f"{where}: no mean for {', '.join(lacking)} of part '{part.name}': expected one for each condition"
-            )
+        table, others = own if isinstance(own, Mapping) else self.means, {True: self.reference, False: self.mean}
+        found = {one.name: table.get(one.name, others[one.reference]) for one in part.conditions}
+        if lacking := [name for name, mean in found.items() if not isinstance(mean, float)]:
+            wanted = f"of part '{part.name}': expected one for each condition"
+            raise InputError(f"{where}: no mean for {', '.join(lacking)} {wanted}")
         return np.array(list(found.values()))
 
     def latent(
@@ -135,24 +129,20 @@ class OtherRatings:
     def on(self, scale: Scale) -> RatingModel:
         """Return the model in the unit and the direction of a scale."""
         if scale.kind == PREFERENCE:  # in JOD, of which the noise defines the unit
-            return RatingModel(
-                condition_sd=PREFERENCE_JOD * self.condition_sd,
-                noise_sd=JOD_SPREAD / np.sqrt(2),
-                missing=self.missing,
-                threshold=PREFERENCE_JOD * self.condition_sd,
-                mean=-PREFERENCE_JOD * self.mean,
-                reference=-PREFERENCE_JOD * self.reference,
-            )
-        width = scale.most - scale.least
-        best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
+            best, way, noise_sd = 0.0, -PREFERENCE_JOD, JOD_SPREAD / np.sqrt(2)
+            of_kind: dict[str, Any] = {"threshold": PREFERENCE_JOD * self.condition_sd}
+        else:
+            width = scale.most - scale.least
+            best, way = (scale.least, width) if scale.low_is_good else (scale.most, -width)
+            noise_sd = width * self.noise_sd
+            of_kind = {"people_sd": width * self.people_sd, "drift": way * self.drift}
         return RatingModel(
-            people_sd=width * self.people_sd,
-            condition_sd=width * self.condition_sd,
-            noise_sd=width * self.noise_sd,
-            drift=way * self.drift,
+            condition_sd=abs(way) * self.condition_sd,
+            noise_sd=noise_sd,
             missing=self.missing,
             mean=best + way * self.mean,
             reference=best + way * self.reference,
+            **of_kind,
         )
 
 
@@ -195,16 +185,16 @@ class Model:
 
     def rating(self, scale: Scale) -> RatingModel:
         """Return the model of that scale. Errors: InputError where there is none."""
-        own, other = self.ratings.get(scale.name), None if self.others is None else self.others.on(scale)
-        if own is None and other is None:
-            known = ", ".join(self.ratings) or "none"
-            raise InputError(
-                f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}: "
-                "add it, or use the model quick, which answers every scale (docs/response-models.md)"
-            )
-        if own is None or other is None:
+        own, other = self.ratings.get(scale.name), self.others and self.others.on(scale)
+        if own and other:
+            return attrs.evolve(own, mean=other.mean, reference=other.reference)
+        if own or other:
             return own or other  # type: ignore[return-value]  # one of them is there
-        return attrs.evolve(own, mean=other.mean, reference=other.reference)
+        known = ", ".join(self.ratings) or "none"
+        raise InputError(
+            f"{self.path}: no [rating.{scale.name}], which the study asks for after each trial; there is {known}: "
+            "add it, or use the model quick, which answers every scale (docs/response-models.md)"
+        )
 
     def seconds(self, draw: float) -> float:
         """Return the time to an answer for a uniform draw."""
@@ -257,23 +247,24 @@ def load_model(name_or_path: str | Path) -> Model:
 
 def model_from_text(text: str, path: str) -> Model:
     """Make the model from a text. path: for messages. Errors: as load_model."""
-    return parsed(text, path, lambda data: _model(data, path), _EXAMPLE)
 
+    def made(data: Table) -> Model:
+        if (schema := data.raw("schema")) != SCHEMA:
+            raise data.fault("schema", f"is {schema!r}: expected {SCHEMA}, which this version of hmdwarp reads")
+        ratings, sickness = data.table("rating"), data.table("sickness") if "sickness" in data else Table({})
+        scales = {name: ratings.table(name) for name in ratings.keys()}  # noqa: SIM118  (a Table is no dict)
+        return Model(
+            path=path,
+            ratings={
+                name: RatingModel(_means(of.table("means")), **fields_in(of, RatingModel))
+                for name, of in scales.items()
+            },
+            others=OtherRatings(**fields_in(data.table("others"), OtherRatings)) if "others" in data else None,
+            sickness=SicknessModel(**fields_in(sickness, SicknessModel)),
+            **fields_in(data, Model),
+        )
 
-def _model(data: Table, path: str) -> Model:
-    if data.raw("schema") != SCHEMA:
-        raise data.fault("schema", f"is {data.raw('schema')!r}: expected {SCHEMA}, which this version of hmdwarp reads")
-    ratings, sickness = data.table("rating"), data.table("sickness") if "sickness" in data else Table({})
-    scales = {name: ratings.table(name) for name in ratings.keys()}  # noqa: SIM118  (a Table is no dict)
-    return Model(
-        path=path,
-        ratings={
-            name: RatingModel(_means(of.table("means")), **fields_in(of, RatingModel)) for name, of in scales.items()
-        },
-        others=OtherRatings(**fields_in(data.table("others"), OtherRatings)) if "others" in data else None,
-        sickness=SicknessModel(**fields_in(sickness, SicknessModel)),
-        **fields_in(data, Model),
-    )
+    return parsed(text, path, made, _EXAMPLE)
 
 
 def _means(table: Table, *, parts: bool = True) -> dict[str, object]:
@@ -310,10 +301,10 @@ class Population:
 
     def __init__(self, model: Model, design: Design, part: str) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
-        self._rows = rows_for(design, part)
+        rows = rows_for(design, part)
         self._names = {condition.name: number for number, condition in enumerate(self.part.conditions)}
         self._trials = trials_of(design, part)
-        self._orders = np.array([self._flat(row) for row in self._rows])
+        self._orders = np.array([self._flat(row) for row in rows])
         self._ratings = {scale.name: model.rating(scale) for scale in design.scales if scale.kind != QUESTIONNAIRE}
         self._means = {
             name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
@@ -325,23 +316,34 @@ class Population:
 
         orders: of each person; None allots them as the store does.
         """
-        drawn = _Draws.of(self, persons, seed, study)
-        trials, why, sickness = self._ends(drawn)
-        shown = (
-            self._orders[self._allotted(why)] if orders is None else np.array([self._flat(order) for order in orders])
-        )
-        first, order = np.moveaxis(shown, -1, 0)
-        over = np.arange(order.shape[1]) >= trials[:, None]
-        answers = {}
+        draws = self._draws(persons, seed, study)
+        trials, why, sickness = self._ends(draws)
+        flat = None if orders is None else np.array([self._flat(order) for order in orders])
+        first, order = np.moveaxis(self._orders[self._allotted(why)] if flat is None else flat, -1, 0)
+        over, answers = np.arange(order.shape[1]) >= trials[:, None], {}
         for number, scale in enumerate(self.design.scales):
-            if scale.name not in self._means:
-                continue
-            is_choice = scale.kind == PREFERENCE
-            felt = self._preferred(drawn, number, first, order) if is_choice else self._felt(drawn, number, order)
-            none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
-            answered = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
-            answers[scale.name] = np.where(none, np.nan, answered)
-        return Cohort(self.part, order, first, trials, why, answers, sickness, drawn.susceptible)
+            if scale.name in self._means:
+                none = over | (draws["missing"][:, number] < self._ratings[scale.name].missing)
+                answer = self._preferred if scale.kind == PREFERENCE else self._rated
+                answers[scale.name] = np.where(none, np.nan, answer(draws, number, first, order))
+        return Cohort(self.part, order, first, trials, why, answers, sickness, draws["susceptible"])
+
+    def _draws(self, persons: Sequence[int], seed: int, study: int) -> dict[str, Floats]:
+        """Return uniform draws of n people; a person's table is as long as the plan alone decides.
+
+        susceptible: (n). level: (n, scales). taste: (n, scales, conditions). sickness: (n, T + 1).
+        dropout: (n, T). noise, missing: (n, scales, T).
+        """
+        s, c, t = len(self.design.scales), len(self.part.conditions), self._trials
+        # The table is cut in this order, and that decides every answer.
+        shapes: dict[str, tuple[int, ...]] = {
+            **{"susceptible": (), "level": (s,), "taste": (s, c), "sickness": (t + 1,), "dropout": (t,)},
+            **{"noise": (s, t), "missing": (s, t)},
+        }
+        ends = np.cumsum([int(np.prod(shape)) for shape in shapes.values()])
+        table = np.stack([table_of(seed, study, self.part.name, person, int(ends[-1])) for person in persons])
+        cuts = zip(shapes.items(), np.split(table, ends[:-1], axis=1), strict=True)
+        return {name: cut.reshape(len(table), *shape) for (name, shape), cut in cuts}
 
     def _flat(self, order: Order) -> list[tuple[int, int]]:
         """Return the numbers of the conditions, trial by trial, over all repeats.
@@ -351,37 +353,36 @@ class Population:
         pairs = (pair_of(name) if self.design.shows == PAIR else (name, name) for names in order for name in names)
         return [(self._names[first], self._names[second]) for first, second in pairs]
 
-    def _felt(self, drawn: _Draws, number: int, order: Ints) -> Floats:
+    def _rated(self, draws: Mapping[str, Floats], number: int, _: Ints, order: Ints) -> Floats:
+        """Return (n, T) ratings; before the first trial its own condition counts."""
         scale = self.design.scales[number]
         means = self._means[scale.name][order]
-        taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
-        place = np.arange(order.shape[1])
-        return self._ratings[scale.name].latent(
-            means, _before(means), place, drawn.level[:, number, None], taste, drawn.noise[:, number]
-        )
+        before, place = np.concatenate([means[:, :1], means[:, :-1]], axis=1), np.arange(order.shape[1])
+        taste = np.take_along_axis(draws["taste"][:, number], order, axis=1)
+        level, noise = draws["level"][:, number, None], draws["noise"][:, number]
+        return on_scale(self._ratings[scale.name].latent(means, before, place, level, taste, noise), scale)
 
-    def _preferred(self, drawn: _Draws, number: int, first: Ints, second: Ints) -> Floats:
-        """Compute by how much each second condition is felt to be better than the first, in JOD."""
-        name = self.design.scales[number].name
-        rating, means = self._ratings[name], self._means[name]
+    def _preferred(self, draws: Mapping[str, Floats], number: int, first: Ints, second: Ints) -> Floats:
+        """Return (n, T) answers: by how much each second condition is felt to be better, in JOD.
+
+        Neither below the threshold, where allowed.
+        """
+        scale = self.design.scales[number]
+        rating, means = self._ratings[scale.name], self._means[scale.name]
 
         def at(order: Ints) -> Floats:
-            taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
+            taste = np.take_along_axis(draws["taste"][:, number], order, axis=1)
             return means[order] + rating.condition_sd * normal(taste)
 
-        return np.asarray(at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number]))
-
-    def _choice(self, felt: Floats, scale: Scale) -> Floats:
-        """Return the answers to a preference: neither below the threshold, where allowed."""
+        felt = at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(draws["noise"][:, number])
         chosen = np.where(felt > 0, SECOND, FIRST)
-        threshold = self._ratings[scale.name].threshold
-        return np.where(np.abs(felt) < threshold, NEITHER, chosen) if scale.allows_ties else chosen
+        return np.where(np.abs(felt) < rating.threshold, NEITHER, chosen) if scale.allows_ties else chosen
 
-    def _ends(self, drawn: _Draws) -> tuple[Ints, tuple[str, ...], Floats]:
+    def _ends(self, draws: Mapping[str, Floats]) -> tuple[Ints, tuple[str, ...], Floats]:
         """Return (trials, why, sickness) as in Cohort."""
         count = self._trials
-        sickness, sick_after = _sickness(self.model, self.design, drawn.sickness, drawn.susceptible)
-        leaves = drawn.dropout < self.model.dropout
+        sickness, sick_after = _sickness(self.model, self.design, draws["sickness"], draws["susceptible"])
+        leaves = draws["dropout"] < self.model.dropout
         left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
         trials = np.minimum(np.minimum(sick_after, left_after), count)
         why = tuple(
@@ -392,42 +393,11 @@ class Population:
 
     def _allotted(self, why: Sequence[str]) -> list[int]:
         """Allot rows; an incomplete session leaves its order to the next."""
-        filled, rows = [0] * len(self._rows), []
+        filled, rows = [0] * len(self._orders), []
         for status in why:
             rows.append(allot(filled, self.design.seed))
             filled[rows[-1]] += status == COMPLETE
         return rows
-
-
-def _before(means: Floats) -> Floats:
-    """Return the mean of the condition before each trial, and its own for the first one."""
-    return np.concatenate([means[:, :1], means[:, :-1]], axis=1)
-
-
-@attrs.frozen(eq=False)
-class _Draws:
-    """Uniform draws of n people; the length of a person's table depends on the plan alone."""
-
-    susceptible: Floats  # (n)
-    level: Floats  # (n, scales)
-    taste: Floats  # (n, scales, conditions)
-    sickness: Floats  # (n, T + 1)
-    dropout: Floats  # (n, T)
-    noise: Floats  # (n, scales, T)
-    missing: Floats  # (n, scales, T)
-
-    @classmethod
-    def of(cls, population: Population, persons: Sequence[int], seed: int, study: int) -> Self:
-        """Draw for these people."""
-        design, part = population.design, population.part
-        s, c = len(design.scales), len(part.conditions)
-        t = trials_of(design, part.name)
-        # In the order of the fields: the table is cut in this order, and that decides every answer.
-        shapes: list[tuple[int, ...]] = [(), (s,), (s, c), (t + 1,), (t,), (s, t), (s, t)]
-        ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
-        table = np.stack([table_of(seed, study, part.name, person, int(ends[-1])) for person in persons])
-        cuts = np.split(table, ends[:-1], axis=1)
-        return cls(*(cut.reshape(len(table), *shape) for cut, shape in zip(cuts, shapes, strict=True)))
 
 
 def _sickness(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tuple[Floats, Ints]:
@@ -443,41 +413,14 @@ def _sickness(model: Model, design: Design, noise: Floats, susceptible: Floats) 
     asked = np.where(trial == 0, design.practice is not None, trial % rule.every == 0)
     felt = model.sickness.latent(trial, susceptible.reshape(-1, 1), noise)
     answers = np.where(asked, of_share(felt, rule.scale), np.nan)
-    over = asked & _stops(answers, asked, rule.scale, rule.stop_at, rule.rise)
-    return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
-
-
-def _stops(
-    answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: float | None, rise: float | None
-) -> NDArray[np.bool_]:
-    """Return (n, T + 1) whether the session ends after each answer."""
-    bad = answers - scale.least if scale.low_is_good else scale.most - answers
+    bad = answers - rule.scale.least if rule.scale.low_is_good else rule.scale.most - answers
     over = np.zeros(answers.shape, bool)
-    if not asked.any():
-        return over
-    if stop_at is not None:
-        over |= bad >= scale.badness(stop_at)
-    if rise is not None:
-        over |= bad - bad[:, [int(asked.argmax())]] >= rise
-    return over
-
-
-class Respondent(Protocol):
-    """Source of commands besides the participant's own input."""
-
-    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
-        """Return what the respondent does at this refresh, in the words of LineConsole.commands.
-
-        shown: the step shown last. elapsed_s: time since this step began.
-        """
-
-
-class NoRespondent:
-    """Respondent that never answers; the participant does."""
-
-    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
-        """Return nothing."""
-        return ()
+    if rule.stop_at is not None:
+        over |= bad >= rule.scale.badness(rule.stop_at)
+    if rule.rise is not None and asked.any():
+        over |= bad - bad[:, [int(asked.argmax())]] >= rule.rise
+    over &= asked
+    return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
 
 
 SAID = "simulated words"  # to questions that are answered in words
@@ -497,22 +440,29 @@ class Simulated:
     def __init__(self, model: Model, design: Design, part: str, seed: int, person: int, order: Order) -> None:
         self._model, self._part, self._seed, self._person = model, part, seed, person
         self._cohort = Population(model, design, part).of([person], seed, orders=[order])
-        self._visit = _Visit()
+        # The visit of a step: its key, the last time in it, and when each command was sent.
+        self._key, self._last_s, self._sent = "", math.inf, dict[str, float]()
         self._paused: set[str] = set()  # keys of trials with a pause: one is enough
         self._again: set[str] = set()  # keys of questions that were repeated: once is enough
         self._wants_again = False
 
     def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
-        """Return the commands of this refresh.
+        """Return the commands of this refresh, in the words of LineConsole.commands.
 
         Each is sent once in a visit of a step, and again where it had no effect.
+        shown: the step shown last. elapsed_s: time since this step began.
         """
-        if self._visit.begins(step.key, elapsed_s) and self._wants_again:
-            self._wants_again = False
-            return (Command("again"),)
+        begins = step.key != self._key or elapsed_s < self._last_s  # another step, or the same one from its start
+        self._last_s = elapsed_s
+        if begins:
+            self._key, self._sent = step.key, {}
+            if self._wants_again:
+                self._wants_again = False
+                return (Command("again"),)
         command = self._command(step, shown, elapsed_s)
-        if command is None or not self._visit.due(command.control, elapsed_s):
+        if command is None or elapsed_s - self._sent.get(command.control, -math.inf) < PATIENCE_S:
             return ()
+        self._sent[command.control] = elapsed_s
         if isinstance(step, Ask) and step.key not in self._again and self._draw("again", step.key) < self._model.again:
             self._again.add(step.key)
             self._wants_again = True
@@ -522,85 +472,51 @@ class Simulated:
         if self._leaves(step, shown):
             return Command("stop")
         if isinstance(step, Show):
-            return self._pause(step, elapsed_s) or (
-                Command("continue") if step.until_done and elapsed_s >= self._lasts_s(step) else None
-            )
+            return self._in_trial(step, elapsed_s)
         if elapsed_s < self._model.seconds(self._draw("seconds", step.key)):
             return None
-        if isinstance(step, Ask):
-            if step.item.answer == WORDS:
-                return Command("answer", SAID)
-            value = self.answer(step, 0 if shown is None else shown.trial)
-            return Command("skip") if value is None else Command("answer", value)
-        return Command("agree" if isinstance(step, Read) else "continue")
+        if not isinstance(step, Ask):
+            return Command("agree" if isinstance(step, Read) else "continue")
+        if step.item.answer == WORDS:
+            return Command("answer", SAID)
+        value = self.answer(step, 0 if shown is None else shown.trial)
+        return Command("skip") if value is None else Command("answer", value)
+
+    def _in_trial(self, step: Show, elapsed_s: float) -> Command | None:
+        """Pause some trials at a random moment, and end those that last until done."""
+        lasts_s = step.seconds
+        if step.until_done:
+            lasts_s = min(lasts_s, self._model.look_seconds(self._draw("look", step.key)))
+        wants = step.key not in self._paused and self._draw("pause", step.key) < self._model.pause
+        if wants and elapsed_s >= lasts_s * self._draw("pause at", step.key):
+            self._paused.add(step.key)
+            return Command("pause")
+        return Command("continue") if step.until_done and elapsed_s >= lasts_s else None
 
     def answer(self, step: Ask, trial: int) -> float | None:
         """Return the answer, None for "cannot say".
 
         trial: the last one shown, for questions after all trials.
         """
-        if step.phase == "trial" and step.scale.name in self._cohort.answers:
-            return _known(self._cohort.answers[step.scale.name][0, step.trial - 1])
-        about_trial = step.phase in ("practice", "trial")
-        if about_trial and step.scale.kind != QUESTIONNAIRE:
-            return _known(self._cohort.sickness[0, step.trial])
+        about_trial, cohort = step.phase in ("practice", "trial"), self._cohort
+        rated = step.phase == "trial" and step.scale.name in cohort.answers
+        if rated or (about_trial and step.scale.kind != QUESTIONNAIRE):
+            value = cohort.answers[step.scale.name][0, step.trial - 1] if rated else cohort.sickness[0, step.trial]
+            return None if np.isnan(value) else float(value)
+        draw = self._draw("answer", step.key)
         if step.item.answer or about_trial:
             values = step.scale.of(step.item).values()
-            return values[int(self._draw("answer", step.key) * len(values))]
+            return values[int(draw * len(values))]
         shown = 0 if step.phase == "before" else trial
-        susceptible = self._cohort.susceptible[0]
-        felt = self._model.sickness.latent(shown, susceptible, self._draw("answer", step.key))
-        return float(of_share(felt, step.scale))
-
-    def _pause(self, step: Show, elapsed_s: float) -> Command | None:
-        """Pause some trials at a random moment; the menu that opens is a Pause."""
-        wants = step.key not in self._paused and self._draw("pause", step.key) < self._model.pause
-        if wants and elapsed_s >= self._lasts_s(step) * self._draw("pause at", step.key):
-            self._paused.add(step.key)
-            return Command("pause")
-        return None
-
-    def _lasts_s(self, step: Show) -> float:
-        if not step.until_done:
-            return step.seconds
-        return min(step.seconds, self._model.look_seconds(self._draw("look", step.key)))
+        return float(of_share(self._model.sickness.latent(shown, cohort.susceptible[0], draw), step.scale))
 
     def _leaves(self, step: Step, shown: Show | None) -> bool:
         """Return whether a drop-out leaves now: before the trial after the last one."""
         last = int(self._cohort.trials[0])
-        if self._cohort.why[0] != STOPPED:
-            return False
-        return (isinstance(step, Show) and step.trial > last) or (
-            isinstance(step, Pause) and shown is not None and shown.trial >= last
+        return self._cohort.why[0] == STOPPED and (
+            (isinstance(step, Show) and step.trial > last)
+            or (isinstance(step, Pause) and shown is not None and shown.trial >= last)
         )
 
     def _draw(self, what: str, key: str) -> float:
         return float(draw_for(self._seed, self._part, self._person, f"{what} {key}")[0])
-
-
-class _Visit:
-    """A step without interruption, with the commands sent in it and their times."""
-
-    def __init__(self) -> None:
-        self._key, self._last_s = "", np.inf
-        self._sent: dict[str, float] = {}
-
-    def begins(self, key: str, elapsed_s: float) -> bool:
-        """Return whether this is another step, or the same one from its start."""
-        new = key != self._key or elapsed_s < self._last_s
-        if new:
-            self._key, self._sent = key, {}
-        self._last_s = elapsed_s
-        return new
-
-    def due(self, control: str, elapsed_s: float) -> bool:
-        """Return whether to send the command now."""
-        before = self._sent.get(control)
-        if before is not None and elapsed_s - before < PATIENCE_S:
-            return False
-        self._sent[control] = elapsed_s
-        return True
-
-
-def _known(value: float) -> float | None:
-    return None if np.isnan(value) else float(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import shlex
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
 from importlib import metadata
@@ -15,18 +16,19 @@ import attrs
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
+from ...report import counted
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.dialog_panels import ACTING_CONTROLS, CONTROLS, hints_for
 from ..line_console import LineConsole
-from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
-from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
+from ..respondents import Population, Simulated, load_model, person_of
+from ..store import INTERRUPTED, PERSON, PILOT, SIMULATED, Session, Store, store_folder
 from .markers import MarkerStream, load_lsl, marker_stream
-from .runner import Interrupted, SessionRunner, TrialRunner, first_picture_wait_s
+from .runner import Interrupted, SessionRunner, first_picture_wait_s
 from .session_options import SessionOptions
-from .step_handlers import CommandSources, SessionContext
-from .wording import ClosingWords, scene_reacts
+from .step_handlers import SessionContext
+from .wording import scene_reacts
 
 Say = Callable[[str], None]
 
@@ -36,7 +38,6 @@ def run_session(
     say: Say = lambda text: None,
     *,
     console: LineConsole | None = None,
-    respondent: Respondent | None = None,
     quiet: bool = False,
     on_end: Callable[[Session], None] = lambda session: None,
 ) -> Session:
@@ -44,10 +45,10 @@ def run_session(
 
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
-    say: gets the closing words, and messages from before there is a console. console, respondent:
-    None for those of the options. quiet: whether the console of lines only answers commands.
-    on_end: gets the session after the closing words, before the signal that ended it is raised once
-    more; not where an error says it all.
+    say: gets the closing words, and messages from before there is a console. console: None for that
+    of the options. quiet: whether the console of lines only answers commands. on_end: gets the
+    session after the closing words, before the signal that ended it is raised once more; not where
+    an error says it all.
 
     Errors: InputError for wrong options, before anything is opened; MachineError for what the
     machine lacks, and for a display that does not come back. Each says how to resume.
@@ -62,18 +63,19 @@ def run_session(
         folder = store_folder(design, options.store, options.origin)
         store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)
-        answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
-        words = ClosingWords(options, design, store, say, on_end)
-        stack.callback(words.say)
+        model = None if options.simulate is None else load_model(options.simulate)
+        if model is not None:
+            Population(model, design, part)  # raises where the model has no answer to what the study asks
+        program = _Program(options, design, part, ending, store, say, on_end)
+        stack.callback(program.say_last)
         shown_on = console or LineConsole(f"study {design.name}", kind=options.console, quiet=quiet)
         console = stack.enter_context(shown_on)
 
         def last_words() -> str:
             shown_on.__exit__()  # first: it gives the terminal back
-            return words.last_words()
+            return program.last_words()
 
-        first = design.part(part).conditions[0]
-        live = live_options(first.settings, source=options.source, trace=options.trace)
+        live = program.live_options(design.part(part).conditions[0].settings)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [last_words]))
         sources = {live.scene_key: source_of(live)}
         controls = ACTING_CONTROLS if any(map(scene_reacts, design.part(part).conditions)) else CONTROLS
@@ -85,8 +87,17 @@ def run_session(
             name = f"hmdwarp study {design.name}"
             markers = stack.enter_context(closing(marker_stream(display, name, about)))
             console.say(markers.describe())
-        parts = (options, design, part, ending, store, console, words, display, markers, live, answers_for)
-        return _Program(*parts, sources).run()
+
+        def runner_of(session: Session) -> SessionRunner:
+            respondent = None
+            if model is not None:
+                person = person_of(session.code)
+                respondent = Simulated(model, design, part, design.seed, person, session.order)
+            steps = steps_of(design, session.order, session.part)
+            of = (design, session, store, display, shown_on, respondent, steps, store.done(session), markers)
+            return program.runner(SessionContext(*of, before_s=store.passed_s(session)), live, sources)
+
+        return program.run(display, markers, runner_of)
 
 
 def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str, Design]:
@@ -96,138 +107,162 @@ def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str
         return options.part or design.parts[0].name, design
     session = store.would_resume(options.participant, options.part)
     if session.origin != options.origin:  # simulated answers must not get into a person's session
-        how = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}.get(
-            session.origin, "leave --pilot and --simulate away"
-        )
-        raise InputError(
-            f"participant {session.code} is a {session.origin} here, not a {options.origin}: {how} to resume"
-        )
+        hows = {PILOT: "give --pilot", SIMULATED: "give --simulate MODEL"}
+        how = hows.get(session.origin, "leave --pilot and --simulate away")
+        found = f"participant {session.code} is a {session.origin} here, not a {options.origin}"
+        raise InputError(f"{found}: {how} to resume")
     began_with = design if session.plan == design.text else design_from_text(session.plan, design.path)
     store.check_same(session, began_with)
     return session.part, began_with
 
 
-def _respondent(options: SessionOptions, design: Design, part: str) -> Callable[[Session], Respondent]:
-    """Return who answers in a session besides the participant.
-
-    Errors: InputError for a model that lacks something, before there is a session.
-    """
-    if options.simulate is None:
-        return lambda session: NoRespondent()
-    model = load_model(options.simulate)
-    Population(model, design, part)  # raises where the model has no answer to what the study asks
-    return lambda session: Simulated(model, design, part, design.seed, person_of(session.code), session.order)
-
-
-@attrs.frozen(eq=False)
+@attrs.define(eq=False)
 class _Program:
-    """One run of the program, with everything open that it needs."""
+    """One run of the program: the session as it is left, and the closing words."""
 
     options: SessionOptions
     design: Design
     part: str
     ending: Ending
     store: Store
-    console: LineConsole
-    words: ClosingWords
-    display: Display
-    markers: MarkerStream | None
-    live: LiveOptions  # between trials there is no pipeline, but the driver asks for these options
-    answers_for: Callable[[Session], Respondent]
-    sources: dict[SceneKey, Source]  # those that are open
+    say: Say
+    on_end: Callable[[Session], None]
+    session: Session | None = None  # None until there is one
+    running: SessionRunner | None = None
+    quiet: bool = False  # whether an error says it all
 
-    def run(self) -> Session:
+    def live_options(self, settings: Any) -> LiveOptions:
+        """Return the options of a live run with a condition's settings."""
+        return live_options(settings, source=self.options.source, trace=self.options.trace)
+
+    def run(
+        self, display: Display, markers: MarkerStream | None, runner_of: Callable[[Session], SessionRunner]
+    ) -> Session:
         """Begin or resume, and leave the session as it ended."""
-        session = self.words.session = self._session()
+        options, store, facts = self.options, self.store, facts_of(display, self.design, self.options.trace)
+        if options.resume:
+            session = store.resume(options.participant, options.part, facts)
+        else:
+            who = (options.part, options.participant, options.origin, options.new_session)
+            session = store.begin(self.design, *who, facts)
+        self.session = session
         try:
-            runner = self._runner(session)
+            runner = self.running = runner_of(session)
             status = runner.run()
-            self.words.session = self.store.end(session, status, runner.why)
+            self.session = store.end(session, status, runner.why)
         except (Interrupted, Closed) as ended:
             try:
-                self._interrupt(session, str(ended))
+                self.session = store.end(session, INTERRUPTED, str(ended))
             except HmdwarpError as error:
                 self._give_up(session, ended)
-                raise self.words.explained(error) from error
+                raise self._explained(error) from error
         except HmdwarpError as error:
             self._give_up(session, error)
-            raise self.words.explained(error) from error
+            raise self._explained(error) from error
         except BaseException as error:
             self._give_up(session, error)
             raise
         else:
-            runner.farewell(self.words.session.status)
+            runner.farewell(self.session.status)
         finally:
-            if self.markers is not None:
-                who = {"participant": session.sub, "session": session.number}
-                self.markers.send("session_end", self.display.now_ns(), **who, status=self.words.session.status)
-        return self.words.session
-
-    def _session(self) -> Session:
-        options, facts = self.options, facts_of(self.display, self.design, self.options.trace)
-        if options.resume:
-            return self.store.resume(options.participant, options.part, facts)
-        return self.store.begin(
-            self.design, options.part, options.participant, options.origin, options.new_session, facts
-        )
-
-    def _interrupt(self, session: Session, why: str) -> None:
-        self.words.session = self.store.end(session, INTERRUPTED, why)
+            if markers is not None:
+                whose = {"participant": session.sub, "session": session.number, "status": self.session.status}
+                markers.send("session_end", display.now_ns(), **whose)
+        return self.session
 
     def _give_up(self, session: Session, error: BaseException) -> None:
         """Mark the session as interrupted; it can be resumed even where that cannot be written."""
         why = str(error) or type(error).__name__
-        self.words.session = attrs.evolve(session, status=INTERRUPTED, why=why)
+        self.session = attrs.evolve(session, status=INTERRUPTED, why=why)
         with suppress(HmdwarpError):
-            self._interrupt(session, why)
+            self.session = self.store.end(session, INTERRUPTED, why)
 
-    def _runner(self, session: Session) -> SessionRunner:
-        store, display = self.store, self.display
-        steps = steps_of(self.design, session.order, session.part)
-        sources = CommandSources(self.console, self.answers_for(session))
-        context = SessionContext(
-            self.design,
-            session,
-            store,
-            display,
-            sources,
-            steps,
-            store.done(session),
-            before_s=store.passed_s(session),
-            markers=self.markers,
-        )
+    def runner(self, context: SessionContext, live: LiveOptions, sources: dict[SceneKey, Source]) -> SessionRunner:
+        """Return the runner of a session's steps. sources: those that are open."""
+        store, session, display = self.store, context.session, context.display
         practice = [self.design.practice] if self.design.practice is not None else []
         every = [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
         for options in every:
-            self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
-        wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
-        trials = TrialRunner(context, self.ending, self._options_of, wait_s, self.sources)
-        self.words.recording = lambda: trials.recording
-        no_pipeline: Any = _NoPipeline(self.live)
+            sources[options.scene_key] = sources.get(options.scene_key) or source_of(options)
+        no_pipeline: Any = _NoPipeline(live)
         answers = store.answers(session)
-        asks = {step.key: step for step in steps if isinstance(step, Ask)}
+        asks = {step.key: step for step in context.steps if isinstance(step, Ask)}
         last = max(answers, key=lambda answer: answer.id, default=None)
         showings = {showing.id: showing for showing in store.contents(pilot=session.origin == PILOT).showings}
+
+        def options_of(step: Show) -> LiveOptions:
+            return self.live_options(step.condition.settings)
+
         return SessionRunner(
             context,
-            trials,
-            Driver(display, no_pipeline, self.ending, self.console.say),
+            Driver(display, no_pipeline, self.ending, context.console.say),
             self.ending,
             hints_for(display.name, follows_trace=bool(self.options.trace)),
+            options_of,
+            first_picture_wait_s([options.total_latency_ms for options in every]),
+            sources,
             resumed=self.options.resume,
             answered=asks.get(last.key) if last is not None else None,
             about={answer.key: showings[answer.showing] for answer in answers if answer.showing is not None},
         )
 
-    def _options_of(self, step: Show) -> LiveOptions:
-        return live_options(step.condition.settings, source=self.options.source, trace=self.options.trace)
+    @property
+    def how_to_resume(self) -> str:
+        """Sentence with the command that resumes the session."""
+        assert self.session is not None
+        several = len(self.design.parts) > 1
+        return f"resume with: {self.options.command(self.session.code, self.session.part, several)}"
+
+    def say_last(self) -> None:
+        """Say the closing words, once everything else is closed."""
+        if self.session is None or self.quiet:
+            return
+        session = self.session
+        origin = "" if session.origin == PERSON else f" ({session.origin})"
+        who = f"participant {session.code}{origin}, session {session.number}, part {session.part}"
+        lines = [f"{who}: {session.status}{f': {session.why}' if session.why else ''}"]
+        with suppress(HmdwarpError):  # a full disk may not even be readable
+            answers = self.store.answers(session)
+            rated = sum(answer.phase == "trial" and answer.value is not None for answer in answers)
+            count = f"{counted(len(answers), 'answer')}, {rated} of them about trials" if answers else "no answers"
+            lines.append(f"stored in {self.store.folder}: {count}")
+            shown = [one for one in self.store.contents(pilot=session.origin == PILOT).showings if one.trial]
+            trials = {one.key: one for one in shown if one.session == session.id and one.complete}
+            if still := sum(bool(one.actual.get("head_still")) for one in trials.values()):
+                of = f"{still} of {counted(len(trials), 'trial')}"
+                lines.append(f"the head hardly moved in {of}: almost a still picture was rated (head_still)")
+        lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
+        for line in lines:
+            self.say(line)
+        self.on_end(session)
+
+    def _next(self) -> str:
+        words = ["hmdwarp", "study", "export", self.options.study, "--out", "DIR"]
+        words += ["--store", str(self.options.store)] if self.options.store is not None else []
+        words += [f"--{self.options.origin}"] if self.options.origin != PERSON else []
+        return f"next: another participant, or {shlex.join(words)}"
+
+    def _explained(self, error: HmdwarpError) -> HmdwarpError:
+        """Return the same error with how to resume: it is the only line that will be read."""
+        self.quiet = True
+        if self.session is None:
+            return error
+        return type(error)(f"{error}; what was answered before is stored, {self.how_to_resume}")
+
+    def last_words(self) -> str:
+        """Return the words for the watchdog, which ends the program; answers are on the disk."""
+        recorder = None if self.running is None else self.running.recording
+        saved = recorder.save() if recorder is not None else ""
+        if self.session is None:
+            return ""
+        return "; ".join(filter(None, (saved, "what was answered is stored", self.how_to_resume)))
 
 
 @attrs.frozen
 class _NoPipeline:
     """Stand-in for the driver's pipeline host where nothing is drawn."""
 
-    options: LiveOptions
+    options: LiveOptions  # between trials there is no pipeline, but the driver asks for these
 
 
 PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
@@ -239,11 +274,14 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
     No name of a host or a user is among them: a session's data may be passed on. Of a trace file
     the name is kept, not the folders.
     """
-    gpu = display.gpu
+    gpu, packages = display.gpu, dict[str, str]()
+    for name in PACKAGES:
+        with suppress(metadata.PackageNotFoundError):
+            packages[name] = metadata.version(name)
     return {
         "hmdwarp": __version__,
         "python": platform.python_version(),
-        "packages": {name: version for name in PACKAGES if (version := _version(name))},
+        "packages": packages,
         "machine": {
             "system": platform.system(),
             "release": platform.release(),
@@ -259,10 +297,3 @@ def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
         "trace": Path(trace).name,
         "trace_axes": display.about.get("trace_axes", ""),
     }
-
-
-def _version(name: str) -> str:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return ""

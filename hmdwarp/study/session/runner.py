@@ -20,33 +20,10 @@ from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, rea
 from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, ConsentDialog, PageDialog
 from ..dialogs.dialog_panels import InputHints, hints_for
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
-from .step_handlers import (
-    CONFIRMS,
-    LOST,
-    PAUSE,
-    BreakHandler,
-    ConfirmHandler,
-    DialogHandler,
-    MenuHandler,
-    PanelHandler,
-    QuestionHandler,
-    SessionContext,
-    StepHandler,
-)
-from .wording import (
-    END,
-    MENU,
-    READY,
-    REQUESTED_BREAK,
-    STOP_RULE,
-    HeadRange,
-    farewell_panel,
-    number_panel,
-    ready_panel,
-    sick_panel,
-    step_name,
-    still_text,
-)
+from . import step_handlers as handlers
+from . import wording
+from .step_handlers import CONFIRMS, LOST, PAUSE, DialogHandler, PanelHandler, SessionContext, StepHandler
+from .wording import HeadRange, step_name
 
 BY = "hmdwarp study"
 TIME = "time"  # ended a trial, where no one did
@@ -117,7 +94,7 @@ class TrialHandler(StepHandler):
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
         hints = hints_for(self.context.display.name)
-        return "" if self.pictures else number_panel(self.step, self.context.steps, hints)
+        return "" if self.pictures else wording.number_panel(self.step, self.context.steps, hints)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -154,7 +131,7 @@ class TrialHandler(StepHandler):
                 self._hand.act(command)
             elif command.hand is None and not self._told:  # nothing may stand over the picture
                 self._told = True
-                self.context.say(f"{command.control}: the scene of this trial does not react to what people do")
+                self.context.console.say(f"{command.control}: the scene of this trial does not react to what people do")
         if self._first_ns is None or command.control not in CONFIRMS:
             return
         if self.step.until_done:
@@ -168,22 +145,18 @@ class TrialHandler(StepHandler):
         if self._hand is not None and any(one.hand is not None and one.value != MOVED for one in commands):
             commands = [command for command in commands if command.control != "confirm"]
         super().handle(commands)
-        if not self.pictures:
-            self._lead()
+        if self.pictures:
+            return False
+        if self._restarted_ns is not None:
+            over_s = self._since_s(self._restarted_ns) - self._wait_s
+            self.pictures = self._arrived and over_s >= 0
+            if not self._arrived and over_s >= PATIENCE_S:
+                wanted = "see what loss and bandwidth let through"
+                raise InputError(f"{self.step.key}: no frame came within {PATIENCE_S:g} s: {wanted}")
+        elif self._since_s(self._panel_ns) >= LEAD_S:
+            self.context.display.restart()
+            self._restarted_ns, self._arrived = self.context.display.now_ns(), False
         return False
-
-    def _lead(self) -> None:
-        if self._restarted_ns is None:
-            if self._since_s(self._panel_ns) >= LEAD_S:
-                self.context.display.restart()
-                self._restarted_ns, self._arrived = self.context.display.now_ns(), False
-            return
-        over_s = self._since_s(self._restarted_ns) - self._wait_s
-        self.pictures = self._arrived and over_s >= 0
-        if not self._arrived and over_s >= PATIENCE_S:
-            raise InputError(
-                f"{self.step.key}: no frame came within {PATIENCE_S:g} s: see what loss and bandwidth let through"
-            )
 
     def on_display_lost(self, why: str) -> None:
         """End the trial; it is shown again, as a rating must be about an undisturbed one."""
@@ -201,68 +174,6 @@ class TrialHandler(StepHandler):
             "missed": status.missed,
             "condition": self.step.condition.name if self.context.tells_condition else "",
         }
-
-
-@attrs.define(eq=False)
-class TrialRunner:
-    """Runs trials, one at a time."""
-
-    context: SessionContext
-    ending: Ending
-    options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
-    wait_s: float  # see first_picture_wait_s
-    sources: Mapping[SceneKey, Source]  # all that are shown
-    recording: Recorder | None = None  # the one under way, None between trials
-
-    def run(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
-        """Run a trial from the black before it to its last picture, or to what ended it before.
-
-        panel_ns: since when the panel before it is shown. The showing is in the store when this
-        returns, and also, as incomplete, when an error leaves it.
-
-        Errors: Closed, Lost, as Driver.run; InputError and MachineError of store, recorder and
-        pipeline.
-        """
-        context = self.context
-        options = self.options_of(step)
-        source = self.sources[options.scene_key]
-        options = source.fitted(options)
-        showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
-        path = context.store.traces / showing.trace
-        log = LiveLog(attrs.evolve(options, record=path, seconds=None, pictures=None, out=None))
-        handler: TrialHandler | None = None
-        complete = False
-        try:
-            with ExitStack() as stack:
-                stack.enter_context(log)
-                recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
-                host = PipelineHost(context.display, options, source)  # a new one: it remembers nothing
-                stack.callback(host.close)
-                stack.callback(log.leave)
-                recorder.begin(context.display.about, context.display.rate_hz)
-                log.begin(context.display, host)
-                hand = None
-                if source.scene.inputs is not None:
-                    source.scene.inputs.book = InputBook()  # as if nobody had ever been there
-                    hand = Hand(host, context.display.now_ns, took_by(recorder, log))
-                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, hand)
-                log.status.heading = context.title(step)
-                Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
-            complete = handler.finished() and not handler.interrupt
-        except BaseException:
-            with suppress(Exception):  # the first error is the one to report
-                self._end(showing, log, handler, complete=False)
-            raise
-        finally:
-            self.recording = None
-        return self._end(showing, log, handler, complete), handler
-
-    def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
-        actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())
-        ended = self.context.store.end_showing(self.context.session, showing, actual, complete)
-        if handler is not None and handler.last_shown_ns is not None:
-            handler.mark("trial_end", handler.last_shown_ns, complete=complete)
-        return ended
 
 
 AFTER = "after"
@@ -327,14 +238,17 @@ class SessionRunner:
     """Runs the steps of a session that are not done."""
 
     context: SessionContext
-    trials: TrialRunner
     driver: Driver  # for everything without pictures
     ending: Ending
     hints: InputHints
+    options_of: Callable[[Show], LiveOptions]  # of the live run that a step is
+    wait_s: float  # see first_picture_wait_s
+    sources: Mapping[SceneKey, Source]  # all that are shown
     resumed: bool = False  # whether the session began in another run of the program
     answered: Ask | None = None  # the question answered last, in other runs too
     about: dict[str, Showing] = attrs.field(factory=dict)  # showing that a question was about, by key
     seen: dict[str, Showing] = attrs.field(factory=dict)  # showing seen to its end in this run, by key
+    recording: Recorder | None = None  # the one under way, None between trials
     why: str = ""  # why the session ended, where that needs words
     _just_seen: str = ""  # key of the Show that came to its end last, with nothing shown since
     _asking_again: bool = False
@@ -348,10 +262,13 @@ class SessionRunner:
         """
         try:
             self._end_if_sick()  # the last run of the program may have died at the stop rule
-            self._begin()
+            first = next(iter(self._undone()), None)
+            shows = isinstance(first, Show) or (isinstance(first, Ask) and first.about)
+            if first is not None and not isinstance(first, Read | PageStep) and not shows:
+                self._wait_until_ready(first, None)  # the other steps do so themselves
             for step in self._undone():
                 if self.context.break_due and not (isinstance(step, Ask) and step.about):
-                    self._rest(Pause(REQUESTED_BREAK, 0.0))
+                    self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
                 self._do(step)
         except Over as over:
             return over.status
@@ -360,30 +277,21 @@ class SessionRunner:
     def _undone(self) -> list[Step]:
         return [step for step in self.context.steps if step.key not in self.context.done]
 
-    def _begin(self) -> None:
-        """Wait until the participant is ready, unless the first step does so."""
-        undone = self._undone()
-        shows_first = undone and (isinstance(undone[0], Show) or (isinstance(undone[0], Ask) and undone[0].about))
-        if undone and not isinstance(undone[0], Read | PageStep) and not shows_first:
-            self._wait_until_ready(undone[0], None)
-
     def _wait_until_ready(self, next_step: Step, own: Page | None) -> None:
-        panel = ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
-        self._pursue(lambda: ConfirmHandler(self.context, Read(READY, ""), panel))
+        panel = wording.ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
+        self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(wording.READY, ""), panel))
 
     def farewell(self, status: str) -> None:
         """Show the last panel. Everything is stored by now: an error here no longer matters.
 
         The plan's own words stay as long as reading takes, or until they are confirmed.
         """
+        own = self.context.design.thanks if status == COMPLETE else None
+        seconds = FAREWELL_S if own is None else reading_s(own.text)
+        how: dict[str, Any] = {"seconds": seconds, "phase": "over", "may_close": own is not None}
         with suppress(Closed, Exception):
-            own = self.context.design.thanks if status == COMPLETE else None
-            panel, seconds = farewell_panel(status, own, self.hints), FAREWELL_S if own is None else reading_s(own.text)
-            self.driver.run(
-                PanelHandler(
-                    self.context, Read(END, ""), panel, seconds=seconds, phase="over", may_close=own is not None
-                )
-            )
+            panel = wording.farewell_panel(status, own, self.hints)
+            self.driver.run(PanelHandler(self.context, Read(wording.END, ""), panel, **how))
 
     # --- steps ---
 
@@ -422,7 +330,7 @@ class SessionRunner:
 
     def _show(self, step: Show) -> None:
         """Show a condition until it was seen undisturbed."""
-        context = self.context
+        context, say = self.context, self.context.console.say
         if not self._knows_how_to_look:
             self._wait_until_ready(step, context.design.ready)
             self._knows_how_to_look = True
@@ -430,11 +338,11 @@ class SessionRunner:
             if step.after and self._just_seen != step.after:
                 self._show(self._show_of(step.after))
             if context.markers is not None and not context.markers.are_received:
-                context.say("no program receives the markers: start the recorder")
+                say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
-            panel = number_panel(step, context.steps, self.hints)
+            panel = wording.number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
-            showing, handler = self.trials.run(step, panel_ns)
+            showing, handler = self._run_trial(step, panel_ns)
             context.shown = step
             self._refuse_signal()
             self._just_seen = step.key if showing.complete else ""
@@ -442,32 +350,72 @@ class SessionRunner:
                 break
             if handler.interrupt != LOST:
                 self._between(handler.interrupt, step)
-            context.say(f"{step_name(step, context.steps)}: shown again, from its start")
+            say(f"{step_name(step, context.steps)}: shown again, from its start")
         context.done.add(step.key)
         self.seen[step.key] = showing
         if handler.head.is_still:
-            context.say(f"{step_name(step, context.steps)}: {still_text(handler.head)}")
+            say(f"{step_name(step, context.steps)}: {wording.still_text(handler.head)}")
 
     def _show_of(self, key: str) -> Show:
         shown = next(step for step in self.context.steps if step.key == key)
         assert isinstance(shown, Show)
         return shown
 
+    def _run_trial(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
+        """Run a trial from the black before it to its last picture, or to what ended it before.
+
+        panel_ns: since when the panel before it is shown. The showing is in the store when this
+        returns, and also, as incomplete, when an error leaves it.
+        """
+        context = self.context
+        options = self.options_of(step)
+        source = self.sources[options.scene_key]
+        options = source.fitted(options)
+        showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
+        path = context.store.traces / showing.trace
+        log = LiveLog(attrs.evolve(options, record=path, seconds=None, pictures=None, out=None))
+        handler: TrialHandler | None = None
+
+        def end(complete: bool) -> Showing:
+            actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())
+            ended = context.store.end_showing(context.session, showing, actual, complete)
+            if handler is not None and handler.last_shown_ns is not None:
+                handler.mark("trial_end", handler.last_shown_ns, complete=complete)
+            return ended
+
+        try:
+            with ExitStack() as stack:
+                stack.enter_context(log)
+                recorder = self.recording = stack.enter_context(Recorder(path, by=BY))
+                host = PipelineHost(context.display, options, source)  # a new one: it remembers nothing
+                stack.callback(host.close)
+                stack.callback(log.leave)
+                recorder.begin(context.display.about, context.display.rate_hz)
+                log.begin(context.display, host)
+                hand = None
+                if source.scene.inputs is not None:
+                    source.scene.inputs.book = InputBook()  # as if nobody had ever been there
+                    hand = Hand(host, context.display.now_ns, took_by(recorder, log))
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, hand)
+                log.status.heading = context.title(step)
+                Driver(context.display, host, self.ending, context.console.say).run(handler, log, recorder)
+        except BaseException:
+            with suppress(Exception):  # the first error is the one to report
+                end(complete=False)
+            raise
+        finally:
+            self.recording = None
+        assert handler is not None
+        return end(handler.finished() and not handler.interrupt), handler
+
     def _answer(self, step: Ask) -> None:
         context = self.context
-        handler = self._pursue(lambda: QuestionHandler(context, step, self._asking_again))
-        answer = context.store.answer(
-            context.session,
-            step,
-            handler.dialog.value,
-            handler.seconds,
-            handler.by,
-            self.about.get(step.key),
-            handler.dialog.text,
-        )
-        at_ns = handler.began_ns + round(handler.seconds * 1e9)
+        handler = self._pursue(lambda: handlers.QuestionHandler(context, step, self._asking_again))
+        dialog, seconds = handler.dialog, handler.seconds
+        given = (dialog.value, seconds, handler.by, self.about.get(step.key), dialog.text)
+        answer = context.store.answer(context.session, step, *given)
         about = {"scale": answer.scale, "item": answer.item, "value": answer.value, "showing": answer.showing}
-        context.mark("answer", step, at_ns, **about, revision=answer.revision)
+        context.mark("answer", step, handler.began_ns + round(seconds * 1e9), **about, revision=answer.revision)
         context.done.add(step.key)
         self.answered = step
         text = step.scale.words_for(step.item, answer.value, answer.text) or (
@@ -475,7 +423,7 @@ class SessionRunner:
         )
         name = step_name(step, context.steps)
         where = f"{name}, {step.scale.title}" if step.about else name
-        context.say(f"{where}: {text}" + (" (answered again)" if answer.revision > 1 else ""))
+        context.console.say(f"{where}: {text}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = context.design.sickness
         if rule is not None and step.scale.name == rule.scale.name:
             self._end_if_sick()
@@ -500,7 +448,7 @@ class SessionRunner:
             self._drive(handler)
             if not handler.interrupt:
                 return handler
-            if self._between(handler.interrupt, handler.step) == SKIP and isinstance(handler, QuestionHandler):
+            if self._between(handler.interrupt, handler.step) == SKIP and isinstance(handler, handlers.QuestionHandler):
                 handler.leave_unanswered()
                 return handler
 
@@ -510,10 +458,10 @@ class SessionRunner:
         if chosen == STOP:
             raise Over(STOPPED)
         if chosen == BREAK:
-            self._rest(Pause(REQUESTED_BREAK, 0.0))
+            self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
         elif chosen == AGAIN:
             if self.answered is None:
-                self.context.say("nothing has been answered yet")
+                self.context.console.say("nothing has been answered yet")
             elif not self._asking_again:
                 self._asking_again = True
                 try:
@@ -531,7 +479,7 @@ class SessionRunner:
             STOP: True,
         }
         offered = [name for name, is_offered in offers.items() if is_offered]
-        handler = MenuHandler(self.context, Pause(MENU, 0.0), offered, step)
+        handler = handlers.MenuHandler(self.context, Pause(wording.MENU, 0.0), offered, step)
         self._drive(handler)
         return handler.dialog.chosen
 
@@ -539,7 +487,7 @@ class SessionRunner:
         """Have a break; the menu does not stop its time."""
         self.context.break_due = False
         until_ns = self.context.display.now_ns() + round(step.seconds * 1e9)
-        self._pursue(lambda: BreakHandler(self.context, step, until_ns))
+        self._pursue(lambda: handlers.BreakHandler(self.context, step, until_ns))
 
     # --- the stop rule ---
 
@@ -548,19 +496,20 @@ class SessionRunner:
 
         An answer that was a slip can be corrected before.
         """
+        context, rule = self.context, Read(wording.STOP_RULE, "")
         if self._is_sick or not self._why_sick():
             return
         try:
             while why := self._why_sick():
-                self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
-                self.context.say(f"the stop rule: {why}")
+                context.record(wording.STOP_RULE, rule, why=why)
+                context.console.say(f"the stop rule: {why}")
                 self.why = why
-                panel = sick_panel(bool(self._after()), self.hints)
-                handler = ConfirmHandler(self.context, Read(STOP_RULE, ""), panel)
+                last = [step for step in self._undone() if isinstance(step, Ask) and step.phase == AFTER]
+                handler = handlers.ConfirmHandler(context, rule, wording.sick_panel(bool(last), self.hints))
                 self._drive(handler)
                 if not handler.interrupt:
                     self._is_sick = True
-                    for step in self._after():
+                    for step in last:
                         self._do(step)
                     raise Over(SICK)
                 self._between(handler.interrupt, handler.step)
@@ -570,6 +519,3 @@ class SessionRunner:
 
     def _why_sick(self) -> str:
         return why_sick(self.context.design.sickness, self.context.store.answers(self.context.session))
-
-    def _after(self) -> list[Step]:
-        return [step for step in self._undone() if isinstance(step, Ask) and step.phase == "after"]

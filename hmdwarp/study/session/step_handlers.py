@@ -16,7 +16,7 @@ from ..design import UNBLINDED, Ask, Design, Pause, Read, Show, Step
 from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, QuestionDialog, TextDialog
 from ..dialogs.dialog_panels import MessagePanel, hints_for
 from ..line_console import ConsoleState, LineConsole
-from ..respondents import Respondent
+from ..respondents import Simulated
 from ..scales import WORDS
 from ..store import PILOT, SIMULATED, Session, Store
 from .markers import MarkerStream
@@ -24,33 +24,12 @@ from .wording import step_name
 
 PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
 # Why a step ends before its time, by the command that requests it.
-PAUSE, AGAIN, STOP = "pause", "again", "stop"
+PAUSE, AGAIN, STOP, LOST = "pause", "again", "stop", "lost"
 INTERRUPTS = {"menu": PAUSE, "pause": PAUSE, "again": AGAIN, "stop": STOP}
 BREAK, REMARK = "break", "remark"  # the first waits for the end of the trial, the second changes nothing
+CONFIRMS = frozenset({"confirm", "agree", "continue"})
 TELL_NS = 200_000_000  # between two states for the console
 TRACKING_LOST = "tracking lost"
-
-
-@attrs.define
-class CommandSources:
-    """Everything that sends commands: the participant's input, the console, a respondent."""
-
-    console: LineConsole
-    respondent: Respondent
-    # (sender, command) that came when its step had just ended, for the next one.
-    late: list[tuple[str, Command]] = attrs.field(factory=list)
-
-    def received(
-        self, commands: Sequence[Command], step: Step, shown: Show | None, elapsed_s: float
-    ) -> list[tuple[str, Command]]:
-        """Return (sender, command) since the last call. commands: those of the display."""
-        late, self.late = self.late, []
-        return [
-            *late,
-            *((PARTICIPANT, command) for command in commands),
-            *((EXPERIMENTER, command) for command in self.console.commands()),
-            *((RESPONDENT, command) for command in self.respondent.commands(step, shown, elapsed_s)),
-        ]
 
 
 @attrs.define(eq=False)
@@ -61,7 +40,8 @@ class SessionContext:
     session: Session  # as it was begun or resumed
     store: Store
     display: Display
-    sources: CommandSources
+    console: LineConsole
+    respondent: Simulated | None  # who answers in place of the participant
     steps: tuple[Step, ...]  # all of the session
     done: set[str]  # keys of the steps that are over
     markers: MarkerStream | None = None
@@ -69,6 +49,8 @@ class SessionContext:
     break_due: bool = False  # whether a requested break waits for the end of the trial
     head: PoseSample | None = None  # as it was last seen, None before
     before_s: float = 0.0  # from the session's start to that of this run of the program
+    # (sender, command) that came when its step had just ended, for the next one.
+    late: list[tuple[str, Command]] = attrs.field(factory=list)
     _begun_ns: int = attrs.field(init=False)
     _state_ns: int | None = None  # when the console got its last state
 
@@ -89,13 +71,20 @@ class SessionContext:
         """Return the time of the display's clock in seconds."""
         return self.display.now_ns() * 1e-9
 
+    def received(self, commands: Sequence[Command], step: Step, elapsed_s: float) -> list[tuple[str, Command]]:
+        """Return (sender, command) since the last call. commands: those of the display."""
+        late, self.late = self.late, []
+        answers = self.respondent.commands(step, self.shown, elapsed_s) if self.respondent is not None else ()
+        return [
+            *late,
+            *((PARTICIPANT, command) for command in commands),
+            *((EXPERIMENTER, command) for command in self.console.commands()),
+            *((RESPONDENT, command) for command in answers),
+        ]
+
     def title(self, step: Step) -> str:
         """Return the title of the window, which never tells a condition."""
         return f"study {self.design.name} - {step_name(step, self.steps)}"
-
-    def say(self, text: str) -> None:
-        """Add a line to the experimenter's console."""
-        self.sources.console.say(text)
 
     def record(self, kind: str, step: Step, **data: object) -> None:
         """Write to the journal of the session; on the disk when this returns."""
@@ -107,18 +96,11 @@ class SessionContext:
             who = {"participant": self.session.sub, "session": self.session.number}
             self.markers.send(event, at_ns, step=step.key, **who, **data)
 
-    def remark(self, by: str, command: Command, step: Step) -> None:
-        """Keep a remark."""
-        text = str(command.value or "").strip()
-        if text:
-            self.record("remark", step, by=by, text=text)
-            self.say("the remark is kept")
-
     def plan_break(self, by: str, step: Step) -> None:
         """Plan a requested break for the end of the trial and its questions."""
         self.record("break", step, by=by)
         self.break_due = True
-        self.say("a break comes after this trial")
+        self.console.say("a break comes after this trial")
 
     def begin_step(self, step: Step) -> None:
         """Set the title of the window; the console gets a state at the next refresh."""
@@ -138,23 +120,17 @@ class SessionContext:
         self._state_ns = now_ns
         if looks:
             self.head = self.display.source.head_at(now_ns)
-        self.sources.console.tell(self._state(step, describe()))
-
-    def _state(self, step: Step, described: Mapping[str, Any]) -> ConsoleState:
         head, session = self.head, self.session
         origin = {PILOT: " - PILOT", SIMULATED: " - SIMULATED"}.get(session.origin, "")
-        return ConsoleState(
+        state = ConsoleState(
             heading=f"study {self.design.name}, participant {session.code}, session {session.number}{origin}",
             participant=f"{session.code}{origin}",
             step=step_name(step, self.steps),
             elapsed_s=self.elapsed_s,
             notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
-            **described,
+            **describe(),
         )
-
-
-LOST = "lost"
-CONFIRMS = frozenset({"confirm", "agree", "continue"})
+        self.console.tell(state)
 
 
 class StepHandler(FrameHandler):
@@ -200,27 +176,24 @@ class StepHandler(FrameHandler):
         """Carry out all commands; never changes the options of the run.
 
         Commands after the end of a step belonged to it, and are dropped, except stop, menu and
-        break: they are kept for the next step.
+        break: they are kept for the next step; a closed menu does not open again.
         """
         context = self.context
-        for by, command in context.sources.received(commands, self.step, context.shown, self.elapsed_s):
+        for by, command in context.received(commands, self.step, self.elapsed_s):
             if command.control == REMARK:
-                context.remark(by, command, self.step)
+                if text := str(command.value or "").strip():
+                    context.record("remark", self.step, by=by, text=text)
+                    context.console.say("the remark is kept")
             elif not self.over():
                 self.receive(by, command)
-            else:
-                self._receive_late(by, command)
+            elif command.control == BREAK:
+                context.plan_break(by, self.step)
+            elif command.control == STOP or (
+                command.control in INTERRUPTS and not self.interrupt and self.phase != "paused"
+            ):
+                context.late.append((by, command))
         context.tell(self._named, self.describe, looks=not self.pictures)
         return False
-
-    def _receive_late(self, by: str, command: Command) -> None:
-        """Keep a command that came after the end; a closed menu does not open again."""
-        if command.control == BREAK:
-            self.context.plan_break(by, self.step)
-        elif command.control == STOP or (
-            command.control in INTERRUPTS and not self.interrupt and self.phase != "paused"
-        ):
-            self.context.sources.late.append((by, command))
 
     def receive(self, by: str, command: Command) -> None:
         """Carry out a command that came during the step."""
@@ -267,7 +240,6 @@ class DialogHandler(StepHandler, Generic[D]):
         self.seconds = 0.0  # until it was over
 
     def finished(self) -> bool:
-        """Return whether the dialog is over."""
         return self.dialog.over
 
     def label(self) -> Label:
@@ -287,13 +259,9 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
     phase = "asking"
 
     def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
-        hints = hints_for(context.display.name)
-        is_text = ask.item.answer == WORDS
-        super().__init__(
-            context,
-            ask,
-            TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again),
-        )
+        hints, is_text = hints_for(context.display.name), ask.item.answer == WORDS
+        dialog = TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again)
+        super().__init__(context, ask, dialog)
 
     def leave_unanswered(self) -> None:
         """Leave the question unanswered, as the menu offers."""
@@ -301,12 +269,10 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
 
     def take(self, by: str, command: Command) -> None:
         """Pass the command to the question; the experimenter's skip leaves it unanswered."""
-        if command.control == "skip" and by != PARTICIPANT:
-            command = Command("answer", None)
-        super().take(by, command)
+        skips = command.control == "skip" and by != PARTICIPANT
+        super().take(by, Command("answer", None) if skips else command)
 
     def describe(self) -> Mapping[str, Any]:
-        """Return the phase and the question."""
         return {"phase": self.phase, "question": self.dialog.question()}
 
 
@@ -325,7 +291,6 @@ class BreakHandler(DialogHandler[BreakDialog]):
             super().receive(by, command)
 
     def describe(self) -> Mapping[str, Any]:
-        """Return the phase and the time left."""
         return {"phase": self.phase, "left_s": self.dialog.left_s}
 
 
@@ -355,15 +320,12 @@ class ConfirmHandler(StepHandler):
         self._panel, self._confirmed = panel, False
 
     def finished(self) -> bool:
-        """Return whether it is confirmed."""
         return self._confirmed
 
     def label(self) -> Label:
-        """Return the panel."""
         return self._panel
 
     def take(self, by: str, command: Command) -> None:
-        """Confirm."""
         if command.control in CONFIRMS:
             self.by, self._confirmed = by, True
 
@@ -406,8 +368,6 @@ class PanelHandler(FrameHandler):
         self._context.tell(self._step, lambda: {"phase": self._phase})
         return False
 
-    def arrived(self, refresh: Refresh) -> None:
-        """Do nothing."""
+    def arrived(self, refresh: Refresh) -> None: ...
 
-    def on_display_lost(self, why: str) -> None:
-        """Do nothing: the step itself has not begun."""
+    def on_display_lost(self, why: str) -> None: ...  # the step itself has not begun

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import math
-import shlex
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 
 import attrs
 
-from ...errors import HmdwarpError
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
-from ...report import counted
-from ...run import Recorder
 from ...scenes import scenes
-from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
+from ..design import Ask, Condition, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs.dialog_panels import InputHints, MessagePanel, message_panel, trial_panel
-from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
-from .session_options import SessionOptions
+from ..store import COMPLETE, DECLINED, SICK, STOPPED, UNCONSENTED
 
 # Below both, a trial counts as one in which the head hardly moved. A head that is held still sways
 # by some 2 degrees and 2 cm; one that looks around turns by tens of degrees within seconds. A warp
@@ -48,7 +42,6 @@ class HeadRange:
 
     @property
     def is_still(self) -> bool:
-        """Whether the head hardly moved."""
         return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
 
     def figures(self) -> dict[str, float | bool | None]:
@@ -77,9 +70,8 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
     if isinstance(step, PageStep):
         return "instructions"
     if isinstance(step, Read):
-        return {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}.get(
-            step.key, "consent"
-        )
+        names = {READY: "about to begin", STOP_RULE: "the session ends", END: "session finished"}
+        return names.get(step.key, "consent")
     if isinstance(step, Ask) and not step.about:
         items, title = step.scale.items, step.scale.title
         return title if len(items) == 1 else f"{title}, item {items.index(step.item) + 1} of {len(items)}"
@@ -123,27 +115,20 @@ def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> Messag
     reacts = scene_reacts(step.condition)
     confirm = (reacts and hints.done) or hints.confirm
     hint = f"Look around as long as you like. {confirm}: done" if step.until_done else ""
-    if reacts:
-        hint = f"{hint}\n{hints.act}".strip()
-    return trial_panel(step.trial, _trials(steps), hint.rstrip(), step.turn)
+    return trial_panel(step.trial, _trials(steps), f"{hint}\n{hints.act if reacts else ''}".strip(), step.turn)
 
 
 def sick_panel(asks_after: bool, hints: InputHints) -> MessagePanel:
     """Make the panel that the stop rule shows in place of the next trial."""
-    rest = (
-        "A few questions are left, if you like; each may be left out." if asks_after else "There is nothing more to do."
-    )
-    keys = f"{hints.confirm}: go on · {hints.menu}: menu"
-    return message_panel(
-        "We stop here", f"You do not feel well enough to go on, so this is the last of it. {rest}", keys
-    )
+    left = "A few questions are left, if you like; each may be left out."
+    text = "You do not feel well enough to go on, so this is the last of it. "
+    text += left if asks_after else "There is nothing more to do."
+    return message_panel("We stop here", text, f"{hints.confirm}: go on · {hints.menu}: menu")
 
 
 def farewell_panel(status: str, own: Page | None, hints: InputHints) -> MessagePanel:
     """Make the last panel. own: the plan's words or picture in place of ours."""
-    if own is not None:
-        return page_panel(own, f"{hints.confirm}: close", own.text)
-    return message_panel(*_FAREWELL[status])
+    return message_panel(*_FAREWELL[status]) if own is None else page_panel(own, f"{hints.confirm}: close", own.text)
 
 
 def page_panel(page: Page, hint: str, text: str) -> MessagePanel:
@@ -154,81 +139,3 @@ def page_panel(page: Page, hint: str, text: str) -> MessagePanel:
 def _trials(steps: Sequence[Step]) -> int:
     """Count the trials, without the practice."""
     return max((step.trial for step in steps if isinstance(step, Show)), default=0)
-
-
-class ClosingWords:
-    """Closing words of one run of the program."""
-
-    def __init__(
-        self,
-        options: SessionOptions,
-        design: Design,
-        store: Store,
-        say: Callable[[str], None],
-        on_end: Callable[[Session], None],
-    ) -> None:
-        self._options, self._design, self._store, self._say, self._on_end = options, design, store, say, on_end
-        self.session: Session | None = None  # None until there is one
-        self.recording: Callable[[], Recorder | None] = lambda: None  # of the trial under way
-        self.quiet = False  # whether an error says it all
-
-    @property
-    def how_to_resume(self) -> str:
-        """Sentence with the command that resumes the session."""
-        assert self.session is not None
-        several = len(self._design.parts) > 1
-        return f"resume with: {self._options.command(self.session.code, self.session.part, several)}"
-
-    def say(self) -> None:
-        """Say them, once everything else is closed."""
-        if self.session is None or self.quiet:
-            return
-        session = self.session
-        origin = "" if session.origin == PERSON else f" ({session.origin})"
-        why = f": {session.why}" if session.why else ""
-        lines = [
-            f"participant {session.code}{origin}, session {session.number}, part {session.part}: {session.status}{why}"
-        ]
-        with suppress(HmdwarpError):  # a full disk may not even be readable
-            answers = self._store.answers(session)
-            rated = sum(answer.phase == "trial" and answer.value is not None for answer in answers)
-            count = f"{counted(len(answers), 'answer')}, {rated} of them about trials" if answers else "no answers"
-            lines.append(f"stored in {self._store.folder}: {count}")
-            lines += self._still(session)
-        lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
-        for line in lines:
-            self._say(line)
-        self._on_end(self.session)
-
-    def _still(self, session: Session) -> list[str]:
-        """Say in how many trials the head hardly moved."""
-        shown = self._store.contents(pilot=session.origin == PILOT).showings
-        trials = {
-            showing.key: showing
-            for showing in shown
-            if showing.session == session.id and showing.complete and showing.trial
-        }
-        still = sum(bool(showing.actual.get("head_still")) for showing in trials.values())
-        of = f"{still} of {counted(len(trials), 'trial')}"
-        return [f"the head hardly moved in {of}: almost a still picture was rated (head_still)"] if still else []
-
-    def _next(self) -> str:
-        words = ["hmdwarp", "study", "export", self._options.study, "--out", "DIR"]
-        words += ["--store", str(self._options.store)] if self._options.store is not None else []
-        words += [f"--{self._options.origin}"] if self._options.origin != PERSON else []
-        return f"next: another participant, or {shlex.join(words)}"
-
-    def explained(self, error: HmdwarpError) -> HmdwarpError:
-        """Return the same error with how to resume: it is the only line that will be read."""
-        self.quiet = True
-        if self.session is None:
-            return error
-        return type(error)(f"{error}; what was answered before is stored, {self.how_to_resume}")
-
-    def last_words(self) -> str:
-        """Return the words for the watchdog, which ends the program; answers are on the disk."""
-        recorder = self.recording()
-        saved = recorder.save() if recorder is not None else ""
-        if self.session is None:
-            return ""
-        return "; ".join(filter(None, (saved, "what was answered is stored", self.how_to_resume)))

@@ -15,7 +15,7 @@ from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Fov, Mirror, Pose, RigidState, View
 from hmdwarp.gpu import download, upload
 from hmdwarp.link.codec import Undecodable
-from hmdwarp.pipeline.feed_layers import made, misfit, needs_of_client, parts_of, unpacked, velocity_of, wanted_of
+from hmdwarp.pipeline.feed_coding import made, misfit, needs_of_client, parts_of, unpacked, velocity_of, wanted_of
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.message import FrameMessage, Malformed, decode, encode
 from hmdwarp.sources.feed.parts import Packed, Wanted, packed

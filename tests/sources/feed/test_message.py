@@ -16,7 +16,7 @@ from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Hidden, Pose, looking
 from hmdwarp.link.codec import Undecodable
-from hmdwarp.pipeline.feed_layers import grids_of
+from hmdwarp.pipeline.feed_coding import grids_of
 from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (

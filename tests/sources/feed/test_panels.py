@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers.panels import PanelDelivery, Panels, things_of
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.pipeline.feed_layers import made, needs_of_client, parts_of, wanted_of
+from hmdwarp.pipeline.feed_coding import made, needs_of_client, parts_of, wanted_of
 from hmdwarp.scenes import Panel, Scene, load_scene
 from hmdwarp.sources.feed import FeedOptions
 from hmdwarp.sources.server import Server

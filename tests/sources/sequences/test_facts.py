@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import SequenceOptions, depth_notes, is_largest, parse_intrinsics, readers
-from hmdwarp.sources.sequences.camera import camera_of
+from hmdwarp.sources.sequences.frame_files import camera_of
 
 from .folders import blotted, edited, fact, made, refused
 

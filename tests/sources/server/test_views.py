@@ -9,7 +9,7 @@ from replays import each_refresh, small
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.sources.server.parts.views import LEAST_M, Motion, chosen, moved, seen
+from hmdwarp.sources.server.parts.layers import LEAST_M, EyeMotion, chosen, moved, seen
 
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
 SIZE = (120, 96)
@@ -60,7 +60,7 @@ def test_a_picture_shows_what_no_straight_line_to_it_meets_anything_before(way):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
     view = view_at((0, 0, 0))
-    motion = Motion.of(view, sign * np.array([0.5, 0, 0]), 0.2)
+    motion = EyeMotion.of(view, sign * np.array([0.5, 0, 0]), 0.2)
     first, second = chosen(view, SIZE, motion, 2, depth_of)
     assert first @ RIGHT * sign > 0 and np.linalg.norm(first) >= 0.04
     assert not np.array_equal(first, second)
@@ -77,7 +77,7 @@ def test_the_first_view_is_taken_from_where_the_eye_goes(sign):
 
 @pytest.mark.parametrize("velocity", [(0, 0, 0), (1e-12, 0, 0), (0, 2, 0), (1, 0, -3), (1e6, 0, 0)], ids=str)
 def test_candidates_lie_along_the_motion_and_across_it(velocity):
-    motion = Motion.of(view_at((1, 1.6, 2)), np.array(velocity, float), 0.4)
+    motion = EyeMotion.of(view_at((1, 1.6, 2)), np.array(velocity, float), 0.4)
     reach = max(0.4 * np.linalg.norm(velocity), LEAST_M)
     assert np.linalg.norm(motion.along) == pytest.approx(reach) == np.linalg.norm(motion.across)
     assert motion.along @ motion.across == pytest.approx(0, abs=1e-9 * reach**2)
@@ -87,7 +87,7 @@ def test_candidates_lie_along_the_motion_and_across_it(velocity):
 
 
 def test_views_are_chosen_whatever_the_depth():
-    motion = Motion.of(view_at((0, 0, 0)), np.array([1.0, 0, 0]), 0.2)
+    motion = EyeMotion.of(view_at((0, 0, 0)), np.array([1.0, 0, 0]), 0.2)
     for depth in (-1.0, 0.0, 1e-6, 50.0):
         ways = chosen(view_at((0, 0, 0)), (6, 5), motion, 3, lambda view, depth=depth: np.full((5, 6), depth))
         assert len({tuple(way) for way in ways}) == 3

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.server import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
-from hmdwarp.sources.server.visibility import KEPT, NEAR_M, Chunks, nearest_first, visible, world_from_ndc
+from hmdwarp.sources.server.passes import KEPT, NEAR_M, Chunks, nearest_first, visible, world_from_ndc
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

@@ -15,13 +15,13 @@ import pytest
 from together import together
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.report.study import render_study_report
+from hmdwarp.report.study import study_page
 from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis.findings import claims_for
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
 from hmdwarp.study.analysis.long_table import Ratings, SourceOptions, from_contents, from_csv
 from hmdwarp.study.design import Comparison, Family, design_from_text, load_design
-from hmdwarp.study.export.export_rows import declined
+from hmdwarp.study.export.export_rows import without_consent
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale
@@ -94,7 +94,7 @@ def test_one_person_is_one_person(contents, design):
     sub = next(session.sub for session in contents.sessions if session.status == COMPLETE)
     alone = attrs.evolve(contents, sessions=tuple(session for session in contents.sessions if session.sub == sub))
     data = analyse(from_contents(alone, design))
-    page = render_study_report(data, "")
+    page = study_page(data, "").html()
     assert not re.search(r"\b1 (people|participants|sessions|ratings|conditions|pairs)\b", page + json.dumps(data))
     assert "1 participant" in page and "The only participant who rated the hidden reference" in page
     assert all(row["low"] is row["high"] is row["level"] is None for row in data["questionnaires"])
@@ -104,7 +104,7 @@ def test_a_declined_session_counts_nowhere(contents, design, tmp_path):
     """Nor in the export: tables, counts and missing ratings are those of the others."""
     (refused,) = [session for session in contents.sessions if not session.consented]
     others = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one is not refused))
-    assert (declined(contents), declined(others)) == (1, 0)
+    assert (without_consent(contents)[0], without_consent(others)[0]) == (1, 0)
     kept, data = export(others, design, tmp_path / "others").folder, analyse(from_contents(others, design))
     made, with_refusal = export(contents, design, tmp_path / "all").folder, analyse(from_contents(contents, design))
     note = "Declined to take part, and counted nowhere else: 1."
@@ -157,9 +157,9 @@ def test_a_change_counts_each_person_once_however_many_sessions_they_had(content
 def test_a_questionnaire_asked_once_has_quartiles_on_the_page(tmp_path):
     with Store(restored(GOLDEN / "degradation", tmp_path / "data")) as store:
         data = analyse(from_contents(store.contents(), load_design(str(GOLDEN / "degradation" / "study.toml"))))
-    page = render_study_report(data, "").replace("<wbr>", "")
+    page = study_page(data, "").html().replace("<wbr>", "")
     assert "Questionnaires, answered once" in page and "ipq after: " in page and "0 to 6" in page
-    assert "Questionnaires, answered once" not in render_study_report({**data, "asked_once": []}, "")
+    assert "Questionnaires, answered once" not in study_page({**data, "asked_once": []}, "").html()
 
 
 def test_a_session_is_read_by_the_plan_it_was_run_by(contents):
@@ -232,9 +232,7 @@ def test_charts_break_names_between_words_and_have_axes_without_factors():
     """Text of an axis that reaches a billionth either way, as of equal pairs, has a factor."""
     name = "forward + interpolate+composite, 800 ms"
     pair = (Family("one", (Comparison("", "late", name),)),)
-    page = render_study_report(
-        analyse(attrs.evolve(ratings_of({"late": [3.0] * 5, name: [3.0] * 5}), families=pair)), ""
-    )
+    page = study_page(analyse(attrs.evolve(ratings_of({"late": [3.0] * 5, name: [3.0] * 5}), families=pair)), "").html()
     assert ">interpolate+<" in page and ">composite<" in page
     words = re.findall(r">([^<>]*)</text>", page)
     assert "1.0" in "".join(words) and not any(word.startswith("1e") for word in words)

@@ -162,7 +162,6 @@ class ControlPanel:
         imgui.render()
 
     def _draw_controls(self, status: Status) -> None:
-        """Draw a row for each control that changes the run: name, widget, keys."""
         if not imgui.begin_table("controls", 3, imgui.TableFlags_.sizing_fixed_fit):
             return
         imgui.table_setup_column("name")
@@ -227,7 +226,6 @@ class ControlPanel:
             imgui.pop_style_color()
 
     def _keys_of(self, control: Control) -> str:
-        """Return its keys in a few letters, the one for a step back first."""
         return " ".join({"Escape": "Esc"}.get(key, self._label(key)) for key in (control.back, control.key) if key)
 
     def close(self) -> None:

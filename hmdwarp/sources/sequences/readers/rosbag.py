@@ -12,14 +12,14 @@ import attrs
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....errors import InputError, TraceError
+from ....errors import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
-from ..camera import Camera, Matrix, refuse_distortion
+from ..frame_files import Camera, Matrix, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from ._base import Folder, layout, pose_of_square
+from . import Folder, layout
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -39,8 +39,7 @@ _COLOURS = {
     "mono8": (1, (0, 0, 0)),
     "8UC1": (1, (0, 0, 0)),
 }
-# Type and metres per unit.
-_DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}
+_DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  # type and metres per unit
 _COMPRESSED_DEPTH = "compressedDepth"
 _HEADER = 12  # bytes before the PNG of a compressed depth
 
@@ -60,13 +59,7 @@ def rosbag(at: Folder) -> None:
     place = bag_at(at.path)
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")
-    try:
-        _read(at, Bag(place))
-    except TraceError as error:
-        raise InputError(str(error)) from error
-
-
-def _read(at: Folder, bag: Bag) -> None:
+    bag = Bag(place)
     moving: list[Any] = []
     still: list[Any] = []
     for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
@@ -86,7 +79,7 @@ def _read(at: Folder, bag: Bag) -> None:
         depth = depths[int(np.abs(late - colour.time_ns).argmin())]
         matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
         if matrix is not None:
-            pose = pose_of_square(at.axes, f"{at.path}, pose at {colour.time_ns} ns", matrix)
+            pose = at.pose_in(f"{at.path}, pose at {colour.time_ns} ns", matrix)
             raw = partial(_pixels, bag, topics["depth"], depth)
             read = partial(_pictures, partial(_pixels, bag, topics["colour"], colour), raw, topics["depth"], at.scale)
             name, time_ns = f"{topics['colour']} {number}", at.instant_ns(number, colour.time_ns)
@@ -273,7 +266,6 @@ class _Motion:
     """Samples of one frame in another, in the axes of ROS."""
 
     def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
-        """Take time_ns, position and quaternion; of several at one instant the last holds."""
         self._samples = dict(sorted({time_ns: _matrix_of(*pose) for time_ns, *pose in samples}.items()))
         self.times_ns = list(self._samples)
 
@@ -294,8 +286,6 @@ class _Motion:
 
 
 class _Transforms:
-    """The tree of /tf and /tf_static."""
-
     def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
         samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
         self._still: dict[str, tuple[str, Matrix]] = {}
@@ -316,11 +306,9 @@ class _Transforms:
         return names
 
     def moves(self, frame: str) -> bool:
-        """Return whether a transform that moves is above the frame."""
         return any(name in self._moving for name in self.chain(frame))
 
     def spans(self, frame: str) -> dict[str, tuple[int, int]]:
-        """Return when the transforms that move are known, of those above the frame."""
         moving = {name: self._moving[name][1].times_ns for name in self.chain(frame) if name in self._moving}
         return {f"/tf of {name}": (times[0], times[-1]) for name, times in moving.items()}
 

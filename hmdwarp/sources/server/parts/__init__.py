@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import attrs
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ....frames import EyeImage, Needs
 from ....frames.layers import layers
@@ -16,25 +20,23 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
-from ..passes import ScenePasses
-from ..targets import Framebuffers, LastUsed, Renderer, Target
-from ..upload import SceneTextures
+from ...array_passes import Owner
+from ..passes import ScenePasses, SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 
 parts: Registry[type[Part]] = Registry(
     "part",
     __name__,
     modules={
-        **dict.fromkeys(("cube", "foveated", "views", "wide"), "views"),
+        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "layers"),
         **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
-        **dict.fromkeys(("difference", "scene_update"), "scene_update"),
+        **dict.fromkeys(("scene_update", "views", "wide"), "layers"),
     },
 )
 
 
 @attrs.frozen(eq=False)
 class Drawing:
-    """One picture to draw."""
-
     # The view as the eye has it, without guard band, and (w, h) pixels of it.
     view: View
     size: tuple[int, int]
@@ -54,8 +56,6 @@ class Drawing:
 
 @attrs.frozen(eq=False)
 class DrawContext:
-    """The resources that parts draw with."""
-
     gpu: Gpu
     scene: Scene
     textures: SceneTextures  # the scene's, on the GPU
@@ -73,7 +73,7 @@ class DrawContext:
     renderer: Callable[[Scene], Renderer]  # renderer(scene): a server of another scene; who makes it closes it
 
 
-class Part(ABC):
+class Part(Owner, ABC):
     """One kind of content, added to the picture after the parts of a lower `order`.
 
     A part is made when a scene has any of its content, or when frames need a layer whose file names
@@ -120,7 +120,6 @@ class Part(ABC):
         """Take note of whether a frame with these layers arrived, heard of at that instant."""
 
     def has_more(self, now_ns: int) -> bool:
-        """Return whether it has something to send even if nothing has moved."""
         return False
 
     def trim(self) -> None:
@@ -130,5 +129,108 @@ class Part(ABC):
 
     def close(self) -> None:
         """Free its resources; the shader library owns programs, the server acquired targets."""
+        super().close()
         for target in self._kept.values():
             target.release()
+
+
+Array = NDArray[np.float64]
+FIRST_ROUND_TRIP_NS = 200_000_000  # from sending to the news of the arrival, until the first news says it
+FRAMES = 16  # the head's speed is the fastest between two of so many frames
+NEAREST_M = 0.1  # an eye that is this near to a piece, or inside, sees all of it
+
+
+class Sender:
+    book: Any  # what was sent, a frames.layers.Book
+    complete = False  # whether nothing waits to be sent
+
+    def has_more(self, now_ns: int) -> bool:
+        return not self.complete
+
+
+Wanted = TypeVar("Wanted")
+S = TypeVar("S", bound=Sender)
+
+
+class Sending(Part, Generic[Wanted, S]):
+    of_client = True
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._senders: LastUsed[Wanted, S] = LastUsed()
+
+    @abstractmethod
+    def make_sender(self, wanted: Wanted) -> S:
+        """Return the sender of a variant."""
+
+    def sender(self, wanted: Wanted) -> S:
+        return self._senders.made(wanted, lambda: self.make_sender(wanted))
+
+    def needed(self, drawing: Drawing) -> list[Wanted]:
+        """Return the variants that a picture needs, in their order; others are kept, but a few."""
+        found = sorted(drawing.needs.get(self.name, frozenset()))
+        for wanted in found:
+            self.sender(wanted)
+        self._senders.beyond(max(MOST_SETTINGS, len(found)))
+        return found
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        return eye
+
+    def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
+        for wanted, update in carried.get(self.name, {}).items():
+            if wanted in self._senders:
+                self._senders[wanted].book.heard(update, arrived, heard_ns)
+
+    def has_more(self, now_ns: int) -> bool:
+        return any(sender.has_more(now_ns) for sender in self._senders.values())
+
+
+class Head:
+    def __init__(self) -> None:
+        self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
+
+    def see(self, view: View, now_ns: int) -> None:
+        if not self._seen or now_ns > self._seen[-1][0]:
+            self._seen.append((now_ns, view))
+
+    def reach(self, within_ns: int | None) -> tuple[float, float]:
+        """Return metres and radians that it may move by in that time, or a first round trip."""
+        within_ns = within_ns or FIRST_ROUND_TRIP_NS
+        metres = radians = 0.0
+        for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):
+            times = within_ns / (now_ns - before_ns)
+            metres = max(metres, times * float(np.linalg.norm(now.pose.position_m - before.pose.position_m)))
+            turned = before.pose.angle_to(now.pose)
+            radians = max(radians, min(times * turned, math.pi))
+        return metres, radians
+
+
+def may_be_seen(
+    centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
+) -> NDArray[np.bool_]:
+    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
+    clip = clip_from_eye(view.fov)
+    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
+    reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)
+    reach += np.linalg.norm(halves, axis=1)
+    slack = steep[:, None] * (radians * reach + metres)
+    return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
+
+
+def boxes_at(
+    scene: Scene, bodies: NDArray[np.int64], centres: Array, halves: Array, time_ns: int
+) -> tuple[Array, Array]:
+    """Return centres and halves (n, 3) at an instant; bodies' from their axes, however turned."""
+    centres, halves = centres.copy(), halves.copy()
+    for number in set(bodies.tolist()) - {0}:
+        world_from_body = scene.bodies[number - 1].motion.state(time_ns).pose.matrix()
+        own = bodies == number
+        centres[own] = centres[own] @ world_from_body[:3, :3].T + world_from_body[:3, 3] - scene.origin_m
+        halves[own] = np.linalg.norm(halves[own], axis=1, keepdims=True)
+    return centres, halves
+
+
+def distances(eye: Array, centres: Array, halves: Array) -> Array:
+    away: Array = np.linalg.norm(np.maximum(np.abs(centres - eye) - halves, 0), axis=1)
+    return away

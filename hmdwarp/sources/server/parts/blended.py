@@ -21,17 +21,16 @@ from ....frames.layers import Outbox, Update
 from ....frames.layers.panels import PanelDelivery, first_things, things_of, with_showing
 from ....geometry import Pose, View
 from ....gpu.shaders import Draw
-from ....gpu.textures import drawing_into, release_all
+from ....gpu.textures import drawing_into
 from ....scenes import Material, Mesh, Panel, Scene, is_cutout, only_light
-from ..passes import SAME_SURFACE, ScenePasses
-from ..sending import Sender, Sending
-from ..upload import Moving, SceneBuffers, SceneTextures, moving_parts
-from ..visibility import clip_from_eye
-from . import DrawContext, Drawing, Part, parts
+from ...array_passes import Owner
+from ..passes import SAME_SURFACE, Moving, SceneBuffers, ScenePasses, SceneTextures, clip_from_eye, moving_parts
+from . import DrawContext, Drawing, Part, Sender, Sending, parts
 
 Array = NDArray[np.float64]
 # How source and destination are combined: of rgb and alpha the factor of each, and the equation.
 Blending = tuple[tuple[int, int, int, int], int]
+_Rgba = tuple[float, float, float, float]
 _TWO_DEPTHS = (2, "f4")  # rg32f
 _SRC1_COLOR, _SRC1_ALPHA = 0x88F9, 0x8589  # OpenGL's names; moderngl lacks them
 _OVER_KEEPING_COVERAGE = (moderngl.ONE, _SRC1_COLOR, moderngl.ONE, moderngl.ZERO), moderngl.FUNC_ADD
@@ -47,7 +46,7 @@ _VERTEX = np.dtype([(name, f"<{form[1:]}", int(form[0])) for name, form in _FIEL
 _Run = tuple[int, int, Mapping[int, int]]  # of triangles that one call draws: first index, count, texture of each slot
 
 
-class Sheets:
+class Sheets(Owner):
     """Some meshes of a scene on the GPU, drawn in order of distance.
 
     All share one index buffer, which one call draws, or one for each run of triangles whose
@@ -74,9 +73,9 @@ class Sheets:
             kind["passes"] = (*mesh.material.tint, mesh.material.opacity)
             kind["slot"], kind["one_sided"] = self._slot(mesh.texture), not mesh.double_sided
         gl = context.gpu.gl
-        self._vertices = gl.buffer(self._rows.tobytes() or b"\0" * _VERTEX.itemsize, dynamic=True)
-        self._indices = gl.buffer(reserve=max(12, self._triangles.nbytes), dynamic=True)
-        self._kinds_on_gpu = gl.buffer(reserve=max(1, len(meshes)) * _KIND.itemsize, dynamic=True)
+        self._vertices = self.own(gl.buffer(self._rows.tobytes() or b"\0" * _VERTEX.itemsize, dynamic=True))
+        self._indices = self.own(gl.buffer(reserve=max(12, self._triangles.nbytes), dynamic=True))
+        self._kinds_on_gpu = self.own(gl.buffer(reserve=max(1, len(meshes)) * _KIND.itemsize, dynamic=True))
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
         self._written_ns: int | None = None
         # For one picture, which has several drawings: its key, the runs, and eye_from_mesh of each.
@@ -137,9 +136,8 @@ class Sheets:
             read = [name for name in _FIELDS if f"in_{name}" in program.program]  # the compiler removes the others
             layout = " ".join(form if name in read else f"{4 * int(form[0])}x" for name, form in _FIELDS.items())
             inputs = [(self._vertices, layout, *(f"in_{name}" for name in read))]
-            self._arrays[program.program] = self._context.gpu.gl.vertex_array(
-                program.program, inputs, self._indices, index_element_size=4
-            )
+            gl, key = self._context.gpu.gl, program.program
+            self._arrays[key] = self.own(gl.vertex_array(key, inputs, self._indices, index_element_size=4))
         return self._arrays[program.program]
 
     def _ordered(self, view: View, time_ns: int) -> tuple[object, list[_Run], list[Array]]:
@@ -191,9 +189,6 @@ class Sheets:
                 first, used = at, {slots[texture]: texture}
         yield 3 * first, 3 * (len(textures) - first), used
 
-    def close(self) -> None:
-        release_all(*self._arrays.values(), self._vertices, self._indices, self._kinds_on_gpu)
-
 
 def _middles(positions: Array, triangles: NDArray[np.uint32]) -> Array:
     middles: Array = positions[triangles].mean(axis=1).T
@@ -226,11 +221,10 @@ def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
 
 
 class SheetsPart(Part):
-    """A part that draws the meshes it has as sheets."""
-
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._sheets = Sheets(context, [mesh for mesh in context.scene.meshes if self.has(context.scene, mesh)])
+        scene = context.scene
+        self._sheets = self.own(Sheets(context, [mesh for mesh in scene.meshes if self.has(scene, mesh)]))
 
     @staticmethod
     @abstractmethod
@@ -240,10 +234,6 @@ class SheetsPart(Part):
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
         return any(cls.has(scene, mesh) for mesh in scene.meshes)
-
-    def close(self) -> None:
-        self._sheets.close()
-        super().close()
 
 
 @parts.register
@@ -340,14 +330,7 @@ class Transparency(SheetsPart):
             self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
         return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
 
-    def _draw(
-        self,
-        program: Draw,
-        eye: EyeImage,
-        into: moderngl.Texture,
-        empty: tuple[float, float, float, float],
-        blending: Blending,
-    ) -> None:
+    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: _Rgba, blending: Blending) -> None:
         framebuffer = self.context.framebuffers.over(into)
         with drawing_into(framebuffer):
             framebuffer.clear(color=empty)
@@ -377,7 +360,7 @@ class Peeled(Part):
         plain = self.context.passes_for(drawing)
         moving = tuple(mover for mover in plain.moving if mover.layer not in drawing.needs)
         if (plain, moving) not in self._passes:
-            self._passes[plain, moving] = plain.peeling(moving)
+            self._passes[plain, moving] = self.own(plain.peeling(moving))
         passes = self._passes[plain, moving]
         before, surfaces = eye.inverse_depth, []
         for _ in range(drawing.needs["peeled"]):
@@ -388,10 +371,6 @@ class Peeled(Part):
             surfaces.append(Surface(target.colour, target.inverse_depth))
             before = target.inverse_depth
         return eye.having(peeled=tuple(surfaces))
-
-    def close(self) -> None:
-        for passes in self._passes.values():
-            passes.close()
 
 
 @parts.register
@@ -404,26 +383,19 @@ class Light(Part):
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         gpu, scene = context.gpu, only_light(context.scene)
-        self._textures = SceneTextures(gpu, scene)
-        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
-        self._moving = moving_parts(gpu, scene, self._textures)
+        textures = self.own(SceneTextures(gpu, scene))
+        still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
+        buffers = self.own(SceneBuffers(gpu, still, textures))
+        moving = [self.own(one) for one in moving_parts(gpu, scene, textures)]
         # Lamps light it as they light the scene itself: between white surfaces there is more light.
         lighting = context.colour.lighting
-        self._passes = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
+        self._passes = self.own(ScenePasses(gpu, scene, buffers, colour=True, moving=moving, lighting=lighting))
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "light" not in drawing.needs:
             return eye
         self.context.draw_colour(self._passes, eye.view, eye.colour, eye.drawn_ns)
         return eye.having(light=True)
-
-    def close(self) -> None:
-        self._passes.close()
-        for drawing in self._moving:
-            drawing.close()
-        self._buffers.close()
-        self._textures.close()
 
 
 @parts.register
@@ -451,18 +423,13 @@ class Panels(Sending[PanelDelivery, "_PanelSender"]):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "panels" not in drawing.needs:
             if self._drawn is None:
-                self._drawn = [_DrawnPanel(self.context, panel) for panel in self.context.scene.panels]
+                self._drawn = [self.own(_DrawnPanel(self.context, panel)) for panel in self.context.scene.panels]
             for drawn in sorted(self._drawn, key=lambda one: -one.panel.away_m(eye.view)):
                 drawn.draw(eye)
         return eye
 
-    def close(self) -> None:
-        for drawn in self._drawn or ():
-            drawn.close()
-        super().close()
 
-
-class _DrawnPanel:
+class _DrawnPanel(Owner):
     """One panel as sheets of a scene of its own, whose origin is the panel's place."""
 
     def __init__(self, context: DrawContext, panel: Panel) -> None:
@@ -476,9 +443,8 @@ class _DrawnPanel:
         )
         meshes = [attrs.evolve(mesh, texture=index) for index in range(len(panel.pictures))]
         scene = Scene("panel", "", meshes, panel.pictures, origin_m=origin)
-        self._textures = SceneTextures(context.gpu, scene, lent=True)
-        own = attrs.evolve(context, scene=scene, textures=self._textures)
-        self._sheets = [Sheets(own, [mesh]) for mesh in scene.meshes]
+        own = attrs.evolve(context, scene=scene, textures=self.own(SceneTextures(context.gpu, scene, lent=True)))
+        self._sheets = [self.own(Sheets(own, [mesh])) for mesh in scene.meshes]
 
     def draw(self, eye: EyeImage) -> None:
         """Draw it over the picture of an eye, whose inverse depth is bound."""
@@ -493,11 +459,6 @@ class _DrawnPanel:
             near = self._framebuffers.over(eye.inverse_depth)
             sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, near, _MOST)
             self._gpu.barrier()  # llvmpipe lets shaders read inverse depth as it was before
-
-    def close(self) -> None:
-        for sheets in self._sheets:
-            sheets.close()
-        self._textures.close()
 
 
 class _PanelSender(Sender):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -14,10 +14,9 @@ from ....geometry.view import mirrors_in_eye, tangents_of_pixels
 from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
-from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
+from ...array_passes import Owner
+from ..passes import NEAR_M, SAME_SURFACE, Place, ScenePasses, clear_depth, clip_from_eye, draw_cube, eye_from_scene
 from ..targets import Target
-from ..upload import Place
-from ..visibility import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
 from . import DrawContext, Drawing, Part, parts
 
 
@@ -32,11 +31,11 @@ class Reflections(Part):
         super().__init__(context)
         shaders = context.gpu.shaders
         mirrors = context.scene.mirrors
-        self._surfaces = [(Ball if mirror.shape.is_curved else MirrorSurface)(context, mirror) for mirror in mirrors]
+        kinds = [Ball if mirror.shape.is_curved else MirrorSurface for mirror in mirrors]
+        self._surfaces = [self.own(kind(context, mirror)) for kind, mirror in zip(kinds, mirrors, strict=True)]
         self._mirrored: MirroredPasses | None = None
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
-        self._march: Compute | None = None
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -44,12 +43,8 @@ class Reflections(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed = drawing.needs.get("reflection", Mirrored(0))
-        layered = [
-            surface
-            for surface in self._surfaces
-            if (Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE) in needed
-        ]
-        baked = [surface for surface in self._surfaces if surface not in layered]
+        kinds = [(one, Mirrored.CURVED if one.mirror.shape.is_curved else Mirrored.PLANE) for one in self._surfaces]
+        layered, baked = ([one for one, kind in kinds if (kind in needed) is given] for given in (True, False))
         if baked:
             seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
@@ -70,7 +65,10 @@ class Reflections(Part):
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
         shapes = tuple(surface.mirror.shape for surface in layered)
-        bounds = bounds_of_all(shapes, eye.view, eye.size)
+        # The pixels in which any of them may be visible.
+        found = [one for shape in shapes if (one := bounds_in_view(shape, eye.view, eye.size)) is not None]
+        low_x, low_y, high_x, high_y = zip(*found or [(0, 0, 0, 0)], strict=True)
+        bounds = min(low_x), min(low_y), max(high_x), max(high_y)
         mirrored = Surface(seen.colour, seen.inverse_depth)
         return eye.having(reflection=Reflection(mirrored, surface.colour, shapes, bounds))
 
@@ -94,17 +92,15 @@ class Reflections(Part):
                 around = self.kept(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
+                program, behind = self._take, Target(eye.colour, eye.inverse_depth)
                 if marched:
-                    if self._march is None:
-                        self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
-                    self._store(self._march, Target(eye.colour, eye.inverse_depth), number, planes, bounds, seen)
+                    program = self.context.gpu.shaders.compute("server/mirror_march.comp")
                 else:
-                    if self._mirrored is None:
-                        self._mirrored = MirroredPasses(self.context)
+                    self._mirrored = self._mirrored or self.own(MirroredPasses(self.context))
                     behind = self.kept("behind", eye.size)
                     onto = over(behind.colour, behind.inverse_depth)
                     self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
-                    self._store(self._take, behind, number, planes, bounds, seen)
+                self._store(program, behind, number, planes, bounds, seen)
 
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
@@ -120,13 +116,6 @@ class Reflections(Part):
         self.context.gpu.barrier()
         program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
         self.context.gpu.barrier()
-
-    def close(self) -> None:
-        for surface in self._surfaces:
-            surface.close()
-        if self._mirrored is not None:
-            self._mirrored.close()
-        super().close()
 
 
 Array = NDArray[np.float64]
@@ -146,15 +135,6 @@ def plane_in_eye(mirror: Mirror, view: View) -> Array:
     return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
 
 
-def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) -> Bounds:
-    """Return the pixels in which any of the mirrors may be visible, an empty rectangle for none."""
-    found = [one for mirror in mirrors if (one := bounds_in_view(mirror, view, size)) is not None]
-    if not found:
-        return 0, 0, 0, 0
-    low_x, low_y, high_x, high_y = zip(*found, strict=True)
-    return min(low_x), min(low_y), max(high_x), max(high_y)
-
-
 def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
     """Return the pixels in which a mirror (a plane one: with its apron) may be visible, or None."""
     if mirror.is_curved:  # the bounds of the cube around a ball; near the eye, those of the picture
@@ -168,8 +148,15 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
     grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
     signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
     corners = mirror.centre_m + signs @ np.array(grow) - view.pose.position_m
-    corners = _before(corners @ view.pose.rotation_matrix, NEAR_M)
-    return _bounds_of(corners, view, size) if len(corners) else None
+    corners = corners @ view.pose.rotation_matrix
+    ahead, kept = -corners[:, 2] - NEAR_M, []  # what of it is ahead (Sutherland and Hodgman 1974)
+    for here, there in ((0, 1), (1, 2), (2, 3), (3, 0)):
+        if ahead[here] >= 0:
+            kept.append(corners[here])
+        if (ahead[here] >= 0) != (ahead[there] >= 0):
+            share = ahead[here] / (ahead[here] - ahead[there])
+            kept.append(corners[here] + (corners[there] - corners[here]) * share)
+    return _bounds_of(np.array(kept), view, size) if kept else None
 
 
 def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
@@ -178,18 +165,6 @@ def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | No
     low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
     high = np.clip(np.ceil(pixels.max(axis=0)), 0, size).astype(int)
     return (int(low[0]), int(low[1]), int(high[0]), int(high[1])) if (high > low).all() else None
-
-
-def _before(polygon: Array, near_m: float) -> Array:
-    """Return what of a polygon (n, 3) is at least near_m ahead (Sutherland and Hodgman 1974)."""
-    kept = []
-    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        ahead_a, ahead_b = -a[2] - near_m, -b[2] - near_m
-        if ahead_a >= 0:
-            kept.append(a)
-        if (ahead_a >= 0) != (ahead_b >= 0):
-            kept.append(a + (b - a) * (ahead_a / (ahead_a - ahead_b)))
-    return np.array(kept).reshape(-1, 3)
 
 
 class MirroredPasses(ScenePasses):
@@ -227,35 +202,27 @@ class MirroredPasses(ScenePasses):
         behind_from_here = behind_from_eye @ place.eye_from_here
         return Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
 
-    def _set_background(self, view: View) -> None:
-        super()._set_background(view)
+    def _world_from_ndc(self, view: View) -> Array:
         normal = self._mirror.normal
-        turned = np.eye(3) - 2 * np.outer(normal, normal)
-        self._background.uniforms.set(world_from_ndc=turned @ world_from_ndc(view))
+        return (np.eye(3) - 2 * np.outer(normal, normal)) @ super()._world_from_ndc(view)
 
 
-class MirrorSurface:
-    """The triangles of one mirror."""
-
+class MirrorSurface(Owner):
     def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
         self.mirror, self._context = mirror, context
         gl, shaders = context.gpu.gl, context.gpu.shaders
         parts = ((one, np.concatenate([one.positions, one.uv, one.normals], axis=1)) for one in mirror.meshes)
         rows = np.concatenate([part[mesh.triangles.ravel()] for mesh, part in parts])
-        self._vertices = gl.buffer(rows.astype(np.float32).tobytes())
+        self._vertices = self.own(gl.buffer(rows.astype(np.float32).tobytes()))
         mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
         self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
-        names, layout = (("in_position", "in_uv"), "3f4 2f4 12x") if mapped else (("in_position",), "3f4 20x")
-        self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, layout, *names)])
+        inputs = ("3f4 2f4 12x", "in_position", "in_uv") if mapped else ("3f4 20x", "in_position")
+        self._drawn = self.own(gl.vertex_array(self._surface.program, [(self._vertices, *inputs)]))
 
     def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw the mirror's properties where the picture of `eye` shows it."""
         clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
-        uniforms: dict[str, object] = {
-            "reflectivity": self.mirror.shape.reflectivity,
-            "shown_inverse_depth": 1,
-            "keep": 1 - SAME_SURFACE,
-        }
+        uniforms: dict[str, object] = {"reflectivity": self.mirror.shape.reflectivity}
+        uniforms |= {"shown_inverse_depth": 1, "keep": 1 - SAME_SURFACE}
         if self.mirror.normal_map >= 0:
             self._context.textures[self.mirror.normal_map].use(0)
             uniforms |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
@@ -263,10 +230,6 @@ class MirrorSurface:
         self._surface.uniforms.set(clip_from_scene=clip, **uniforms)
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._drawn.render(moderngl.TRIANGLES)
-
-    def close(self) -> None:
-        self._drawn.release()
-        self._vertices.release()
 
 
 class Ball(MirrorSurface):
@@ -277,7 +240,7 @@ class Ball(MirrorSurface):
         gl = context.gpu.gl
         self._image = context.gpu.shaders.draw("server/mirror_surface.vert", "server/mirror_ball.frag", CURVED=1)
         layout = [(self._vertices, "3f4 8x 3f4", "in_position", "in_normal")]
-        self._curved = gl.vertex_array(self._image.program, layout)
+        self._curved = self.own(gl.vertex_array(self._image.program, layout))
         self._around: Target | None = None
         # Of the surroundings that were drawn: instant if anything moves, and revisions.
         self._around_of: tuple[int, int, int] | None = None
@@ -313,10 +276,6 @@ class Ball(MirrorSurface):
         )
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._curved.render(moderngl.TRIANGLES)
-
-    def close(self) -> None:
-        self._curved.release()
-        super().close()
 
 
 def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
