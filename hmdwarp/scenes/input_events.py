@@ -12,16 +12,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..errors import InputError, unknown_name
 from .options import SEED, seed_of
-
-if TYPE_CHECKING:
-    from .motions import Reacting
 
 ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")
 INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
@@ -84,7 +81,7 @@ class InputLog:
     """The inputs of one scene, in the order of their instants, however they came."""
 
     def __init__(self) -> None:
-        self.things: dict[str, Reacting[Any]] = {}  # by the names that inputs have
+        self.things: dict[str, Any] = {}  # what reacts (motions.Reacting), by the names that inputs have
         self.book = InputBook()  # of whom the scene is drawn for; another one is another history
 
     def add(self, event: InputEvent) -> InputEvent | None:
@@ -158,7 +155,7 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
     return lost
 
 
-def _by_seed(seed: int, things: Sequence[Reacting[Any]], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
+def _by_seed(seed: int, things: Sequence[Any], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
     """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level."""
     chance, now_s = random.Random(seed), 0.0
     while things:

@@ -26,7 +26,6 @@ from ...options.documents import DocumentError, json_in, parse_json
 from ...options.named_files import FACTS, LIST, content_of, text_in
 from ..assumptions import By, Defect
 from ..options import Euler
-from .axes import parse_axes
 from .header import COMMENT_SIGNS, LENGTHS, Made, find_columns, head_rank, named_matrices, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
@@ -432,8 +431,12 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     letters = zip(str(frame.get("SpatialAxes", "")), "xyz", strict=False)  # "ARS": x ahead, y right, z up
     ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
     if len(ways) == 3:
-        axes = ",".join(ways[way] for way in ("right", "up", "ahead"))
-        hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
+        three = [ways[way] for way in ("right", "up", "ahead")]
+        axes, units = (
+            ",".join(three),
+            dict(zip(("x", "y", "z", "-x", "-y", "-z"), (*np.eye(3), *-np.eye(3)), strict=True)),
+        )
+        hand = "left-hand" if np.linalg.det([units[axis] for axis in three]) > 0 else "right-hand"
         against = str(frame.get("RotationRule", hand)) != hand
         facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
     order = str(frame.get("RotationOrder", "")).lower()

@@ -19,7 +19,7 @@ import zlib
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 import attrs
 import numpy as np
@@ -33,9 +33,6 @@ from .header import COMMENT_SIGNS, Made, is_number
 from .made_rows import MARK, cells_reader, export_reader, table_of_colmap, table_of_json
 from .pose_messages import MAGIC, BagPoses, McapPoses
 from .pose_messages import MAGICS as BAGS
-
-if TYPE_CHECKING:
-    from .axes import JudgedAxes
 
 Array = NDArray[np.float64]
 LOOK_BYTES = 256 * 1024
@@ -294,7 +291,7 @@ class Recording:
     taken: str = ""  # the device whose rows are kept
     segments: list[Segment] = attrs.field(factory=list)
     jumps: NDArray[np.int64] = attrs.field(factory=lambda: np.zeros(0, np.int64))
-    judged: JudgedAxes = attrs.field(init=False)  # its axes, from the first question on
+    judged: Any = None  # its axes, by axes.JudgedAxes
 
     def __len__(self) -> int:
         return len(self.line)
