@@ -432,13 +432,10 @@ def _bids_facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -
     ways = {_DIRECTIONS[s][0]: f"{_DIRECTIONS[s][1]}{axis}" for s, axis in letters if s in _DIRECTIONS}
     if len(ways) == 3:
         three = [ways[way] for way in ("right", "up", "ahead")]
-        axes, units = (
-            ",".join(three),
-            dict(zip(("x", "y", "z", "-x", "-y", "-z"), (*np.eye(3), *-np.eye(3)), strict=True)),
-        )
-        hand = "left-hand" if np.linalg.det([units[axis] for axis in three]) > 0 else "right-hand"
+        rows = [np.eye(3)["xyz".index(axis[-1])] * (-1 if axis[0] == "-" else 1) for axis in three]
+        hand = "left-hand" if np.linalg.det(rows) > 0 else "right-hand"
         against = str(frame.get("RotationRule", hand)) != hand
-        facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
+        facts |= {"axes": ",".join(three), "axes_by": By.FILE, "against": against}
     order = str(frame.get("RotationOrder", "")).lower()
     if sorted(order) == ["x", "y", "z"] and turn.get("units") in ("deg", "rad"):
         facts |= {"euler": Euler(order, turn["units"] == "deg"), "order_by": By.FILE}
