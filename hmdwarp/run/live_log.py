@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import attrs
 import moderngl
@@ -37,10 +37,8 @@ from ..scenes import InputEvent
 from . import frame_rows
 from .options import OPENXR, LiveOptions
 from .recorder import Lines
+from .run import Run
 from .run_summary import EYES, OWNED, summary_of
-
-if TYPE_CHECKING:
-    from .live_run import PipelineHost
 
 Array = NDArray[np.float64]
 _MOST_EYES = 2
@@ -364,13 +362,22 @@ class LiveResult:
         return live_lines(self.summary, self.folder)
 
 
+class Host(Protocol):
+    """What has the run that is shown, and its options as they are now."""
+
+    run: Run[LiveOptions]
+    options: LiveOptions
+
+    def values(self) -> dict[str, object]: ...
+
+
 @attrs.define(eq=False)
 class _Running:
     """The part of a log that exists once the display is open."""
 
     # The keys of summary.json that are settled.
     facts: dict[str, Any]
-    host: PipelineHost
+    host: Host
     # Name of the display, and its own description.
     source: str
     about: dict[str, str]
@@ -434,7 +441,7 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: PipelineHost) -> None:
+    def begin(self, display: Display, host: Host) -> None:
         options, run = attrs.evolve(self.options, latency_ms=host.options.latency_ms), host.run
         self.options = options
         headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
@@ -461,7 +468,7 @@ class LiveLog:
         """Time of the last picture since the first."""
         return (self._last.shown_ns - self._first_ns) * 1e-9 if self._last is not None else 0.0
 
-    def changed(self, host: PipelineHost) -> None:
+    def changed(self, host: Host) -> None:
         if self._running is None:
             return
         before, self._running.values = self._running.values, host.values()

@@ -196,6 +196,6 @@ def read_inputs(path: Path) -> list[InputEvent]:
             events.append(InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2])))
         except (ValueError, InputError) as error:
             numbers = "expected whole nanoseconds, an action, a target and six numbers"
-            why = error if isinstance(error, InputError) else numbers
-            raise InputError(f"{path}, line {number}: '{text[:80]}': {why}") from error
+            said = error if isinstance(error, InputError) else numbers
+            raise InputError(f"{path}, line {number}: '{text[:80]}': {said}") from error
     return events
