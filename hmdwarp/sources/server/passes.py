@@ -167,9 +167,8 @@ class Visibility:
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
         sign = 1 if turn[3] >= 0 else -1
-        # Lists, as each step of a generator is a call of its own.
-        whole = [round(sign * part / TURN_STEP) for part in turn] + [round(part / EYE_STEP_M) for part in eye.tolist()]
-        return self._draws(*whole, fov)
+        turned = [round(sign * part / TURN_STEP) for part in turn]
+        return self._draws(*turned, *[round(part / EYE_STEP_M) for part in eye.tolist()], fov)
 
 
 def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
