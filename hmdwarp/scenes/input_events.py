@@ -180,7 +180,8 @@ def read_inputs(path: Path) -> list[InputEvent]:
     try:
         lines = path.read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot read inputs ({error}): expected a CSV file, or --input seed:N") from error
+        why = error.strerror if isinstance(error, OSError) else "it holds bytes that are no text"
+        raise InputError(f"{path}: cannot read inputs ({why}): expected a CSV file, or --input seed:N") from error
     rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not rows or rows[0][1].split(",")[: len(INPUT_COLUMNS)] != [*INPUT_COLUMNS]:
         found = f"'{rows[0][1][:60]}'" if rows else "nothing"
@@ -194,5 +195,7 @@ def read_inputs(path: Path) -> list[InputEvent]:
             x, y, z, *way = map(float, values[3:])
             events.append(InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2])))
         except (ValueError, InputError) as error:
-            raise InputError(f"{path}, line {number}: '{text[:80]}': {error}") from error
+            numbers = "expected whole nanoseconds, an action, a target and six numbers"
+            said = error if isinstance(error, InputError) else numbers
+            raise InputError(f"{path}, line {number}: '{text[:80]}': {said}") from error
     return events
