@@ -311,10 +311,7 @@ class GltfContent:
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
 
     def lamps(self) -> list[Lamp]:
-        """Return the lamps that shine, by candela and lux, where the scene is put.
-
-        Errors: SceneError for a damaged one.
-        """
+        """Return the lamps that shine, by candela and lux, Errors: SceneError."""
         known = ((self._file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
         found = []
         for node in self._shown_nodes:

@@ -78,10 +78,7 @@ def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
 
 
 def lamps_at(scene: Scene, time_ns: int) -> list[Light]:
-    """Return (place and fading, colour) of the scene's lamps at an instant, as Lamp has them.
-
-    Places are relative to the scene's origin.
-    """
+    """Return (place and fading, colour) of lamps, relative to the scene's origin."""
     at, origin = scene.lit_ns(time_ns), np.append(scene.origin_m, 0)
     places = ((lamp, lamp.place(at)) for lamp in scene.lamps)
     return [(np.append(place - place[3] * origin, lamp.fading(at)), lamp.light(at)) for lamp, place in places]

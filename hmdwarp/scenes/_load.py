@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,44 +58,18 @@ def _built(source: SceneSource) -> Scene:
     return source.build()
 
 
-# Something that a scene may have too much of: how much it has, from which count on a line is
-# printed, why it costs and what to do about it.
-# Each costs 5 to 20 ms of CPU time for one eye and picture where Mesa's llvmpipe draws (two cores,
-# 320x400); a GPU draws triangles far faster, but sorts, skins and calls no faster.
-_LOADS: dict[str, tuple[Callable[[Scene], int], int, str]] = {
-    "triangles": (
-        lambda scene: scene.triangle_count,
-        250_000,
-        "simplify the meshes in the tool that made them, as a software renderer takes 1 s for ten million",
-    ),
-    "transparent triangles": (
-        lambda scene: sum(len(mesh.triangles) for mesh in scene.meshes if mesh.material.see_through),
-        20_000,
-        "each eye's picture sorts them all and its layer draws them three times; simplify them, make opaque what need "
-        "not be seen through, or draw them into the picture alone (--effects no-transparency)",
-    ),
-    "moving vertices": (
-        lambda scene: sum(len(mesh.positions) for mesh in scene.meshes if mesh.deformation is not None),
-        50_000,
-        "skins are bent on the CPU for each instant that is drawn; simplify what moves, or leave its animation out",
-    ),
-    "moving bodies": (
-        lambda scene: len(scene.bodies),
-        100,
-        "each is drawn by itself; join those that move together under one node",
-    ),
-    "textures": (
-        lambda scene: len(scene.textures),
-        500,
-        "each is drawn by itself; join small ones into one picture (a texture atlas)",
-    ),
-}
-
-
 def slow_in(scene: Scene) -> tuple[str, ...]:
     """Return for each thing that makes drawing slow its count and what to do, one line each."""
-    counted = ((what, count(scene), many, remedy) for what, (count, many, remedy) in _LOADS.items())
-    return tuple(f"{count:,} {what}: {remedy}" for what, count, many, remedy in counted if count >= many)
+    soft = [mesh for mesh in scene.meshes if mesh.deformation is not None]
+    counts = {
+        "triangles": scene.triangle_count,
+        "transparent triangles": sum(len(mesh.triangles) for mesh in scene.meshes if mesh.material.see_through),
+        "moving vertices": sum(len(mesh.positions) for mesh in soft),
+        "moving bodies": len(scene.bodies),
+        "textures": len(scene.textures),
+    }
+    told = tomllib.loads(Path(__file__).with_name("slow.toml").read_text("utf-8"))
+    return tuple(f"{n:,} {what}: {told[what]['remedy']}" for what, n in counts.items() if n >= told[what]["many"])
 
 
 Array = NDArray[np.float64]

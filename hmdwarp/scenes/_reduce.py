@@ -54,15 +54,12 @@ def reduced(
     surfaces = [mesh for mesh in scene.meshes if mesh.is_surface and (matt or not mesh.material.reflectivity)]
     share = max(share, min(1.0, least / max(1, sum(len(mesh.triangles) for mesh in surfaces))))
     triangles = fewer_triangles(surfaces, share)
-    fewer = {
-        id(mesh): with_triangles(mesh, kept, matt=matt) if len(kept) else None
-        for mesh, kept in zip(surfaces, triangles, strict=True)
-    }
+    pairs = zip(surfaces, triangles, strict=True)
+    fewer = {id(mesh): with_triangles(mesh, kept, matt=matt) if len(kept) else None for mesh, kept in pairs}
     meshes = [one for mesh in scene.meshes if (one := fewer.get(id(mesh), None if matt else mesh)) is not None]
-    textures = [
-        one if texture == 1 else Texture(one.name, partial(scaled, one, texture), one.srgb, one.repeat, one.emission)
-        for one in scene.textures
-    ]
+    textures = list(scene.textures)
+    if texture != 1:
+        textures = [Texture(t.name, partial(scaled, t, texture), t.srgb, t.repeat, t.emission) for t in textures]
     return attrs.evolve(scene, meshes=meshes, textures=textures)
 
 
@@ -101,12 +98,9 @@ def only_light(scene: Scene) -> Scene:
     Per vertex, the light times the albedo of `unlit` is the baked colour: exact over a triangle
     with one albedo or one light. For textures that glow see `only_emission`.
     """
-    meshes = [
-        attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE, albedo=np.ones_like(mesh.light))
-        for mesh in scene.meshes
-    ]
-    sky = attrs.evolve(scene.background, zenith=(1.0, 1.0, 1.0), horizon=(1.0, 1.0, 1.0), ground=(1.0, 1.0, 1.0))
-    return attrs.evolve(scene, meshes=meshes, background=sky)
+    light = [(mesh, mesh.light / _albedo(mesh), np.ones_like(mesh.light)) for mesh in scene.meshes]
+    meshes = [attrs.evolve(mesh, light=own, texture=WHITE, albedo=white) for mesh, own, white in light]
+    return attrs.evolve(scene, meshes=meshes, background=Background.uniform((1.0, 1.0, 1.0)))
 
 
 def only_emission(scene: Scene) -> Scene | None:
@@ -136,9 +130,8 @@ def fewer_triangles(meshes: Sequence[Mesh], share: float) -> Triangles:
     if share == 1 or not count:
         return [mesh.triangles for mesh in meshes]
     starts, owner = np.cumsum([0, *sizes]), np.repeat(np.arange(len(meshes)), sizes)
-    position, normal, uv, light = (
-        np.concatenate([getattr(m, name) for m in meshes]) for name in ("positions", "normals", "uv", "light")
-    )
+    names = ("positions", "normals", "uv", "light")
+    position, normal, uv, light = (np.concatenate([getattr(m, name) for m in meshes]) for name in names)
     corners = np.concatenate([m.triangles + s for m, s in zip(meshes, starts, strict=False)])
     # Vertices count as one surface where their positions are equal, so what moves by itself is put
     # a little aside.
