@@ -1,8 +1,8 @@
-from .check_answer import Answer as Answer
-from .check_answer import Finding as Finding
-from .check_answer import check as check
-from .check_answer import mismatch as mismatch
 from .conventions import differences as differences
+from .decide import Answer as Answer
+from .decide import Finding as Finding
+from .decide import check as check
+from .decide import mismatch as mismatch
 from .motion_verdict import Convention as Convention
 from .motion_verdict import MotionFrame as MotionFrame
 from .motion_verdict import MotionFrames as MotionFrames

@@ -10,9 +10,6 @@ import numpy as np
 
 from .stated_frames import BUFFER, METRES, Reading, Stated, eye_axes
 
-ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
-RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"
-FOCAL, CENTRE, PIXEL = "focal", "centre", "pixel"
 _SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
 # Metres per unit that are common: of depth, and of positions.
 _SCALES = {
@@ -51,9 +48,9 @@ def differences(reading: Reading) -> tuple[str, ...]:
         Such as `Answer.reading`.
     """
     is_encoded = reading.kind == BUFFER or reading.factor < 0
-    depth = ENCODING if is_encoded else PLANES if reading.offset else SCALE
-    centre = PIXEL if reading.is_half_a_pixel else CENTRE
-    without = {ENCODING, PLANES, SCALE, PIXEL, CENTRE} - {depth, centre}
+    depth = "encoding" if is_encoded else "planes" if reading.offset else "scale"
+    centre = "pixel" if reading.is_half_a_pixel else "centre"
+    without = {"encoding", "planes", "scale", "pixel", "centre"} - {depth, centre}
     return tuple(name for name in CONVENTIONS if name not in without and restored(reading, name) != reading)
 
 
@@ -67,11 +64,11 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
     """Return what a reading takes one convention for, in words."""
     if CONVENTIONS[name].plain and name not in differences(reading):
         return CONVENTIONS[name].plain
-    if name == SCALE:
+    if name == "scale":
         return " of what is stated".join(_scale_of(reading.factor))
-    if name == ENCODING and reading.kind == METRES:
+    if name == "encoding" and reading.kind == METRES:
         return "reversed depth, converted as if it were not"
-    if name == ENCODING:
+    if name == "encoding":
         low, near, far, is_reversed = _planes(reading, stated)
         planes = f"near {near:.3g} m, far {'infinite' if math.isinf(far) else f'{far:.3g} m'}"
         return f"{'reversed ' if is_reversed else ''}depth buffer of {low:g} to 1, {planes}"
@@ -80,19 +77,20 @@ def value(reading: Reading, stated: Stated, name: str) -> str:
     which = ("colour " if colour_up else "depth ") if colour_up != reading.depth_rows_up else ""
     frames, when = abs(late_s) / (stated.interval_s or math.inf), "before" if late_s > 0 else "after"
     x_px, y_px = stated.frames[0].view.fov.intrinsics((width, height))[:2]
+    right_down = "pixels to the right and down"
     true_px = f"{x_px / reading.wide_x:.4g}, {y_px / reading.wide_y:.4g}"
     return {
-        ORDER: " ".join(reading.order),
-        DIRECTION: "eye from world",
-        AXES: f"{reading.axes}, {'left' if np.linalg.det(eye_axes(reading.axes)) < 0 else 'right'}-handed",
-        ROWS: which + rows,
-        EYES: "left and right swapped",
-        RAY: "the ray",
-        PLANES: f"inverse depth off by {reading.offset:+.3g} /m: another near or far plane",
-        FOCAL: f"focal lengths {true_px} pixels, in place of {x_px:.4g}, {y_px:.4g}",
-        CENTRE: f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} pixels to the right and down of where it is stated",
-        PIXEL: f"{reading.pixel_x:+.2f}, {reading.pixel_y:+.2f} pixels to the right and down",
-        TIME: f"{abs(late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture",
+        "order": " ".join(reading.order),
+        "direction": "eye from world",
+        "axes": f"{reading.axes}, {'left' if np.linalg.det(eye_axes(reading.axes)) < 0 else 'right'}-handed",
+        "rows": which + rows,
+        "eyes": "left and right swapped",
+        "ray": "the ray",
+        "planes": f"inverse depth off by {reading.offset:+.3g} /m: another near or far plane",
+        "focal": f"focal lengths {true_px} pixels, in place of {x_px:.4g}, {y_px:.4g}",
+        "centre": f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} {right_down} of where it is stated",
+        "pixel": f"{reading.pixel_x:+.2f}, {reading.pixel_y:+.2f} {right_down}",
+        "time": f"{abs(late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture",
     }[name]
 
 
@@ -118,61 +116,64 @@ _DEPTH = ("kind", "factor", "end", "offset")
 _WIDE, _PIXELS = ("wide_x", "wide_y"), ("pixel_x", "pixel_y")
 _ROWS = "frames that look up or down, roll or rise against each other"
 _EYES = "pairs of eyes at several places of the head: give two folders, the left eye's first"
+_FOCAL = "a head that turns far, both ways, and moves ahead or back"
 _TIME = "five or more frames with times, close together, while the head changes its speed"
 CONVENTIONS = {
-    ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), plain=""),
-    DIRECTION: Convention("pose", _POSES_DIFFER, ("inverse",), plain="world from eye"),
-    AXES: Convention("axes", _POSES_DIFFER, ("axes",), plain=""),
-    ROWS: Convention("rows", _ROWS, ("colour_rows_up", "depth_rows_up"), plain=""),
-    EYES: Convention("eyes", _EYES, ("eyes_swapped",), plain="as named"),
-    RAY: Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.2, "-z"),
-    ENCODING: Convention("depth encoding", _APART, _DEPTH, plain="distance"),
-    PLANES: Convention("near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.1),
-    SCALE: Convention("depth scale", _APART, _DEPTH, ("factor",), 0.1),
-    FOCAL: Convention("field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.05),
-    CENTRE: Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 5.0),
-    PIXEL: Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.15),
-    TIME: Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.15, "that of the picture"),
+    "order": Convention("quaternion order", _POSES_DIFFER, ("order",), plain=""),
+    "direction": Convention("pose", _POSES_DIFFER, ("inverse",), plain="world from eye"),
+    "axes": Convention("axes", _POSES_DIFFER, ("axes",), plain=""),
+    "rows": Convention("rows", _ROWS, ("colour_rows_up", "depth_rows_up"), plain=""),
+    "eyes": Convention("eyes", _EYES, ("eyes_swapped",), plain="as named"),
+    "ray": Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.2, "-z"),
+    "encoding": Convention("depth encoding", _APART, _DEPTH, plain="distance"),
+    "planes": Convention("near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.1),
+    "scale": Convention("depth scale", _APART, _DEPTH, ("factor",), 0.1),
+    "focal": Convention(
+        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.05
+    ),
+    "centre": Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 5.0),
+    "pixel": Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.15),
+    "time": Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.15, "that of the picture"),
 }
 
 
 def code(reading: Reading, stated: Stated) -> Iterator[str]:
     """Yield the lines that read such frames right, in the order in which they are to stand."""
     wrong = differences(reading)
-    if ORDER in wrong:
+    if "order" in wrong:
         yield "pose = Pose(pose.position_m, np.roll(pose.orientation_xyzw, -1))  # w came first"
-    if DIRECTION in wrong:
+    if "direction" in wrong:
         yield "pose = pose.inverse()  # it took points of the world to the eye"
-    if AXES in wrong:
+    if "axes" in wrong:
         yield from _turned(reading.axes)
-    if EYES in wrong:
+    if "eyes" in wrong:
         yield "left, right = right, left  # the pictures, or the poses"
-    if TIME in wrong:
+    if "time" in wrong:
         yield f"pose = track.at(time_ns + {round(reading.late_s * 1e9)}).pose"
-    if ROWS in wrong:
+    if "rows" in wrong:
         both = [word for word, up in (("colour", reading.colour_rows_up), ("depth_m", reading.depth_rows_up)) if up]
         yield f"{', '.join(both)} = {', '.join(f'{array}[::-1]' for array in both)}  # the bottom row came first"
-    if ENCODING in wrong and reading.kind == BUFFER:
+    if "encoding" in wrong and reading.kind == BUFFER:
         low, near, far, is_reversed = _planes(reading, stated)
         text = ", ".join("np.inf" if math.isinf(distance) else f"{distance:.4g}" for distance in (near, far))
         ndc = ', ndc="minus_one_to_one"' if low < 0 else ""
         yield f"depth_m = 1 / inverse_depth_from_clip(depth_m, {text}{ndc}{', reversed_z=True' if is_reversed else ''})"
-    elif ENCODING in wrong or PLANES in wrong:
+    elif "encoding" in wrong or "planes" in wrong:
         constant = reading.offset - reading.factor * reading.end
         yield f"depth_m = 1 / ({constant:.5g} + {reading.factor:.5g} / depth_m)  # better: the planes of the renderer"
-    if SCALE in wrong:
+    if "scale" in wrong:
         yield f"depth_m = depth_m * {_scale_of(reading.factor)[0]}  # or --depth-scale, times as much"
-    if FOCAL in wrong or CENTRE in wrong:
+    if "focal" in wrong or "centre" in wrong:
         yield "fx, fy, cx, cy = fov.intrinsics((width, height))"
         x, y = ("" if wide == 1 else f" / {wide:.4g}" for wide in (reading.wide_x, reading.wide_y))
-        right, down = (f" - {shift:.4g}" if CENTRE in wrong else "" for shift in (reading.pixel_x, reading.pixel_y))
+        right, down = (f" - {shift:.4g}" if "centre" in wrong else "" for shift in (reading.pixel_x, reading.pixel_y))
         centre = f"cx{right}, cy{down}".replace("- -", "+ ")
         yield f"fov = Fov.from_intrinsics(fx{x}, fy{y}, {centre}, width, height)"
-    if PIXEL in wrong:
+    if "pixel" in wrong:
         was, now = (0, 0.5) if reading.pixel_x > 0 else (0.5, 0)
         yield f"fx, fy, cx, cy = fov.intrinsics((width, height), centre={was})  # half a pixel"
         yield f"fov = Fov.from_intrinsics(fx, fy, cx, cy, width, height, centre={now})"
-    if RAY in wrong:
+    if "ray" in wrong:
         yield "rays = View(pose, fov).rays((width, height))[::-1]"
         yield "depth_m = depth_m / np.linalg.norm(rays, axis=-1)  # it was along them"
 

@@ -1,15 +1,22 @@
-"""From candidates to an answer: which conventions differ from what is stated, and how sure."""
+"""From candidates to an answer: which conventions differ, how sure, and code that reads them."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
-from .conventions import CENTRE, ENCODING, FOCAL, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences, restored
+from ..errors import listed
+from ..gpu.textures import flip_rows
+from ..poses.assumptions import assumption_rows
+from ..report import labelled_strip, magma
+from . import conventions
+from .conventions import CONVENTIONS, differences, restored, value
 from .search import (
     DEPTH_SHIFT,
     LOGARITHMS,
@@ -25,7 +32,7 @@ from .search import (
     margin,
     standard_errors,
 )
-from .stated_frames import Array, Reading
+from .stated_frames import Array, Reading, Stated
 
 CLOSE = 0.05  # share of the depth within which two depths agree
 WELL, _ENOUGH = 0.85, 0.6  # of the depths agree: what is left are small numbers; one convention explains the frames
@@ -37,7 +44,7 @@ _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 _LESS = 0.005  # of what is explained: an answer that explains less than what is stated is none
 _LEFT = 0.2  # of what is not, as stated: what an answer may leave of a noisy sensor's frames
-_LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
+_LOOSE = ("focal", "centre", "time")  # tried on a wide grid
 
 
 @attrs.frozen(eq=False)
@@ -106,7 +113,7 @@ def decide(search: Search) -> Decision:
         others = _best_of(search, search.numbers(plain))
         tried += others
         if not explains(search, search.best(tried)):
-            encoded = [reading for reading in others if ENCODING in differences(reading)]
+            encoded = [reading for reading in others if "encoding" in differences(reading)]
             tried += [search.fitted(reading, ("factor", "offset")).reading for reading in encoded]
         if not explains(search, search.best(tried)):
             tried += _two(search, plain)
@@ -165,7 +172,7 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
 
 
 def _numbers_of(reading: Reading) -> tuple[str, ...]:
-    names = ["factor"] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
+    names = ["factor"] if {"encoding", "planes", "scale"} & set(differences(reading)) else []
     names += ["offset"] if reading.offset or reading.end else []
     return (*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name]))
 
@@ -198,7 +205,7 @@ def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
     """Return readings of two conventions that differ."""
-    singles = [reading for reading in search.discrete(plain) if ROWS not in differences(reading)]
+    singles = [reading for reading in search.discrete(plain) if "rows" not in differences(reading)]
     found = list(search.rows(plain))
     both: list[Reading] = []
     cameras = [search.best(way) for way in search.cameras(plain)]
@@ -211,12 +218,12 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
 
 # What is fitted for each; half a pixel is a principal point too.
 FITTED = {
-    RAY: ("along",),
-    SCALE: ("factor",),
-    PLANES: ("factor", "offset"),
-    FOCAL: ("wide_x", "wide_y"),
-    CENTRE: ("pixel_x", "pixel_y"),
-    TIME: ("late_s",),
+    "ray": ("along",),
+    "scale": ("factor",),
+    "planes": ("factor", "offset"),
+    "focal": ("wide_x", "wide_y"),
+    "centre": ("pixel_x", "pixel_y"),
+    "time": ("late_s",),
 }
 _DECIDES = {**{numbers: numbers for numbers in FITTED.values()}, ("factor", "offset"): ("offset",)}
 _SECOND = 4  # times as sure: a number may stand in for what another convention leaves
@@ -228,7 +235,7 @@ _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it 
 
 def numbered(reading: Reading) -> tuple[str, ...]:
     """Return the keys of FITTED in which a reading differs from what is stated."""
-    return tuple(CENTRE if name == PIXEL else name for name in differences(reading) if name in (*FITTED, PIXEL))
+    return tuple("centre" if name == "pixel" else name for name in differences(reading) if name in (*FITTED, "pixel"))
 
 
 def without_numbers(reading: Reading) -> Reading:
@@ -240,17 +247,17 @@ def without_numbers(reading: Reading) -> Reading:
 
 def matters(search: Search, name: str, found: Reading) -> bool:
     """Return whether a number differs so much from what is stated that it has a name."""
-    if name == RAY:
+    if name == "ray":
         return found.along > 0.5
-    if name == FOCAL:
+    if name == "focal":
         return max(abs(math.log(found.wide_x)), abs(math.log(found.wide_y))) > _WIDE
-    if name == CENTRE:
+    if name == "centre":
         least = max(_CENTRE_PX, _CENTRE * search.stated.frames[0].depth.shape[1])
         return found.is_half_a_pixel or max(abs(found.pixel_x), abs(found.pixel_y)) > least
-    if name == TIME:
+    if name == "time":
         assert search.stated.interval_s is not None
         return abs(found.late_s) > _LATE * search.stated.interval_s
-    if name == PLANES:
+    if name == "planes":
         return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
     return abs(math.log(found.factor)) > _SCALE
 
@@ -260,12 +267,12 @@ class NumberSearch:
 
     def __init__(self, search: Search, leader: Candidate, seeds: Sequence[Reading]) -> None:
         self.search, self.base = search, without_numbers(leader.reading)
-        self._always = ("factor", "offset") if ENCODING in differences(self.base) else ()
+        self._always = ("factor", "offset") if "encoding" in differences(self.base) else ()
         known = search.steps(self.base)
         self._names = [
             name
             for name, numbers in FITTED.items()
-            if set(numbers) <= set(known) and not (self._always and name in (SCALE, PLANES))
+            if set(numbers) <= set(known) and not (self._always and name in ("scale", "planes"))
         ]
         self._seeds = [self.base, *(seed for seed in seeds if without_numbers(seed) == self.base)]
         if differences(self.base):
@@ -273,7 +280,7 @@ class NumberSearch:
             self._seeds += [search.best(way) for way in ways if way]
         self._models: dict[tuple[str, ...], Candidate] = {}
         self.noise = Noise.of(search.fine.residuals(leader.reading))
-        self._every = self._fit(leader.reading, [name for name in self._names if name != SCALE])
+        self._every = self._fit(leader.reading, [name for name in self._names if name != "scale"])
         self.noise = Noise.of(search.fine.residuals(self._every.reading))
 
     def found(self) -> tuple[Candidate, tuple[Candidate, ...], tuple[str, ...]]:
@@ -298,9 +305,9 @@ class NumberSearch:
 
         Heads that never look up or down leave one of the two undetermined.
         """
-        if FOCAL not in numbered(best.reading) or best.fitted is None:
+        if "focal" not in numbered(best.reading) or best.fitted is None:
             return best
-        names = (*(name for name in best.fitted.names if name not in FITTED[FOCAL]), WIDE)
+        names = (*(name for name in best.fitted.names if name not in FITTED["focal"]), WIDE)
         wide = best.reading.wide_x, best.reading.wide_y
         starts = (attrs.evolve(best.reading, wide_x=one, wide_y=one) for one in wide)
         one = min((self._candidate(self.search.fitted(start, names)) for start in starts), key=lambda one: one.total)
@@ -308,7 +315,7 @@ class NumberSearch:
 
     def _of(self, count: int) -> Iterator[Candidate]:
         for names in itertools.combinations(self._names, count):
-            if not {SCALE, PLANES} <= set(names):
+            if not {"scale", "planes"} <= set(names):
                 yield self._model(names)
 
     def _least(self, otherwise: Candidate, found: Sequence[Candidate]) -> tuple[Candidate, tuple[Candidate, ...]]:
@@ -316,8 +323,8 @@ class NumberSearch:
         if not found:
             return otherwise, ()
         best = min(found, key=lambda one: one.total)
-        simpler = [model for model in found if PLANES not in numbered(model.reading) and margin(model, best) < SURE]
-        if PLANES in numbered(best.reading) and simpler:  # it has a number more
+        simpler = [model for model in found if "planes" not in numbered(model.reading) and margin(model, best) < SURE]
+        if "planes" in numbered(best.reading) and simpler:  # it has a number more
             best = min(simpler, key=lambda one: one.total)
         return best, tuple(model for model in found if model is not best and self._is_rival(model, best))
 
@@ -326,10 +333,10 @@ class NumberSearch:
         if margin(other, best) > SURE:
             return False
         names, others = (numbered(candidate.reading) for candidate in (best, other))
-        if names == tuple(SCALE if name == PLANES else name for name in others):
+        if names == tuple("scale" if name == "planes" else name for name in others):
             return False  # the other has a number more
         union = {*names, *others}
-        union -= {SCALE} if PLANES in union else set()
+        union -= {"scale"} if "planes" in union else set()
         both = self._model(tuple(name for name in self._names if name in union))
         return not all(self._sureness(both, name) > _SECOND * SURE for name in union - {*others})
 
@@ -337,7 +344,7 @@ class NumberSearch:
         """Return what surely differs besides, where all numbers at once fit surely better."""
         every = self._candidate(self._every)
         if every.total > best.total:  # it did not find there
-            every = self._candidate(self._fit(best.reading, [name for name in self._names if name != SCALE]))
+            every = self._candidate(self._fit(best.reading, [name for name in self._names if name != "scale"]))
         if margin(best, every) <= SURE:
             return ()
         taken = numbered(best.reading)
@@ -361,7 +368,7 @@ class NumberSearch:
             now, then = (getattr(which, number) for which in (one.reading, self.base))
             off = math.log(now / then) if number in LOGARITHMS else now - then
             each.append(float(abs(off) / error[number]))
-        return min(each) if name == CENTRE and one.reading.is_half_a_pixel else max(each)
+        return min(each) if name == "centre" and one.reading.is_half_a_pixel else max(each)
 
     def _model(self, names: tuple[str, ...]) -> Candidate:
         """Return the reading in which these conventions differ, from the best known start."""
@@ -421,7 +428,7 @@ def _stands(
 ) -> bool:
     width = search.stated.frames[0].depth.shape[1]
     # A turn of a degree is half a pixel, which is the more common.
-    named = {name: limit * (1 + (PIXEL in differences(best.reading))) for name, limit in least.items()}
+    named = {name: limit * (1 + ("pixel" in differences(best.reading))) for name, limit in least.items()}
     starts = _STARTS | dict.fromkeys(DEPTH_SHIFT, tuple(at * width for at in _SHIFTS)) | {"scales": ((),)}
     values = itertools.product(*(starts[name] for name in least))
     tried = (attrs.evolve(base, **dict(zip(least, one, strict=True))) for one in values)
@@ -467,3 +474,265 @@ def _fitted(search: Search, reading: Reading, names: tuple[str, ...]) -> Fitted:
             off = np.array([np.median(one[np.abs(one) < 1]) if (np.abs(one) < 1).any() else 0.0 for one in found.depth])
         scales -= np.linalg.lstsq(rows, off, rcond=None)[0]
     return Fitted(attrs.evolve(reading, scales=tuple((scales - scales.mean()).tolist())))
+
+
+_STILL_PX = 0.5  # median shift between two readings: below it they show the same
+
+
+@attrs.frozen
+class Finding:
+    """What the frames say about one convention."""
+
+    name: str
+    label: str
+    value: str  # what was found, or what is stated where it cannot be told
+    as_stated: bool
+    told: bool
+    margin: float | None = None  # standard errors by which the nearest other reading is worse; None for numbers
+    why: str = ""  # why it cannot be told; "" where it can
+
+
+@attrs.frozen(eq=False)
+class Answer:
+    """What the frames say, and what they would say if read that way."""
+
+    decision: Decision
+    findings: tuple[Finding, ...]
+    agreement_stated: float  # share of the depths in view of two frames that agree within 5 %
+    agreement: float
+    likeness: float  # correlation of their brightness where depths agree
+    as_good: tuple[str, ...]  # what it may be, where frames do not tell: each explains them as well
+    code: tuple[str, ...]  # empty where the cause is not known
+
+    def __repr__(self) -> str:
+        return f"<Answer {self.headline}>"
+
+    @property
+    def reading(self) -> Reading:
+        """The reading under which the frames agree best."""
+        return self.decision.best.reading
+
+    @property
+    def agree(self) -> bool:
+        """Whether the frames agree under it."""
+        return self.agreement >= AGREE and self.likeness >= ALIKE
+
+    @property
+    def verdict(self) -> str:
+        """Return "right", "wrong" (of what, the decision may tell), or "no agreement"."""
+        if not self.agree:
+            return "no agreement"
+        return "wrong" if differences(self.reading) or self.decision.besides or self.decision.faults else "right"
+
+    @property
+    def headline(self) -> str:
+        """The verdict in one sentence."""
+        frames, share = f"{len(self.decision.search.stated.frames)} frames", f"{100 * self.agreement:.0f} %"
+        if self.verdict == "right":
+            return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
+        if self.verdict == "wrong":
+            cause = f": {_labels(differences(self.reading))}"
+            if not self.decision.is_told:
+                cause = f", and the cause cannot be told: {untold(self.decision)}"
+            return (
+                f"wrong{cause}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"as stated, {share} as found ({frames})"
+            )
+        but, expected = "however they are read", "a scene that stands still, seen from places nearby"
+        if self.agreement >= WELL:
+            but, expected = "but not in colour", "pictures of the same things, with detail that can be compared"
+        return (
+            f"no agreement: {frames} agree in {share} of the depths that two of them show, {but}; expected {expected}"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {
+            "verdict": self.verdict,
+            "told": self.agree and self.decision.is_told,
+            "frames": len(self.decision.search.stated.frames),
+            "agreement_stated": self.agreement_stated,
+            "agreement": self.agreement,
+            "likeness": self.likeness,
+            "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
+            "as_good": list(self.as_good),
+            "code": list(self.code) if self.agree else [],
+            "assumptions": assumption_rows(self.decision.search.stated.assumptions),
+            "notes": list(self.decision.search.stated.notes),
+        }
+
+
+def check(stated: Stated) -> Answer:
+    """Return under which conventions frames agree.
+
+    Parameters
+    ----------
+    stated : Stated
+        Two or more frames, as `read_stated` reads them.
+
+    Returns
+    -------
+    Answer
+        The verdict, what is found of each convention, and the code that reads such frames right.
+    """
+    decision = decide(search := Search(stated))
+    best = decision.best.reading
+    ways = [] if decision.is_told else [one.reading for one in (decision.best, *decision.rivals)]
+    return Answer(
+        decision,
+        tuple(_finding(decision, name) for name in CONVENTIONS),
+        agreement(search, Reading()),
+        agreement(search, best),
+        likeness(search, best),
+        tuple(
+            listed([f"{CONVENTIONS[name].label}: {value(one, stated, name)}" for name in differences(one)])
+            for one in ways
+        ),
+        tuple(conventions.code(best, stated)) if decision.is_told else (),
+    )
+
+
+def untold(decision: Decision) -> str:
+    """Return what it may be, where frames do not tell, and what it is not."""
+    if decision.besides and not decision.faults:
+        named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
+        return f"more than one of {_labels(tuple(named))} differs, or something else does"
+    causes = [*(_labels(names) for names in decision.causes if names), *decision.faults]
+    share, excluded = decision.explained, [one for one in FAULTS if one not in decision.faults]
+    few = "" if share[0] >= EXPLAINED else " (explains {:.1%} of the depths that nothing hides, {:.1%} as stated)"
+    return f"{' or '.join(causes)}{few.format(*share)}{f'; excluded: {listed(excluded)}' if excluded else ''}"
+
+
+def _labels(names: Sequence[str]) -> str:
+    return listed([CONVENTIONS[name].label for name in names])
+
+
+def _finding(decision: Decision, name: str) -> Finding:
+    """Return what the decision says of a convention, or whether frames show it as stated."""
+    search, best, convention = decision.search, decision.best.reading, CONVENTIONS[name]
+    stated, differ = search.stated, differences(best)
+    found = Finding(name, convention.label, value(best, stated, name), name not in differ, True)
+
+    def unknown(why: str, **other: Any) -> Finding:
+        why = f"{why.partition('; excluded')[0]}; it takes {convention.needs}"
+        return attrs.evolve(found, told=False, why=why, **other)
+
+    if not decision.is_told and name in {*itertools.chain(*decision.causes), *decision.besides}:
+        return unknown(untold(decision), value=value(Reading(), stated, name), as_stated=True)
+    others = list(_others(search, best, name))
+    score, *scores = (search.coarse.by_block(np.nan_to_num(search.coarse.score(one)))[0] for one in (best, *others))
+    margins = [standard_errors(score - other) for other in scores]
+    if name in differ:
+        sure = min(margins, default=0.0)
+        return attrs.evolve(found, margin=sure if sure >= SURE else None)
+    why, margin = "", min(margins, default=None)
+    if convention.numbers and name != "ray":
+        known = {name, *differ}
+        # Whether it is part of what is found.
+        is_part = {"pixel", "centre"} <= known or ("encoding" in known and name in ("scale", "planes"))
+        why = "" if is_part else _vague(search, best, name)
+    elif name == "eyes" and stated.other_eye is None:
+        why = "these are not of both eyes"
+    elif margin is not None and margin < SURE:
+        nearest = others[margins.index(margin)]
+        a, b = (search.fine.residuals(which) for which in (best, nearest))
+        apart = np.linalg.norm(a.pixel - b.pixel, axis=-1)[a.seen & b.seen]
+        shift = float(np.median(apart)) if len(apart) else math.inf
+        why = "fits as well, with other numbers" if margin > -SURE else "fits better, and another change better still"
+        why = f"would move pixels by only {shift:.2g}" if shift < _STILL_PX and name != "rows" else why
+        why = f"{value(nearest, stated, name)} {why}"
+    return unknown(why, margin=margin) if why else attrs.evolve(found, margin=margin)
+
+
+def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
+    """Yield the readings in which one convention is another one."""
+    if name == "ray":
+        yield attrs.evolve(best, along=0.0 if best.along else 1.0)
+    elif name == "encoding" or CONVENTIONS[name].numbers:
+        if name in differences(best):
+            yield conventions.restored(best, name)
+    else:
+        for near in search.discrete(best):
+            if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
+                before, after = (value(which, search.stated, name) for which in (best, near))
+                if before != after:
+                    yield near
+
+
+def _vague(search: Search, best: Reading, name: str) -> str:
+    """Return why a number cannot be told, "" where it can."""
+    numbers = CONVENTIONS[name].numbers
+    steps = search.steps(best)
+    if not set(numbers) <= set(steps):
+        return "there are too few frames, or they are too far apart to know the motion between them"
+    fitted = search.fitted(best, numbers)
+    unit = {"offset": 1e3 * steps["offset"], "late_s": search.stated.interval_s or 1.0}
+    errors = {key: float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True)}
+    most = max(errors.values())
+    if most <= CONVENTIONS[name].vague:
+        return ""
+    moved = search.moved_m(best)
+    if name in ("scale", "planes", "ray") and moved * search.span(best) < 0.01:
+        return f"the eye moves by only {100 * moved * search.span(best):.2g} % of the distance"
+    pixels = f"known to {most:.2g} pixels only"
+    words = {"pixel": pixels, "centre": pixels, "time": f"known to {most:.2g} frames only"}
+    share = f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
+    return words.get(name, share)
+
+
+Picture = NDArray[np.uint8]
+_WORST = 0.2  # difference of the depths, in their size, that is drawn brightest
+_LEAST_SEEN = 0.4  # of a picture that has to be in view from the other place
+
+
+def mismatch(answer: Answer) -> Picture:
+    """Return a picture of what agrees and what does not.
+
+    Parameters
+    ----------
+    answer : Answer
+        Of `check`.
+
+    Returns
+    -------
+    (h, w, 3) uint8 array
+        A strip: two frames, one as seen from the other's place, and what differs, as stated and as
+        found.
+    """
+    search, best = answer.decision.search, answer.reading
+    # Two frames that see much of the same from places far apart.
+    found, at = search.coarse.residuals(best), np.stack([search.coarse.column, search.coarse.row], axis=-1)
+    seen, shift = found.seen.mean(axis=1), np.linalg.norm(found.pixel - at, axis=-1)
+    moved = np.array([np.median(one[good]) if good.any() else 0 for one, good in zip(shift, found.seen, strict=True)])
+    one, other = map(int, search.coarse.pairs[np.argmax(np.where(seen > _LEAST_SEEN, moved, seen * 1e-3))])
+    panels = []
+    readings = {"as stated": Reading()} if best == Reading() else {"as stated": Reading(), "as found": best}
+    for words, reading in readings.items():
+        there, depth = _moved(search.stated, reading, one, other)
+        target, shown = (_upright(search.stated.frames[which].colour, reading) for which in (one, other))
+        error = np.abs(there.astype(int) - target).mean(axis=2) * there.any(axis=2) / 128
+        panels += [
+            ("one frame", target),
+            ("another", shown),
+            (f"that, moved here: {words}", there),
+            ("colour differs", magma(error)),
+            ("depth differs", magma(depth)),
+        ]
+    return labelled_strip(panels, columns=5)
+
+
+def _moved(stated: Stated, reading: Reading, one: int, other: int) -> tuple[Picture, Array]:
+    """Return the other frame as seen from the place of one, and how much depth differs."""
+    overlap = Overlap(stated, stated.fine, np.array([[one, other]]), None, between=False)
+    found = overlap.residuals(reading)
+    size = stated.fine.numbers.shape[1:]
+    column, row = np.rint(found.pixel[0]).astype(int).T
+    moved = _upright(stated.frames[other].colour, reading)[row, column].reshape(*size, 3)
+    known = found.seen[0].reshape(size) & ~np.isnan(stated.fine.numbers[one])
+    depth = np.nan_to_num(np.abs(found.depth[0]).reshape(size) / _WORST) * known
+    moved = np.where(known[..., None], moved, 0).astype(np.uint8)
+    return (flip_rows(moved), flip_rows(depth)) if reading.depth_rows_up else (moved, depth)
+
+
+def _upright(picture: Picture, reading: Reading) -> Picture:
+    return flip_rows(picture) if reading.colour_rows_up else picture

@@ -73,17 +73,17 @@ def _shared_gpu() -> Iterator[Gpu]:
     check_not_forked()  # first: in a forked process the lock may be held by a thread that is not there
     with _turn:
         if _shared is None:
-            _shared = Gpu()
+            _shared = made = Gpu()
             _shared.step_aside()
-            atexit.register(_close_shared, _shared)
+
+            @atexit.register
+            def close() -> None:
+                if not made.closed:
+                    _turn.acquire()  # to the end: a daemon thread that calls now waits, not to outlive its context
+                    made.close()
+
         with _shared.current():
             yield _shared
-
-
-def _close_shared(shared: Gpu) -> None:
-    if not shared.closed:
-        _turn.acquire()  # to the end: a daemon thread that calls now waits, and does not outlive its context
-        shared.close()
 
 
 @attrs.frozen(eq=False)
