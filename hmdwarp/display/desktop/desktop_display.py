@@ -49,6 +49,11 @@ class Painter:
     def say(self, text: str) -> None:
         self._remark, self._until_ns = text, self._now_ns() + REMARK_NS
 
+    def close_help(self) -> bool:
+        """Close the help; return whether it was open."""
+        was, self.help = self.help, False
+        return was
+
     def draw(self, canvases: Sequence[Canvas], view: WindowView, size: Size, column: int, label: Label) -> None:
         """Draw into the window's framebuffer, (w, h) pixels.
 
@@ -111,7 +116,7 @@ class DesktopDisplay(SwitchableView):
         self._status, self._titled_ns, self._begun_ns = Status(), 0, 0
         walker = Walker(self.now_ns())
         self._input = WindowInput(self._window, walker, self.now_ns, keys, self._own_controls(walker))
-        self._input.close_help = self._close_help
+        self._input.close_help = self._painter.close_help
         self.source: PoseSource = WalkerSource(walker, self._input.read)
         if options.trace is not None:
             self.source = LoopedSource(options.trace, self.now_ns)
@@ -148,10 +153,6 @@ class DesktopDisplay(SwitchableView):
             "help": lambda value: setattr(painter, "help", not painter.help if value is None else bool(value)),
             "quit": lambda _: window.end(),
         }
-
-    def _close_help(self) -> bool:
-        was, self._painter.help = self._painter.help, False
-        return was
 
     @property
     def rate_hz(self) -> float:
