@@ -8,11 +8,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from ...headsets import load_headset
+from ...pipeline.loop import Refresh
 from ...poses import PoseSource
 from ...poses.synth import Walker
 from ...poses.track import LoopedSource
@@ -23,9 +23,6 @@ from .control_panel import PANEL_REMEDY, WIDTH, installed
 from .pacing import Pacer, ScreenMonitor
 from .window import Window
 from .window_system import Rectangle, Size, SwitchableView, WindowView, picture_area, start, viewports
-
-if TYPE_CHECKING:
-    from ...pipeline.loop import Refresh
 
 TITLE, NO_PANEL = "hmdwarp", f"no control panel: {PANEL_REMEDY}"
 MINIMISED_S = 0.1
