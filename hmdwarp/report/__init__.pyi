@@ -53,7 +53,6 @@ from .run_diff import RunDiff as RunDiff
 from .run_diff import StoredRun as StoredRun
 from .run_diff import diff_runs as diff_runs
 from .run_diff import digests as digests
-from .run_diff import figures_table as figures_table
 from .run_diff import is_same as is_same
 from .run_texts import ALPHA as ALPHA
 from .run_texts import axes_of_traces as axes_of_traces
