@@ -292,8 +292,7 @@ def analyse(said: Said) -> None:
 
 
 def _print(data: dict[str, Any]) -> None:
-    from ..report import counted
-    from ..report.study import best_first, study_lines
+    from ..report import best_first, counted, study_lines
     from ._show import console, paragraph
 
     screen = console()

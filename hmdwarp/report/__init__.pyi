@@ -53,7 +53,6 @@ from .run_diff import RunDiff as RunDiff
 from .run_diff import StoredRun as StoredRun
 from .run_diff import diff_runs as diff_runs
 from .run_diff import digests as digests
-from .run_diff import figures_table as figures_table
 from .run_diff import is_same as is_same
 from .run_texts import ALPHA as ALPHA
 from .run_texts import axes_of_traces as axes_of_traces
@@ -75,7 +74,9 @@ from .run_texts import response_rows as response_rows
 from .run_texts import signed as signed
 from .run_texts import terminal_table as terminal_table
 from .run_texts import transit_lines as transit_lines
+from .study import best_first as best_first
 from .study import csv_tables as csv_tables
+from .study import study_lines as study_lines
 from .study import study_page as study_page
 from .thesis_page import render_thesis_page as render_thesis_page
 from .trace_plot import headset_plot_png as headset_plot_png

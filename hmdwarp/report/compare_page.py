@@ -127,7 +127,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> page.
             page.notes_section([*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]),
             page.Section("Tables and pictures", folds, id="table"),
             page.Section("By class of client", clients, id="clients"),
-            page.Section("Who can run what", [note, assigned_table(data)], id="assigned"),
+            page.Section("Who can run what", [note, _assigned_table(data)], id="assigned"),
             page.Section("The strategies", [page.Terms(strategies)], id="strategies", style="reading"),
             page.reading_section("compare"),
         ),
@@ -258,7 +258,7 @@ def _front(
     return page.Chart.of(heading, drawn[content], words, "")
 
 
-def assigned_table(data: Mapping[str, Any]) -> Table:
+def _assigned_table(data: Mapping[str, Any]) -> Table:
     """Return which classes the thesis gives each strategy, which can run it here, and why not."""
     lines = []
     names = [client["name"] for client in data["clients"]]

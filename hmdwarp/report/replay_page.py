@@ -252,7 +252,8 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     The best column of each quality line is bold and starred, so that it reads without colour too.
     Only the first baseline has its tail next to it, where a terminal has room for no more.
     """
-    of_what = f"{run_texts.source_text(summary)}, {summary['frames']} frames"
+    source = "scene" if "recorded" not in summary else "recorded frames"
+    of_what = f"{source} {summary['scene']}, {summary['frames']} frames"
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {of_what}"
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]

@@ -234,11 +234,6 @@ def source_facts(summary: Summary) -> Pairs:
     return [("recorded frames", frames), ("camera", camera), ("eyes", eyes)]
 
 
-def source_text(summary: Summary) -> str:
-    """Return "scene room", or "recorded frames NAME"."""
-    return f"{'scene' if 'recorded' not in summary else 'recorded frames'} {summary['scene']}"
-
-
 def eyes_text(summary: Summary) -> str:
     """Return whose time it is that all eyes take together."""
     recorded = summary.get("recorded")

@@ -19,7 +19,7 @@ Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]
 
 
-def condition_text(row: Row) -> str:
+def _condition_text(row: Row) -> str:
     """Return a condition's name, marked as the hidden reference unless the name says so."""
     unmarked = not row["reference"] or "reference" in row["condition"].lower()
     return row["condition"] if unmarked else f"{row['condition']} (reference)"
@@ -57,7 +57,7 @@ def study_lines(table: str, rows: Iterable[Row], **heads: str) -> Lines:
             more["part_pair"] = ": ".join(filter(None, (row.get("part"), more["pair"])))
             more["pairs"] = "{n} ({better}/{equal}/{worse})".format(**row) if row.get("n") and "better" in row else "0"
         elif "reference" in row:
-            more["condition"] = condition_text(row)
+            more["condition"] = _condition_text(row)
         lines.append([_cell(template, {**row, **more}) for _, _, template in columns])
     return [(heads.get(head, head), unit) for head, unit, _ in columns], lines
 
@@ -102,7 +102,7 @@ _LINES: dict[int, tuple[str, Any]] = {1: (_BETTER, "solid"), -1: (_WORSE, (0, (4
 _SHIFT_LABEL = "Hodges-Lehmann shift, exact 95 % or next level"
 
 
-def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
+def _ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     """Draw every rating of a part, up is better; lines join the compared ratings of one person."""
     by_name = {row["condition"]: row for row in part["conditions"]}
     # The two conditions of a comparison stand side by side, a condition of two comparisons twice.
@@ -129,7 +129,7 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
                 across: Style = {"linewidth": 2.2, "zorder": 2, "solid_capstyle": "butt"}
                 axes.plot([at - 0.3, at + 0.3], [row["median"]] * 2, color=INK, **across)
                 axes.plot(at - 0.36, row["mean"], ">", markersize=6, color=INK, zorder=4)
-        labels = [f"{_wrapped(condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
+        labels = [f"{_wrapped(_condition_text(row))}\nn = {row['n']}" for row in map(by_name.__getitem__, names)]
         axes.set_xticks(range(len(names)), labels)
         axes.set_xlim(-0.6, len(names) - 0.4)
         axes.set_ylim(_limits(measure, values))
@@ -142,7 +142,7 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
         return svg_text(figure)
 
 
-def forest_chart(rows: Sequence[Row], unit: str) -> str:
+def _forest_chart(rows: Sequence[Row], unit: str) -> str:
     """Draw each comparison's differences, their mean (BCa interval) and Hodges-Lehmann shift."""
     shown = [row for row in rows if row["n"]]
     content = [(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]
@@ -176,7 +176,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
         return svg_text(figure)
 
 
-def score_chart(part: Row) -> str:
+def _score_chart(part: Row) -> str:
     """Draw the scores of conditions from paired comparisons, the best on top."""
     rows = sorted(part["conditions"], key=lambda row: row["jod"])
     zero = "0 is the reference" if any(row["reference"] for row in rows) else "0 is the mean"
@@ -188,12 +188,12 @@ def score_chart(part: Row) -> str:
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
             axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
-        axes.set_yticks(range(len(rows)), [_wrapped(condition_text(row)) for row in rows])
+        axes.set_yticks(range(len(rows)), [_wrapped(_condition_text(row)) for row in rows])
         axes.set_ylim(-0.6, len(rows) - 0.4)
         return svg_text(axes.get_figure())
 
 
-def place_chart(part: Row, measure: Row) -> str:
+def _place_chart(part: Row, measure: Row) -> str:
     """Draw each rating, less its participant's and condition's mean, against its trial's place."""
     places = np.array([place["place"] for place in part["places"]])
     rest = np.array([place["rest"] for place in part["places"]])
@@ -261,7 +261,7 @@ def study_page(data: Row, command: str) -> page.Page:
         blocks += [part["part"] and page.Heading(part["part"]), _said(part["sentences"])]
         if rows:
             scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
-            blocks.append(page.Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
+            blocks.append(page.Chart.of("", _score_chart(part), f"Scores in JOD: {scores}"))
             blocks.append(Table.of("Scores", *study_lines("scores", best_first(rows))))
         if compared:
             blocks.append(Table.of("Pairs", *study_lines("preferences", compared)))
@@ -334,7 +334,7 @@ def _shown(data: Row) -> page.Section:
                 for row in rows
                 if row["n"]
             )
-            blocks.append(page.Chart.of("", forest_chart(rows, scale["measure"]["unit"]), words))
+            blocks.append(page.Chart.of("", _forest_chart(rows, scale["measure"]["unit"]), words))
             blocks.append(Table.of("Paired comparisons", *study_lines("comparisons", rows)))
     note = texts("study")["notes"]["shown"].format(
         compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
@@ -355,7 +355,7 @@ def _every_rating(scales: Sequence[Row]) -> list[Any]:
                 page.Heading(
                     part["part"] or "All conditions", f"{measure['title']}, {people}" if len(scales) > 1 else people
                 ),
-                page.Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
+                page.Chart.of("", _ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
                 Table.of(caption, *study_lines("conditions", part["conditions"], mean=measure["mean_name"])),
                 page.Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
                 rows_without and Table.of(_WITHOUT, *study_lines("without", rows_without)),
@@ -374,7 +374,7 @@ def _order(scales: Sequence[Row]) -> list[Any]:
             blocks.append(_said(part["order_sentences"]))
             if part["places"]:
                 heading, words = "Ratings less the person's and the condition's mean", part["order_sentences"][0]
-                chart = page.Chart.of(heading, place_chart(part, scale["measure"]), words, "")
+                chart = page.Chart.of(heading, _place_chart(part, scale["measure"]), words, "")
                 blocks.append(page.Group("charts", [chart]))
     return blocks
 

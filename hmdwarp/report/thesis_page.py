@@ -89,12 +89,12 @@ def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> pag
         page.Terms(pairs),
         panels and page.Group("panels", panels),
         *(page.Chart.of(caption, svg, caption) for caption, svg in pictures if svg.startswith("<svg")),
-        page.Fold("Numbers", [cells_table(one)], str(len(one["cells"]))),
+        page.Fold("Numbers", [_cells_table(one)], str(len(one["cells"]))),
     ]
     return page.Article(blocks, id=one["name"])
 
 
-def cells_table(one: Mapping[str, Any]) -> Table:
+def _cells_table(one: Mapping[str, Any]) -> Table:
     """Return an experiment's numbers by setting, each marked by whether the claim holds there."""
     columns = list(dict.fromkeys(cell["column"] for cell in one["cells"]))
     rows = list(dict.fromkeys(cell["row"] for cell in one["cells"]))

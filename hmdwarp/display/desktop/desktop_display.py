@@ -8,11 +8,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from ...headsets import load_headset
+from ...pipeline.loop import Refresh
 from ...poses import PoseSource
 from ...poses.synth import Walker
 from ...poses.track import LoopedSource
@@ -23,9 +23,6 @@ from .control_panel import PANEL_REMEDY, WIDTH, installed
 from .pacing import Pacer, ScreenMonitor
 from .window import Window
 from .window_system import Rectangle, Size, SwitchableView, WindowView, picture_area, start, viewports
-
-if TYPE_CHECKING:
-    from ...pipeline.loop import Refresh
 
 TITLE, NO_PANEL = "hmdwarp", f"no control panel: {PANEL_REMEDY}"
 MINIMISED_S = 0.1
@@ -48,6 +45,11 @@ class Painter:
 
     def say(self, text: str) -> None:
         self._remark, self._until_ns = text, self._now_ns() + REMARK_NS
+
+    def close_help(self) -> bool:
+        """Close the help; return whether it was open."""
+        was, self.help = self.help, False
+        return was
 
     def draw(self, canvases: Sequence[Canvas], view: WindowView, size: Size, column: int, label: Label) -> None:
         """Draw into the window's framebuffer, (w, h) pixels.
@@ -111,7 +113,7 @@ class DesktopDisplay(SwitchableView):
         self._status, self._titled_ns, self._begun_ns = Status(), 0, 0
         walker = Walker(self.now_ns())
         self._input = WindowInput(self._window, walker, self.now_ns, keys, self._own_controls(walker))
-        self._input.close_help = self._close_help
+        self._input.close_help = self._painter.close_help
         self.source: PoseSource = WalkerSource(walker, self._input.read)
         if options.trace is not None:
             self.source = LoopedSource(options.trace, self.now_ns)
@@ -148,10 +150,6 @@ class DesktopDisplay(SwitchableView):
             "help": lambda value: setattr(painter, "help", not painter.help if value is None else bool(value)),
             "quit": lambda _: window.end(),
         }
-
-    def _close_help(self) -> bool:
-        was, self._painter.help = self._painter.help, False
-        return was
 
     @property
     def rate_hz(self) -> float:

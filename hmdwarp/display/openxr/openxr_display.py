@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ...colour import srgb8_from_linear
 from ...errors import HmdwarpError, MachineError
 from ...gpu.context import Gpu
+from ...pipeline.loop import Refresh
 from ...poses import PoseSample
 from .. import Closed, Command, DisplayOptions, Label, Status, Tick
 from ..present import Presenter
@@ -51,7 +52,6 @@ from .tracking import HeadTracker, RuntimeEyes, Spaces, posef_of
 
 if TYPE_CHECKING:
     from ...client.effects.text import HeldPanel
-    from ...pipeline.loop import Refresh
     from .mirror_window import Mirror
 
 

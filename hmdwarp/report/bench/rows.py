@@ -226,15 +226,7 @@ class Column:
 
     @classmethod
     def of_number(
-        cls,
-        name: str,
-        label: str = "",
-        unit: str = "",
-        digits: int = 0,
-        scale: float = 1.0,
-        *,
-        keys: Any = (),
-        **more: Any,
+        cls, name: str, label: str = "", unit: str = "", digits: int = 0, scale: float = 1, keys: Any = (), **more: Any
     ) -> Column:
         """Return a column of numbers, those under keys; by default of the column's name."""
         return cls(Figure(name, label or name, unit, digits, scale), at(*(keys or [name])), **more)
