@@ -74,7 +74,6 @@ class _Log:
         self._lock = threading.RLock()  # the web's door has a thread of its own
 
     def say(self, kind: str, address: str, text: str) -> None:
-        """Say a line; what came from a client is in it as letters that a terminal only shows."""
         with self._lock:
             self.next_second()
             self._said[kind, address] += 1
@@ -287,7 +286,6 @@ class Listener:
         return self._clients.keys()
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
-        """Send a frame; return whether it could be sent at once."""
         who = asked.client
         if who not in self._clients or not self._has_room(who, frame.bytes):
             return False
