@@ -155,17 +155,16 @@ class Listener:
         now_ns, gone = time.monotonic_ns(), set()
         while self._connections.gone:
             gone.add(self._connections.gone.popleft())
-        for who, client in list(self._clients.items()):
+        for one, client in list(self._clients.items()):
             if now_ns - client.received_ns > SILENT_NS:
-                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
+                self._cut(one, f"cut, silent for {SILENT_NS // 10**9} s")
             elif client.connection in gone:
-                self._forget(who, "disconnected")
+                self._forget(one, "disconnected")
         while self._connections.cuts:
             address, why = self._connections.cuts.popleft()
             self._log.say(f"cut {why}", address, f"{address} cut: {why}")
         self._log.next_second()
-        who = self._turn()
-        if who is None:
+        if (who := self._turn()) is None:
             return None
         client = self._clients[who]
         self._drawn_for, self._begun_ns = (who, time.monotonic_ns()), client.spent_ns
