@@ -76,8 +76,6 @@ class Scaling:
 
 @attrs.frozen(eq=False)
 class Arrays:
-    """A picture with depth whose numbers the GPU converts; the top row first."""
-
     colour: NDArray[Any]  # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats
     encoding: str  # of `colour`: "srgb8", "srgb" or "linear"
     depth: NDArray[Any]  # (h, w) floats, or uint16 with the scale; below 0, NaN and 65535 are none
@@ -334,7 +332,6 @@ class GiveOut(Owner):
         return made
 
     def arrays(self, made: Mapping[str, moderngl.Buffer], out: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-        """Return the arrays by name: those of `out`, and new ones for what it lacks."""
         wide, high = self._size
         filled_up = -(-wide // 4) * 4
         found = {}

@@ -27,8 +27,6 @@ MOST_DRIFT = 500e-6  # A quartz is within this; what lies further apart is a clo
 
 @attrs.frozen
 class Exchange:
-    """One request and its answer, by both clocks: ours at its ends, theirs between."""
-
     sent_ns: int
     received_ns: int
     answered_ns: int
@@ -181,7 +179,6 @@ class Caller:
         return arrived
 
     def wait_until(self, instant_ns: int) -> bool:
-        """Wait for an arrival until that instant; return whether there is one."""
         with self._changed:
             left_s = (instant_ns - time.monotonic_ns()) * 1e-9
             if not (self._arrived or self._unchanged) and left_s > 0:

@@ -74,7 +74,6 @@ class _Log:
         self._lock = threading.RLock()  # the web's door has a thread of its own
 
     def say(self, kind: str, address: str, text: str) -> None:
-        """Say a line; what came from a client is in it as letters that a terminal only shows."""
         with self._lock:
             self.next_second()
             self._said[kind, address] += 1
@@ -156,17 +155,16 @@ class Listener:
         now_ns, gone = time.monotonic_ns(), set()
         while self._connections.gone:
             gone.add(self._connections.gone.popleft())
-        for who, client in list(self._clients.items()):
+        for one, client in list(self._clients.items()):
             if now_ns - client.received_ns > SILENT_NS:
-                self._cut(who, f"cut, silent for {SILENT_NS // 10**9} s")
+                self._cut(one, f"cut, silent for {SILENT_NS // 10**9} s")
             elif client.connection in gone:
-                self._forget(who, "disconnected")
+                self._forget(one, "disconnected")
         while self._connections.cuts:
             address, why = self._connections.cuts.popleft()
             self._log.say(f"cut {why}", address, f"{address} cut: {why}")
         self._log.next_second()
-        turn = self._turn()
-        if turn is None:
+        if (turn := self._turn()) is None:
             return None
         client = self._clients[turn]
         self._drawn_for, self._begun_ns = (turn, time.monotonic_ns()), client.spent_ns
@@ -287,7 +285,6 @@ class Listener:
         return self._clients.keys()
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
-        """Send a frame; return whether it could be sent at once."""
         who = asked.client
         if who not in self._clients or not self._has_room(who, frame.bytes):
             return False

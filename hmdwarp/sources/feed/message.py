@@ -66,8 +66,6 @@ Data = bytes | memoryview  # of a whole message
 
 @attrs.frozen
 class Wish:
-    """How a client would have its frames coded; a server may send another format."""
-
     colour: int = ANY
     depth: int = ANY
     crf: int | None = None  # CRF of the video, 0 (best) to 51; None for the codec's own
@@ -83,8 +81,6 @@ RAW = {options.FULL: FULL, options.HALF: HALF}
 
 @attrs.frozen
 class Fate:
-    """Whether a frame arrived, and from which instant of the trace on the server may know."""
-
     number: int
     arrived: bool
     heard_ns: int
@@ -117,8 +113,6 @@ class BadRequest(Malformed):
 
 @attrs.frozen(eq=False)
 class Ask:
-    """A head pose upstream: draw a frame for these eyes."""
-
     number: int  # rises by at least 1 from one request to the next; 1 for the first
     sent_ns: int  # on the client's clock
     time_ns: int  # of the scene: what moves is drawn where it is then
@@ -164,8 +158,6 @@ Picture = NDArray[Any] | DepthCodes | bytes
 
 @attrs.frozen(eq=False)
 class FrameMessage:
-    """A frame downstream, with the exact views it was drawn for."""
-
     number: int
     asked_ns: int  # as the request had it, on the client's clock
     received_ns: int  # on the server's clock, as the next
@@ -194,7 +186,6 @@ class FrameMessage:
 
     @property
     def is_coded(self) -> bool:
-        """Whether a picture is bytes to decode, or is left out."""
         return any(isinstance(picture, bytes) for picture in (*self.colours, *self.inverse_depths))
 
     @property
@@ -278,7 +269,6 @@ _HALF_INFINITE = 0x7C00
 
 
 def token_of(secret: str) -> bytes:
-    """Return what a request carries of a shared secret; zeros for an empty one."""
     return hashlib.sha256(secret.encode()).digest() if secret else _NO_TOKEN
 
 

@@ -54,7 +54,6 @@ class Packed:
     data: bytes
 
     def numbers(self) -> Array:
-        """Return what was packed. Errors: BadPart."""
         kind, shape = _shape(self.format, self.size)
         count = math.prod(shape) * kind.itemsize
         unpacking = zlib.decompressobj()

@@ -298,14 +298,12 @@ class FrameFile:
 
     @property
     def depth_scale(self) -> float | None:
-        """Metres per unit of depth; None where nothing says it."""
         if _SCALE not in self.facts:
             return None
         return float(_numbers(self.where, _SCALE, np.atleast_1d(self.facts[_SCALE]), 1)[0])
 
     @property
     def encoding(self) -> str | None:
-        """The encoding of float colour; None where nothing says it."""
         return str(self.facts[_ENCODING]) if _ENCODING in self.facts else None
 
 

@@ -226,7 +226,6 @@ class ExrPicture:
         return found
 
     def _of_colour(self) -> list[tuple[str, str]]:
-        """Return view and layer of the colour: several where names do not tell, none without."""
         found = [
             key for key, own in self._layers().items() if {*_COLOUR} <= own.keys() and _last(key[1]) not in _NO_COLOUR
         ]

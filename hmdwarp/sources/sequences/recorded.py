@@ -127,7 +127,6 @@ class Sequence:
         return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact), right=right)
 
     def repaired(self, repair: RepairChain) -> Sequence:
-        """Return the sequence with depth to be mended before a warp; frames are read as before."""
         if not repair.steps:
             return self
         note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."

@@ -313,7 +313,6 @@ class SceneBuffers(Owner):
     def vertex_array(
         self, gl: moderngl.Context, program: moderngl.Program, *more: tuple[Any, ...], colour: bool
     ) -> moderngl.VertexArray:
-        """Return the buffers, and `more` as moderngl takes them, as inputs of `program`."""
         names = ("in_position", "in_uv", "in_light") if colour else ("in_position",)
         layout = "3f4 2f4 3f4" if colour else "3f4 20x1"
         return gl.vertex_array(program, [(self._vertices, layout, *names), *more], self._indices, index_element_size=4)

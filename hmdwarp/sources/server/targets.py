@@ -281,7 +281,6 @@ class Framebuffers:
         return framebuffer
 
     def forget(self, texture: moderngl.Texture) -> None:
-        """Free the framebuffers over a texture, whose memory they would keep."""
         for key, (textures, framebuffer) in list(self._made.items()):
             if texture in textures:
                 framebuffer.release()

@@ -324,7 +324,6 @@ class Folder:
         return next((place / name for place in places for name in names if (place / name).exists()), None)
 
     def numbered(self, pattern: str) -> dict[int, Path]:
-        """Return files by the first number in their names."""
         files = (path for path in sorted(self.path.glob(pattern)) if not path.name.startswith("."))
         numbers = [(int(found.group()), path) for path in files if (found := re.search(r"[0-9]+", path.name))]
         if doubled := next((pair for pair in itertools.pairwise(sorted(numbers)) if pair[0][0] == pair[1][0]), None):
@@ -528,7 +527,6 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
 
 
 def images_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
-    """Return the pictures of a folder in the order of the numbers in their names."""
     files = folder.iterdir() if folder.is_dir() else ()
     found = [
         one for one in files if one.suffix.lower() in endings and not one.name.startswith(".") and one.name != MASK

@@ -242,7 +242,6 @@ def tartanair(at: Folder) -> None:
 
 
 def _depth_of_tartanair(path: Path) -> NDArray[Any]:
-    """Return metres: of an .npy file, or floats of the bytes blue, green, red, alpha."""
     if path.suffix == NPY:
         return read_depth(path)
     pixels = read_colour(path)

@@ -177,7 +177,6 @@ class Head:
             self._seen.append((now_ns, view))
 
     def reach(self, within_ns: int | None) -> tuple[float, float]:
-        """Return metres and radians that it may move by in that time, or a first round trip."""
         within_ns = within_ns or FIRST_ROUND_TRIP_NS
         metres = radians = 0.0
         for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):

@@ -248,8 +248,6 @@ class Cutouts(SheetsPart):
 
 @parts.register
 class Overlay(SheetsPart):
-    """Drawn into the picture, it keeps the depth of what it covers."""
-
     name, order = "overlay", 95
     has = staticmethod(lambda _, mesh: mesh.material.head_locked)
 
@@ -323,8 +321,6 @@ class Peeled(Part):
 
 @parts.register
 class Light(Part):
-    """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
-
     name, order = "light", -1  # before cut-outs, which it would draw over
 
     def __init__(self, context: DrawContext) -> None:

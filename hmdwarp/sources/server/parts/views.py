@@ -32,8 +32,6 @@ from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxe
 
 @parts.register
 class Motion(Part):
-    """Drawn after everything that goes into the picture: the depth says what a pixel shows."""
-
     name, order = "motion", 90
 
     def __init__(self, context: DrawContext) -> None:
