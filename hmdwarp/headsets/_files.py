@@ -20,8 +20,7 @@ from ..geometry import Eyes, Fov, Polygon, Pose
 from ..options import Table, parsed, text_of
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
-from ._lenses import COLOURS, MODELS, Array, Lens, ViveLens
-from ._model import IPD_RANGE_M, Headset, HeadsetEye
+from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Lens, ViveLens
 
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
 REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
