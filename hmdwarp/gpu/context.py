@@ -256,23 +256,7 @@ class Gpu:
         before = getattr(_thread, "gpu", None)
         _make_current(self)
         trim = _heap_trim() if self.is_software else None
-        self.forget_released()
-        is_kept = _idle is not None and self._is_own and not self._reset_status()
-        if is_kept:
-            for key, lent in list(self._context.lent.items()):
-                if lent.last is not self:
-                    del self._context.lent[key]
-                    lent.thing.release()
-                lent.last = None
-            self.gl.enable_only(moderngl.NOTHING)
-            self.gl.finish()
-        # A context that is destroyed while current stays so in EGL, and GLX then refuses a
-        # window's in the same thread (BadAccess).
-        self.gl.__exit__(None, None, None)
-        if is_kept and _idle is not None:
-            _idle.append(self._context)
-        else:
-            self.gl.release()
+        self._release()
         if trim is not None:
             trim(0)
         self._closed, _thread.gpu = True, None
@@ -299,6 +283,25 @@ class Gpu:
                     thing.release()
                 return True
         return False
+
+    def _release(self) -> None:
+        self.forget_released()
+        is_kept = _idle is not None and self._is_own and not self._reset_status()
+        if is_kept:
+            for key, lent in list(self._context.lent.items()):
+                if lent.last is not self:
+                    del self._context.lent[key]
+                    lent.thing.release()
+                lent.last = None
+            self.gl.enable_only(moderngl.NOTHING)
+            self.gl.finish()
+        # A context that is destroyed while current stays so in EGL, and GLX then refuses a
+        # window's in the same thread (BadAccess).
+        self.gl.__exit__(None, None, None)
+        if is_kept and _idle is not None:
+            _idle.append(self._context)
+        else:
+            self.gl.release()
 
     def __enter__(self) -> Gpu:
         return self
