@@ -51,10 +51,7 @@ class TypedLine:
 
 
 class RawKeys:
-    """Takes the keys of a terminal as they are typed, without its echo, until restore().
-
-    Ctrl-C and Ctrl-Z keep their signals. A program in the background changes no terminal.
-    """
+    """Takes a terminal's keys as they are typed, until restore(); not in the background."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
@@ -154,10 +151,7 @@ def clock(seconds: float) -> str:
 
 
 def checked_answer(text: str, question: Question) -> float | str:
-    """Return the typed answer; a comma may stand for the point of a number.
-
-    Errors: ValueError with a sentence that says which answers there are.
-    """
+    """Return the typed answer, which may have a decimal comma. Errors: ValueError."""
     text, wanted = text.strip(), "" if question.in_words else f"answers go from {range_text(question)}"
     if question.in_words:
         if not text:
@@ -200,10 +194,7 @@ def subject_of(state: ConsoleState) -> Subject:
 
 
 def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
-    """Parse a command and its value ("answer 3.25", "pause"); None for an empty line.
-
-    Errors: ValueError with a sentence.
-    """
+    """Parse a command and its value; None for an empty line. Errors: ValueError."""
     name, _, rest = line.strip().partition(" ")
     name, rest = name.lower(), rest.strip()
     if not name:

@@ -16,6 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Array = NDArray[np.float64]
 RESAMPLES, SEED = 20_000, 0
 _DIGITS = 9  # differences of decimals (4.25 - 3.15) are not exact: equal to so many is equal
 _FINEST = 1000  # denominator of the finest grid of ratings: thousandths, or thirds of a hundredth
@@ -41,9 +42,7 @@ def bca(differences: ArrayLike, seed: int = SEED, resamples: int = RESAMPLES, le
     Errors: ValueError for a value that is not finite.
     Source: Efron 1987; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, 14.3.
     """
-    values = np.sort(np.asarray(differences, dtype=np.float64))
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise ValueError("differences are a list of finite numbers; leave missing ones out")
+    values = np.sort(_finite(differences))
     if not len(values):
         return Interval(np.nan, np.nan)
     if is_degenerate(values):
@@ -60,13 +59,10 @@ def is_degenerate(differences: ArrayLike) -> bool:
     return len(values) < 2 or bool(np.ptp(values) <= 10.0**-_DIGITS * np.abs(values).max())
 
 
-def bca_shares(below: ArrayLike, jackknifed: NDArray[np.float64], level: float = 0.95) -> NDArray[np.float64]:
+def bca_shares(below: ArrayLike, jackknifed: Array, level: float = 0.95) -> Array:
     """Return the shares (2, ...) of the bootstrap distribution at which the interval ends.
 
-    below: (...), share of the distribution below the estimate, in 0..1 exclusive; ties count half.
-    jackknifed: (n, ...), the estimate without each observation in turn.
-    SciPy's bootstrap uses the same formula, but only on resamples that it draws itself.
-
+    below: (...), share below the estimate, 0..1 exclusive; ties count half. jackknifed: (n, ...).
     Source: Efron 1987, Better bootstrap confidence intervals, eq. 6.8 (acceleration by jackknife).
     """
     from scipy.special import ndtr, ndtri
@@ -79,7 +75,7 @@ def bca_shares(below: ArrayLike, jackknifed: NDArray[np.float64], level: float =
     return np.asarray(ndtr([bias + tail / (1 - acceleration * tail) for tail in tails]))
 
 
-def _ends(values: NDArray[np.float64], seed: int, resamples: int, level: float) -> tuple[float, float]:
+def _ends(values: Array, seed: int, resamples: int, level: float) -> tuple[float, float]:
     left_out = (values.sum() - values) / (len(values) - 1)
     found = _all_resamples(values)
     if found is not None:
@@ -97,13 +93,10 @@ def _ends(values: NDArray[np.float64], seed: int, resamples: int, level: float) 
     return float(f"{low:.12g}"), float(f"{high:.12g}")  # 2.025, not what is left of it after ten additions
 
 
-def _all_resamples(
-    values: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
-    """Return every mean of a resample, its chance, and the chance of less than the mean itself.
+def _all_resamples(values: Array) -> tuple[Array, Array, float] | None:
+    """Return all means of a resample, their chances, and the chance of less than the mean itself.
 
-    A resample of n is n throws of one die, so its sum has the n-fold convolution of the die. None
-    where the values lie on no common grid.
+    The sum of n has the n-fold convolution of one. None for values on no common grid.
     """
     n, largest = len(values), np.abs(values).max()
     parts = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
@@ -145,16 +138,22 @@ def wilcoxon_exact(differences: ArrayLike) -> Wilcoxon:
     Source: Pratt and Gibbons, Concepts of Nonparametric Theory, 1981, ch. 3. SciPy's method="exact"
     ignores ties.
     """
-    plus, ranks, minus = _doubled_sums(differences)
-    p = min(1.0, 2.0 * float(_upper_tails(ranks)[max(plus, minus)]))
-    return Wilcoxon(plus / 2, minus / 2, p, len(ranks))
+    from scipy.stats import rankdata
+
+    values = _finite(differences)
+    largest = np.abs(values).max(initial=0.0)
+    values = np.round(values / largest, _DIGITS) if largest > 0 else values
+    values = values[values != 0]
+    if len(values) > MOST_PAIRS:
+        raise ValueError(f"{len(values)} differences: the exact test is for {MOST_PAIRS} at most")
+    doubled = np.rint(2 * rankdata(np.abs(values))).astype(int)
+    plus, minus = (int(doubled[way].sum()) for way in (values > 0, values < 0))
+    p = min(1.0, 2.0 * float(_upper_tails(tuple(sorted(doubled.tolist())))[max(plus, minus)]))
+    return Wilcoxon(plus / 2, minus / 2, p, len(doubled))
 
 
 def rank_biserial(differences: ArrayLike) -> float:
-    """Return the matched-pairs rank-biserial correlation (W+ - W-) / (W+ + W-), -1..1.
-
-    0 where nothing differs. Source: Kerby 2014.
-    """
+    """Return the matched-pairs rank-biserial correlation, -1..1, or 0 (Kerby 2014)."""
     w_plus, w_minus, _, n = wilcoxon_exact(differences)
     return (w_plus - w_minus) / (w_plus + w_minus) if n else 0.0
 
@@ -192,10 +191,7 @@ def hodges_lehmann(differences: ArrayLike, level: float = 0.95) -> Shift:
 
 
 def attained_level(n: int, level: float = 0.95) -> float:
-    """Return the level of the interval of n differences.
-
-    At least `level` from six differences on (for 95 %); less where n cannot give that much.
-    """
+    """Return the level of the interval of n differences: `level` at least from six on."""
     return _left_out(n, level)[1]
 
 
@@ -207,7 +203,7 @@ def _left_out(n: int, level: float) -> tuple[int, float]:
     return left_out, max(0.0, 1.0 - 2.0 * float(lower[left_out]))
 
 
-def signed_rank_null(doubled_ranks: tuple[int, ...]) -> NDArray[np.float64]:
+def signed_rank_null(doubled_ranks: tuple[int, ...]) -> Array:
     """Return P(sum of the doubled ranks with a positive sign = i) for i from 0 to their sum.
 
     Each sign is a fair coin. Built up rank by rank from halves and sums of positive numbers, so
@@ -223,29 +219,15 @@ def signed_rank_null(doubled_ranks: tuple[int, ...]) -> NDArray[np.float64]:
     return null
 
 
-def _finite(differences: ArrayLike) -> NDArray[np.float64]:
+def _finite(differences: ArrayLike) -> Array:
     values = np.asarray(differences, dtype=np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
         raise ValueError("differences are a list of finite numbers; leave missing ones out")
     return values
 
 
-def _doubled_sums(differences: ArrayLike) -> tuple[int, tuple[int, ...], int]:
-    """Return twice W+, twice the sorted midranks, and twice W-."""
-    from scipy.stats import rankdata
-
-    values = _finite(differences)
-    largest = np.abs(values).max(initial=0.0)
-    values = np.round(values / largest, _DIGITS) if largest > 0 else values
-    values = values[values != 0]
-    if len(values) > MOST_PAIRS:
-        raise ValueError(f"{len(values)} differences: the exact test is for {MOST_PAIRS} at most")
-    ranks = np.rint(2 * rankdata(np.abs(values))).astype(int)
-    return int(ranks[values > 0].sum()), tuple(sorted(ranks.tolist())), int(ranks[values < 0].sum())
-
-
 @functools.lru_cache(maxsize=32)  # with 1000 pairs each takes 8 MB
-def _upper_tails(doubled_ranks: tuple[int, ...]) -> NDArray[np.float64]:
+def _upper_tails(doubled_ranks: tuple[int, ...]) -> Array:
     return np.cumsum(signed_rank_null(doubled_ranks)[::-1])[::-1]
 
 
@@ -261,10 +243,8 @@ class Friedman(NamedTuple):
 def friedman(table: ArrayLike) -> Friedman | None:
     """Test whether all conditions are rated alike.
 
-    table: (participants, conditions), NaN for missing; participants with a missing rating are left
-    out. None for fewer than three conditions or two participants. Where every participant rates all
-    conditions the same, chi2 is 0 and p is 1.
-
+    table: (participants, conditions); who misses a rating is left out. None for fewer than three
+    conditions or two participants; p is 1 where everybody rates all alike.
     Source: Friedman 1937, with the correction for ties (Conover 1999, 5.8), by SciPy.
     """
     from scipy.stats import friedmanchisquare
@@ -286,11 +266,9 @@ def kendalls_w(found: Friedman) -> float:
 
 
 def holm(ps: Sequence[float]) -> list[float]:
-    """Return each test's p after Holm's step-down correction, in the order of `ps`.
+    """Return each test's p after Holm's step-down correction (1979), in the order of `ps`.
 
     statsmodels has the same, but collects garbage in each call, which takes 30 ms.
-
-    Source: Holm 1979.
     """
     order = np.argsort(ps, kind="stable")
     stepped = np.maximum.accumulate(np.array(ps)[order] * np.arange(len(ps), 0, -1))
@@ -357,10 +335,9 @@ def people_for_sign(share: float, alpha: float) -> int:
     return max(people for people in range(1, 400) if sign_power(people, share, alpha) < TARGET) + 1
 
 
-Array = NDArray[np.float64]
-
 PRIOR_SD = 5.0  # of a score and of the threshold, JOD: a difference of 5 JOD is one that 99.96 % see
 HALF_TIE = 0.5  # added to the ties, so that a resample without one still has a threshold
+_PRIOR = (PRIOR_SD / JOD_SPREAD) ** 2
 _STEPS, _CLOSE = 100, 1e-9
 
 
@@ -378,7 +355,12 @@ def jod_scores(wins: Array, ties: Array | None = None) -> Scores:
     ties: (.., n, n), symmetric; None where "no difference" could not be answered.
     """
     shape, n = np.shape(wins)[:-2], np.shape(wins)[-1]
-    at = _highest(_likelihood(wins, ties), n)
+    first, second = np.triu_indices(n, 1)
+    tables = np.asarray(wins, np.float64).reshape(-1, n, n)
+    won, lost = tables[:, first, second], tables[:, second, first]
+    tied = np.zeros_like(won) if ties is None else np.asarray(ties, np.float64).reshape(-1, n, n)[:, first, second]
+    of = _Likelihood(won, lost, tied, np.eye(n)[first] - np.eye(n)[second], has_ties=ties is not None)
+    at = of.highest()
     threshold = at[:, n] if ties is not None else np.zeros(len(at))
     return Scores(at[:, :n].reshape(*shape, n) * JOD_SPREAD, threshold.reshape(shape) * JOD_SPREAD)
 
@@ -406,7 +388,27 @@ class _Likelihood:
             with np.errstate(divide="ignore", invalid="ignore"):
                 found += (self.tied * np.log(_between(d, t))).sum(axis=1) + HALF_TIE * np.log(at[:, -1])
             found = np.where(at[:, -1] > 0, found, -np.inf)
-        return np.asarray(found - (at**2).sum(axis=1) / (2 * self._prior))
+        return np.asarray(found - (at**2).sum(axis=1) / (2 * _PRIOR))
+
+    def highest(self) -> Array:
+        """Climb to the one maximum by Newton's steps, halved where they overshoot."""
+        at = np.zeros((len(self.won), self.pairs.shape[1] + self.has_ties))
+        at[:, self.pairs.shape[1] :] = 0.3
+        value = self.value(at)
+        for _ in range(_STEPS):
+            gradient, hessian = self.derivatives(at)
+            step = np.linalg.solve(-hessian, gradient[..., None])[..., 0]
+            if np.abs(step).max(initial=0.0) < _CLOSE:
+                break
+            scale = np.ones(len(at))
+            while True:
+                tried = self.value(at + scale[:, None] * step)
+                low = (tried < value - 1e-9 * np.abs(value)) & (scale > 1e-6)
+                if not low.any():
+                    break
+                scale[low] /= 2
+            at, value = at + scale[:, None] * step, tried
+        return at
 
     def derivatives(self, at: Array) -> tuple[Array, Array]:
         """Return gradient (batch, m) and Hessian (batch, m, m)."""
@@ -424,35 +426,19 @@ class _Likelihood:
             by_dd, by_tt = by_dd + self.tied * (same - gd**2), by_tt + self.tied * (same - gt**2)
             by_dt = by_dt + self.tied * (other - gd * gt)
         n = self.pairs.shape[1]
-        gradient, hessian = np.zeros(at.shape), np.zeros((*at.shape, at.shape[1]))
-        gradient[:, :n] = by_d @ self.pairs - self._scores(at) / self._prior
+        gradient, hessian = -at / _PRIOR, np.zeros((*at.shape, at.shape[1]))
+        gradient[:, :n] += by_d @ self.pairs
         hessian[:, :n, :n] = np.einsum("bp,pi,pj->bij", by_dd, self.pairs, self.pairs, optimize=True)
-        hessian[:, range(n), range(n)] -= 1 / self._prior
         if self.has_ties:
-            gradient[:, n] = by_t.sum(axis=1) + HALF_TIE / at[:, n] - at[:, n] / self._prior
-            hessian[:, n, n] = by_tt.sum(axis=1) - HALF_TIE / at[:, n] ** 2 - 1 / self._prior
+            gradient[:, n] += by_t.sum(axis=1) + HALF_TIE / at[:, n]
+            hessian[:, n, n] = by_tt.sum(axis=1) - HALF_TIE / at[:, n] ** 2
             hessian[:, :n, n] = hessian[:, n, :n] = by_dt @ self.pairs
+        hessian[:, range(at.shape[1]), range(at.shape[1])] -= 1 / _PRIOR
         return gradient, hessian
 
-    @property
-    def _prior(self) -> float:
-        return (PRIOR_SD / JOD_SPREAD) ** 2
-
-    def _scores(self, at: Array) -> Array:
-        return at[:, : self.pairs.shape[1]]
-
     def _differences(self, at: Array) -> tuple[Array, Array]:
-        return self._scores(at) @ self.pairs.T, at[:, -1:] if self.has_ties else np.zeros((len(at), 1))
-
-
-def _likelihood(wins: Array, ties: Array | None) -> _Likelihood:
-    """Make it of tables (.., n, n), all in one batch."""
-    n = np.shape(wins)[-1]
-    first, second = np.triu_indices(n, 1)
-    tables = np.asarray(wins, np.float64).reshape(-1, n, n)
-    won, lost = tables[:, first, second], tables[:, second, first]
-    tied = np.zeros_like(won) if ties is None else np.asarray(ties, np.float64).reshape(-1, n, n)[:, first, second]
-    return _Likelihood(won, lost, tied, np.eye(n)[first] - np.eye(n)[second], has_ties=ties is not None)
+        n = self.pairs.shape[1]
+        return at[:, :n] @ self.pairs.T, at[:, -1:] if self.has_ties else np.zeros((len(at), 1))
 
 
 def _density(x: Array) -> Array:
@@ -475,41 +461,12 @@ def _between(d: Array, t: Array) -> Array:
     return np.asarray(np.maximum(ndtr(t - far) - ndtr(-t - far), 1e-300))
 
 
-def _highest(of: _Likelihood, n: int) -> Array:
-    """Climb to the one maximum by Newton's steps, halved where they overshoot."""
-    at = np.zeros((len(of.won), n + of.has_ties))
-    if of.has_ties:
-        at[:, n] = 0.3
-    value = of.value(at)
-    for _ in range(_STEPS):
-        gradient, hessian = of.derivatives(at)
-        step = np.linalg.solve(-hessian, gradient[..., None])[..., 0]
-        if np.abs(step).max(initial=0.0) < _CLOSE:
-            break
-        scale = np.ones(len(at))
-        while True:
-            tried = of.value(at + scale[:, None] * step)
-            low = (tried < value - 1e-9 * np.abs(value)) & (scale > 1e-6)
-            if not low.any():
-                break
-            scale[low] /= 2
-        at, value = at + scale[:, None] * step, tried
-    return at
-
-
 def resampled_scores(wins: Array, ties: Array | None, resamples: int, seed: int) -> Scores:
-    """Scale resamples of people, each with all answers of theirs.
-
-    wins, ties: (people, n, n). Returns scores (resamples, n).
-    """
+    """Scale resamples of people. wins, ties: (people, n, n). Returns (resamples, n)."""
     people = len(wins)
     rng = np.random.default_rng(seed)
     drawn = rng.multinomial(people, np.full(people, 1 / people), size=resamples).astype(np.float64)
-
-    def summed(of: Array) -> Array:
-        return np.tensordot(drawn, of, axes=1)
-
-    return jod_scores(summed(wins), None if ties is None else summed(ties))
+    return jod_scores(np.tensordot(drawn, wins, axes=1), None if ties is None else np.tensordot(drawn, ties, axes=1))
 
 
 def left_out_scores(wins: Array, ties: Array | None) -> Scores:
@@ -518,13 +475,11 @@ def left_out_scores(wins: Array, ties: Array | None) -> Scores:
 
 
 def resampled_interval(found: float, resampled: Array, left_out: Array, level: float = 0.95) -> tuple[float, float]:
-    """Return the ends of the BCa interval of a number, widened for few people.
+    """Return the ends of the BCa interval of `found`, widened for few people.
 
-    found: the estimate. resampled: it in resamples of people. left_out: without each person.
-    The quantiles are those of Student's t and the variance of n - 1: resampling few people varies
-    too little, so that 95 % of a dozen people would be 92 %.
-    Source: Efron 1987; Hesterberg 2015, What teachers should know about the bootstrap, The American
-    Statistician 69 ("expanded percentile").
+    resampled: in resamples of people. left_out: without each person. With the quantiles of
+    Student's t and the variance of n - 1, as a dozen resampled people vary too little.
+    Source: Efron 1987; Hesterberg 2015, The American Statistician 69 ("expanded percentile").
     """
     from scipy.special import ndtr, stdtrit
 

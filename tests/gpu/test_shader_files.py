@@ -32,7 +32,7 @@ from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.misses import DepthSamples
+from hmdwarp.run.live_log import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server

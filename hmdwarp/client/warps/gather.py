@@ -94,7 +94,7 @@ class GatherWarp(Warp):
         program.uniforms.settle(self._size_uniforms)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_SHOWN_DEPTH, read=False, write=True)
-            program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
+            uniforms["shown_inverse_depth"] = _SHOWN_DEPTH
         uniforms |= bind_texels(program, self.picture(inputs))
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self.coefficients(maps), **uniforms)
         if self.output.foveated is not None:

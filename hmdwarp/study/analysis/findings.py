@@ -379,10 +379,7 @@ def _compared(table: pd.DataFrame, info: ScaleInfo, family: str, of: Comparison,
 
 
 def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
-    """Return the Hodges-Lehmann shift, its interval and the level of that.
-
-    The last three are None where the level is too low for an interval.
-    """
+    """Return the Hodges-Lehmann shift, its interval and level, None where that is too low."""
     shift, level = st.hodges_lehmann(values), st.attained_level(len(values))
     return (*shift, level) if level >= _LEAST_LEVEL else (shift.shift, None, None, None)
 
@@ -405,9 +402,8 @@ def correct(rows: list[Row], *, over_all: bool = False) -> None:
 def preference_results(ratings: Ratings, families: Sequence[Family], resampling: Resampling) -> list[Row]:
     """Return the results of each part with paired comparisons.
 
-    Scores are in JOD: the hidden reference has 0, or without one the mean of all conditions. A
-    comparison's "p" is of the exact Wilcoxon test of each person's choices for less those against
-    it, where the two were shown together.
+    Scores are in JOD: the hidden reference, or without one the mean, has 0. "p" is of the exact
+    Wilcoxon test of each person's choices for less those against, where both were shown together.
     """
     parts = ratings.preferences.groupby(["part", "scale"], sort=False)
     return [_preferred(ratings, planned, families, resampling) for _, planned in parts]
@@ -590,10 +586,7 @@ class Claims:
 
 
 def load_claims(path: Path) -> Claims:
-    """Load a .toml file of claims. Without `step` a figure counts as rounded to its last digit.
-
-    Errors: InputError naming file, line and value.
-    """
+    """Load a .toml file of claims. A figure counts as rounded to its last digit without `step`."""
     text = text_of(path, f"a .toml file of published figures: {_EXAMPLE} shows one")
 
     def made(data: Keys) -> Claims:
@@ -611,10 +604,7 @@ def load_claims(path: Path) -> Claims:
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:
-    """Return the published figures to compare with, and a note if the user did not name them.
-
-    They are those of the file, else those shipped for exactly these ratings, if any.
-    """
+    """Return the figures of the file, else those shipped for these ratings, with a note."""
     if path is not None:
         return load_claims(path), ""
     key = ["part", "participant", "condition"]
@@ -700,10 +690,7 @@ class Correlation(NamedTuple):
 
 
 def within_people(x: pd.Series, y: pd.Series, who: pd.Series) -> Correlation | str:
-    """Return the correlation, or the reason why there is none.
-
-    The interval is Fisher's, of as many pairs as degrees of freedom and two.
-    """
+    """Return the correlation with Fisher's interval, or the reason why there is none."""
     from scipy.special import stdtr
 
     several = who.groupby(who).transform("size") > 1
@@ -726,10 +713,7 @@ def within_people(x: pd.Series, y: pd.Series, who: pd.Series) -> Correlation | s
 
 
 def correlation_data(rows: pd.DataFrame, scale: str) -> dict[str, Any] | None:
-    """Return the correlation of each measure, with sentences; None where nothing was measured.
-
-    Positive where more of a measure was rated worse.
-    """
+    """Return each measure's correlation, with sentences; positive: more of it was rated worse."""
     rated = rows[(rows["scale"] == scale) & rows["value"].notna()]
     there = [name for name in MEASURES if name in rated and rated[name].notna().any()]
     if not there:

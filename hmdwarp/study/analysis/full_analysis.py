@@ -25,10 +25,7 @@ Row = dict[str, Any]
 
 
 def analysis_folder(folder: str | os.PathLike[str], *, force: bool = False) -> OutputFolder:
-    """Return the folder to write an analysis to; made before the work, it checks the place.
-
-    Errors: InputError or MachineError for a place that cannot be written.
-    """
+    """Return the folder to write an analysis to; made before the work, it checks the place."""
     return OutputFolder(folder, owned=("tables/*.csv", REPORT, *PAPER), last=DATA, force=force)
 
 
@@ -279,10 +276,7 @@ def sentence_of_claim(row: Row, title: str, scale: ScaleInfo) -> str:
 
 
 def sentence_of_reference(row: Row | None) -> str:
-    """Say how people rated the hidden reference among their other ratings; ties are ties.
-
-    "3 of 5 who rated the hidden reference rated it better than and 2 the same as ..".
-    """
+    """Say how people rated the hidden reference among their other ratings; ties are ties."""
     if row is None:
         return "Without a hidden reference the ratings do not show who judged with care."
     if not row["rated"]:

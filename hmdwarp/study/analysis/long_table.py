@@ -85,7 +85,6 @@ class ScaleInfo:
 
     @classmethod
     def of(cls, scale: Scale) -> ScaleInfo:
-        """Take it from a scale."""
         unit, mean = "grades" if scale.name == "grade" else "points", "DMOS" if scale.beside_reference else "mean"
         return cls(scale.name, scale.title, scale.low_is_good, scale.least, scale.most, unit, mean)
 
@@ -121,7 +120,6 @@ class Ratings:
         return [name for name in self.scale_info if (self.rows["scale"] == name).any()]
 
     def of(self, part: str, scale: str) -> pd.DataFrame:
-        """Return the rows of a part on one scale."""
         return self.rows[(self.rows["part"] == part) & (self.rows["scale"] == scale)]
 
     def conditions(self, part: str) -> list[str]:
@@ -144,7 +142,6 @@ class Ratings:
         }
 
     def settings(self, part: str, condition: str) -> dict[str, Any]:
-        """Return what is known of a condition's settings."""
         return self._known.get((part, condition), {})
 
     def references(self, part: str) -> list[str]:
@@ -175,10 +172,7 @@ def _place(settings: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
-    """Return the ratings of one origin; every session is read by the plan that it ran with.
-
-    Errors: InputError where there are no sessions.
-    """
+    """Return the ratings of one origin; every session is read by the plan that it ran with."""
     kept = of_origin(contents, origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
@@ -522,8 +516,7 @@ def name_of(settings: Mapping[str, Any]) -> str:
 def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratings:
     """Return the ratings of a long table (a file) or of a study's store.
 
-    A study is its .toml file, or a shipped one's name; a shipped study without a store stands for
-    the ratings published with it. Errors: InputError where there is none of them.
+    A shipped study without a store stands for the ratings published with it.
     """
     if not name.endswith(".toml") and Path(name).is_file():
         return from_csv(Path(name), options)
@@ -544,8 +537,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
 def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOptions) -> Ratings:
     """Return the ratings of one source, or of several tables, as the exports of several sites.
 
-    Errors: InputError as ratings_from; for several sources that are not all tables of one origin
-    and the same scales, or where two have the same session.
+    These are of one origin and the same scales, and no two have the same session.
     """
     if len(names) == 1:
         return ratings_from(names[0], store, options)

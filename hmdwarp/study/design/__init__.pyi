@@ -5,6 +5,7 @@ from .definitions import ONE as ONE
 from .definitions import ONLY_PART as ONLY_PART
 from .definitions import PAIR as PAIR
 from .definitions import PARTICIPANT as PARTICIPANT
+from .definitions import SHIPPED as SHIPPED
 from .definitions import UNBLINDED as UNBLINDED
 from .definitions import Comparison as Comparison
 from .definitions import Condition as Condition
@@ -13,8 +14,13 @@ from .definitions import Family as Family
 from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import Sickness as Sickness
+from .definitions import design_from_text as design_from_text
 from .definitions import every_scale as every_scale
 from .definitions import live_options as live_options
+from .definitions import load_design as load_design
+from .definitions import open_picture as open_picture
+from .definitions import study_names as study_names
+from .definitions import write_new_plan as write_new_plan
 from .orders import Order as Order
 from .orders import allot as allot
 from .orders import pair_of as pair_of
@@ -41,9 +47,3 @@ from .plan_text import reading_s as reading_s
 from .plan_text import scale_text as scale_text
 from .plan_text import session_rows as session_rows
 from .plan_text import steps_of as steps_of
-from .read import SHIPPED as SHIPPED
-from .read import design_from_text as design_from_text
-from .read import load_design as load_design
-from .read import open_picture as open_picture
-from .read import study_names as study_names
-from .read import write_new_plan as write_new_plan

@@ -1,26 +1,47 @@
-"""Definition of a study: parts, conditions, scales, comparisons. All classes are frozen."""
+"""Definition of a study (parts, conditions, scales, comparisons), its file (.toml), and a new one.
+
+All classes are frozen. Errors of a file name its line.
+"""
 
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path, PurePath
 from typing import Any
 
 import attrs
+from PIL.Image import Image
 
 from ...display.desktop import window_view
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...headsets import FILE_ENDINGS as HEADSET_FILES
 from ...headsets import load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...options import Table, keep_inside, options_of, quoted, read_by, reads
+from ...options import (
+    PICTURE_FILE,
+    KeyFault,
+    Table,
+    as_keys,
+    fields_in,
+    keep_inside,
+    opened,
+    options_of,
+    parsed,
+    quoted,
+    read_by,
+    reads,
+    text_of,
+)
 from ...pipeline import SceneKey, Source, guarded_size
+from ...report import refuse_existing, write_text
 from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen
 from ...scenes import FILE_ENDINGS as SCENE_FILES
-from ..scales import Scale
+from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 
 ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
 SHOWS = (ONE, PAIR, REFERENCE_FIRST) = ("one", "pair", "reference first")
@@ -149,6 +170,7 @@ def every_scale(design: Design) -> tuple[Scale, ...]:
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
 _TEXT_OR_NUMBER = "a number or a text"
+_NUMBERS = (_NUMBER, _TEXT_OR_NUMBER)
 _KIND_OF = {float: _NUMBER, int: _WHOLE, bool: _FLAG}
 _OPTIONS = options_of(LiveOptions)
 _SETTINGS = [option for option in _OPTIONS if option.in_study]
@@ -203,45 +225,41 @@ def default_of(name: str) -> object:
 def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
-    sources: those opened so far; this one is added.
-    Errors: InputError and its kin, now and not in the middle of a session.
+    sources: those opened so far; this one is added. Errors: InputError and its kin.
     """
     options = live_options(settings)
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
-        headset = load_headset(options.headset)
-        width, height = guarded_size(options.guard_band, headset, options.size or headset.eye_size_px)
+        headset, band = load_headset(options.headset), options.guard_band
+        width, height = guarded_size(band, headset, options.size or headset.eye_size_px)
         if max(width, height) > _MOST_PIXELS:
-            found = f"{options.guard_band} makes frames of {width}x{height} pixels"
+            found = f"{band} makes frames of {width}x{height} pixels"
             raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
-    eyes = window_view(options.view, source.headset, options.size).eyes
-    screen = EmulatedScreen(source.headset, eyes)
+    screen = EmulatedScreen(source.headset, window_view(options.view, source.headset, options.size).eyes)
     Run.of(on_screen(source.fitted(options), screen), source, screen)
     return options
 
 
 def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:
-    """Return the settings with absolute paths, and names with _.
+    """Return the settings with names with _, and paths under the study file's folder.
 
-    folder: of the study file. others: keys of the same table that are no settings, for hints.
+    others: keys of the same table that are no settings, for hints.
     """
-    return {name: _resolved(folder, key, name, value) for key, name, value in _named(settings, others)}
-
-
-def _resolved(folder: Path, key: str, name: str, value: object) -> object:
-    is_file = name in FILES or (isinstance(value, str) and value.lower().endswith(NAMED_FILES.get(name, ())))
-    if not is_file or not isinstance(value, str):
-        return value
-    path = folder.absolute() / value
-    try:
-        return str(keep_inside(path, folder, f"the file of {name}"))
-    except InputError as error:
-        raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
+    found: dict[str, object] = {}
+    for key, name, value in _named(settings, others):
+        found[name] = value
+        is_file = isinstance(value, str) and (name in FILES or value.lower().endswith(NAMED_FILES.get(name, ())))
+        if is_file:
+            try:
+                found[name] = str(keep_inside(folder.absolute() / str(value), folder, f"the file of {name}"))
+            except InputError as error:
+                raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
+    return found
 
 
 def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:
     """Return (key of the file, name with _, value) of each. Errors: SettingFault."""
-    out: list[tuple[str, str, object]] = []
+    out: dict[str, tuple[str, str, object]] = {}
     for key, value in settings.items():
         name = key.replace("-", "_")
         if name in _NOT_SETTINGS:
@@ -251,28 +269,524 @@ def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[t
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
             hint = f"did you mean {near[0]}? " if near else ""
             raise SettingFault(key, f"unknown setting {key[:80]!r}: {hint}known are {', '.join(known)}")
-        if name in [other for _, other, _ in out]:
+        if name in out:
             raise SettingFault(key, f"{key} comes twice, with - and with _: leave one of them out")
-        out.append((key, name, value))
-    return out
+        out[name] = (key, name, value)
+    return list(out.values())
 
 
 def _value(key: str, name: str, value: object) -> object:
     """Convert a value to what the command line passes. Errors: SettingFault."""
     kind = KINDS[name]
-    if isinstance(value, bool) or kind == _FLAG:
-        if isinstance(value, bool) and kind == _FLAG:
+    if isinstance(value, bool):
+        if kind == _FLAG:
             return value
-    elif isinstance(value, str):
-        if kind in (_TEXT, _TEXT_OR_NUMBER):
-            return Path(value) if name in FILES else value
+    elif isinstance(value, str) and kind in (_TEXT, _TEXT_OR_NUMBER):
+        return Path(value) if name in FILES else value
     elif isinstance(value, int) and kind == _WHOLE:
         return value
-    elif (
-        isinstance(value, int | float)
-        and kind in (_NUMBER, _TEXT_OR_NUMBER)
-        and abs(value) < 2**63
-        and math.isfinite(value)
-    ):
+    elif isinstance(value, int | float) and abs(value) < 2**63 and math.isfinite(value) and kind in _NUMBERS:
         return repr(value) if kind == _TEXT_OR_NUMBER else float(value)
     raise SettingFault(key, f"{key} is {quoted(value)}: expected {kind}")
+
+
+# --- the file
+
+NAME = re.compile(r"[^\W_][\w.+-]{0,63}")
+NAME_WANTED = "expected a name of letters, digits, and . _ + - after the first, 64 at most"
+_NO_SETTINGS = ("name", "reference")  # keys of a [[condition]]
+_MOST_CONDITIONS = 100
+_MOST_TRIALS = 1000  # of one session
+_COMPARE = 'compare = [{ better = "warped", baseline = "late" }]'
+# Baseline, better, and how to blame where one of them, or "" for both, stands.
+_Named = tuple[str, str, Callable[[str, str], KeyFault]]
+
+
+class Checker:
+    """Makes and tries the settings of one condition after the other."""
+
+    def __init__(self, folder: Path, common: Table, checked: bool) -> None:
+        """Begin without scenes. folder: of the study file; common: its [common]."""
+        self._folder, self._common, self._checked = folder, common, checked
+        self._sources: dict[SceneKey, Source] = {}
+
+    @property
+    def scene_notes(self) -> tuple[str, ...]:
+        """What had to be left out or replaced of the scene files, each once."""
+        return tuple(dict.fromkeys(note for source in self._sources.values() for note in source.scene.notes))
+
+    def settings(
+        self,
+        table: Table,
+        own: Mapping[str, object],
+        who: str,
+        *,
+        beneath: Mapping[str, object] | None = None,
+        only: Sequence[str] = (),
+        others: Sequence[str] = (),
+    ) -> dict[str, object]:
+        """Return a condition's settings: those of [common], then `beneath`, then its own.
+
+        only: the settings to take from [common]; empty for all. others: keys of the table that are
+        no settings, for hints.
+        Errors: KeyFault at the wrong key, as far as it is known.
+        """
+        common = self._placed(self._common, _all_of(self._common), "common")
+        mine = self._placed(table, own, who, others)
+        # What of recorded frames is shown is the display's own field of view.
+        for name in (*DISPLAY, *(("guard",) if "frames" in common else ())):
+            if name in mine:
+                key, why = next(key for key in own if key.replace("-", "_") == name), "as the display is opened once"
+                raise table.fault(key, f"is the same for all conditions, {why}: put it in [common]")
+        shared = {name: value for name, value in common.items() if not only or name in only}
+        settings = shared | dict(beneath or {}) | mine
+        try:
+            check_settings(settings, self._sources) if self._checked else live_options(settings)
+        except InputError as error:
+            raise self._blamed(table, own, who, as_keys(str(error), KINDS), getattr(error, "key", "")) from error
+        return settings
+
+    def _placed(
+        self, table: Table, settings: Mapping[str, object], who: str, others: Sequence[str] = ()
+    ) -> dict[str, object]:
+        try:
+            return resolve_paths(self._folder, settings, others)
+        except SettingFault as error:
+            raise KeyFault(f"{who}: {error}", (*table.path, error.key)) from error
+
+    def _blamed(self, table: Table, own: Mapping[str, object], who: str, says: str, named: str) -> KeyFault:
+        """Blame the key that the message names or whose value it quotes, else the condition."""
+        keys = [(table, key, value) for key, value in own.items()]
+        keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
+        words = [word.replace("-", "_") for word in ([named] if named else re.findall(r"[\w-]+", says))]
+        blamed = [found for found in keys if found[1].replace("-", "_") in words]
+        if blamed:
+            inside, key, _ = min(blamed, key=lambda found: words.index(found[1].replace("-", "_")))
+            return KeyFault(f"{who}: {says}", (*inside.path, key))
+        texts = re.findall(r"'([^']+)'", says)
+        paths = ((*inside.path, key) for inside, key, value in keys if any(text in str(value) for text in texts))
+        return KeyFault(f"{who}: {says}", next(paths, table.path))
+
+
+def _all_of(table: Table) -> dict[str, object]:
+    return {key: table.raw(key) for key in table.keys()}  # noqa: SIM118  (a Table is no dict)
+
+
+def name_of(table: Table, used: Sequence[str]) -> str:
+    """Return the table's name, which no other table has."""
+    name = table.text("name")
+    if not NAME.fullmatch(name):
+        raise table.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
+    if name.lower() in [other.lower() for other in used]:
+        raise table.fault("name", f"is {name!r} a second time: expected a name that differs in more than case")
+    return name
+
+
+def parts_of(data: Table, checker: Checker) -> tuple[Part, ...]:
+    """Read [[part]] with [[part.condition]], or [[condition]] alone for a study of one part."""
+    if "part" in data and "condition" in data:
+        raise data.fault("condition", "beside [[part]]: expected it within one, as [[part.condition]]")
+    if "part" not in data:
+        return (Part(ONLY_PART, _conditions(data, data, checker)),)
+    tables = data.tables("part")
+    if not tables:
+        raise data.fault("part", "is empty: expected one [[part]] at least")
+    parts: list[Part] = []
+    for table in tables:
+        parts.append(Part(name_of(table, [part.name for part in parts]), _conditions(table, data, checker)))
+    return tuple(parts)
+
+
+def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition, ...]:
+    tables = within.tables("condition")
+    heading = "[[part.condition]]" if within is not data else "[[condition]]"
+    if "condition" not in within:
+        raise within.missing("condition")
+    if not 1 <= len(tables) <= _MOST_CONDITIONS:
+        wanted = f"expected 1 to {_MOST_CONDITIONS}, each beginning with {heading}"
+        raise within.fault("condition", f"comes {len(tables)} times: {wanted}")
+    made: list[Condition] = []
+    for table in tables:
+        own = {key: value for key, value in _all_of(table).items() if key not in _NO_SETTINGS}
+        factors = {key: value for key, value in own.items() if isinstance(value, list)}
+        reference = table.flag("reference", False)
+        if reference and (factors or any(condition.reference for condition in made)):
+            raise table.fault("reference", "is true a second time in this part: expected one hidden reference, or none")
+        for chosen in _combinations(table, factors, _MOST_CONDITIONS - len(made)):
+            used = [condition.name for condition in made]
+            name = _combined_name(table, chosen, used) if factors else name_of(table, used)
+            settings = checker.settings(table, own | chosen, f"condition '{name}'", others=_NO_SETTINGS)
+            made.append(Condition(name, settings, reference))
+    _check_trials(data.table("trial"), made, heading)
+    return tuple(made)
+
+
+def _check_trials(trial: Table, made: Sequence[Condition], heading: str) -> None:
+    """Check that a part's conditions fit trials and session. heading: of a condition."""
+    order, shows = trial.word("order", ORDERS, WILLIAMS), trial.word("shows", SHOWS, ONE)
+    pairs = shows == PAIR
+    if shows == REFERENCE_FIRST and not any(condition.reference for condition in made):
+        raise trial.fault("shows", f'is "{shows}", and no {heading} has reference = true: expected one in each part')
+    if len(made) < 2 and pairs:
+        raise trial.fault("shows", f"is {PAIR}, of one condition: expected two at least")
+    if len(made) < 2 and order == WILLIAMS:
+        wanted = "one condition has no order; expected two, or order fixed"
+        raise trial.fault("order", f"is {WILLIAMS} (the default): {wanted}")
+    each = len(made) * (len(made) - 1) // 2 if pairs else len(made)
+    repeats = trial.whole("repeats", 1, _MOST_TRIALS, 1)
+    if each * repeats > _MOST_TRIALS:
+        found = f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session"
+        raise trial.fault("repeats" if "repeats" in trial else None, found)
+
+
+def _combinations(table: Table, factors: Mapping[str, list[object]], most: int) -> Iterator[dict[str, object]]:
+    """Return every combination of settings that have several values; the last changes fastest."""
+    for key, values in factors.items():
+        if not values:
+            raise table.fault(key, "is an empty list: expected values, which make a condition each")
+        for number, value in enumerate(values):
+            if not isinstance(value, str | int | float):
+                raise table.fault(key, f"has {quoted(value)}: expected texts, numbers, true or false", number)
+    if (count := math.prod(map(len, factors.values()))) > most:
+        wanted = f"expected {_MOST_CONDITIONS} conditions at most in a part"
+        raise table.fault(next(iter(factors), None), f"makes {count} combinations: {wanted}")
+    return (dict(zip(factors, values, strict=True)) for values in itertools.product(*factors.values()))
+
+
+def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[str]) -> str:
+    """Return the table's name with the values, such as late-latency200-forward."""
+    words = [table.text("name")] if "name" in table else []
+    for key, value in chosen.items():
+        if isinstance(value, bool):
+            words.append(key if value else f"no-{key}")
+        elif isinstance(value, str):
+            is_file = value.lower().endswith((".toml", *NAMED_FILES.get(key, ())))
+            words.append(re.sub(r"[^\w.+]+", "-", PurePath(value).stem if is_file else value).strip("-"))
+        else:
+            words.append(f"{key}{value}")
+    name, first = "-".join(words), next(iter(chosen))
+    if not NAME.fullmatch(name):
+        raise table.fault(first, f"makes a condition {quoted(name)}: {NAME_WANTED}")
+    if name.lower() in [other.lower() for other in used]:
+        wanted = "expected values, or a name, that tell them apart"
+        raise table.fault(first, f"makes a second condition {name!r}: {wanted}")
+    return name
+
+
+def families_of(data: Table, parts: tuple[Part, ...]) -> tuple[Family, ...]:
+    """Read [[family]], each with comparisons of conditions of one part."""
+    made: list[Family] = []
+    for table in data.tables("family"):
+        name = table.line("name")
+        if name in [family.name for family in made]:
+            raise table.fault("name", f"is {name!r} a second time: expected a name that no other family has")
+        names = [part.name for part in parts]
+        of = names[0] if "part" not in table and len(parts) == 1 else table.word("part", names)
+        made.append(Family(name, _comparisons(table, parts[names.index(of)])))
+    return tuple(made)
+
+
+def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
+    """Read compare, whose entries name better and baseline; or pairs, the baseline first."""
+    if "pairs" not in table and "compare" not in table:
+        raise table.fault(None, f"has no comparison: expected {_COMPARE}")
+    known = [condition.name for condition in part.conditions]
+    made: list[Comparison] = []
+    for baseline, better, fault in (*_compare(table), *_pairs(table)):
+        for key, name in (("baseline", baseline), ("better", better)):
+            if name not in known:
+                raise fault(key, f"an {unknown_name('condition', name, known)} in part '{part.name}'")
+        if baseline == better or {baseline, better} in [{other.baseline, other.better} for other in made]:
+            why = "a condition beside itself" if baseline == better else "the same pair a second time"
+            raise fault("", f"'{better}' over '{baseline}': {why}; expected each comparison once")
+        made.append(Comparison(part.name, baseline, better))
+    return tuple(made)
+
+
+def _compare(table: Table) -> Iterator[_Named]:
+    entries = table.tables("compare")
+    if "compare" in table and not entries:
+        raise table.fault("compare", f"is empty: expected {_COMPARE}")
+    for entry in entries:
+
+        def fault(key: str, says: str, entry: Table = entry) -> KeyFault:
+            return entry.fault(key or "better", f"{'is' if key else 'has'} {says}")
+
+        yield entry.text("baseline"), entry.text("better"), fault
+
+
+def _pairs(table: Table) -> Iterator[_Named]:
+    example = 'like [["late", "warped"]]'
+    pairs = table.raw("pairs") if "pairs" in table else None
+    if "pairs" in table and (not isinstance(pairs, list) or not pairs):
+        raise table.fault("pairs", f"is no list of pairs: expected names of conditions, {example}")
+    for number, pair in enumerate(pairs or ()):
+        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
+            raise table.fault("pairs", f"has {quoted(pair)}: expected pairs of names, {example}", number)
+
+        def fault(_: str, says: str, number: int = number) -> KeyFault:
+            return table.fault("pairs", f"has {says}", number)
+
+        yield pair[0], pair[1], fault
+
+
+PRACTICE = "practice"
+UNTIL_DONE, LONGEST_S = "until done", 600.0
+_MOST_ASKED = 3  # questions of a questionnaire after each trial
+_PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
+
+
+def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
+    """Load a shipped scale, or a .toml file next to the study's. Errors: KeyFault."""
+    try:
+        return load_scale(str(folder / name), folder) if name.endswith(".toml") else load_scale(name)
+    except InputError as error:
+        raise table.fault(key, f"has '{name}': {error}", *within) from error
+
+
+def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
+    """Load the scales of a list.
+
+    questionnaires: whether they belong before or after the session; else they follow each trial,
+    where a questionnaire is short.
+    """
+    names = table.texts(key, ()) if questionnaires else table.texts(key)
+    made: list[Scale] = []
+    for number, name in enumerate(names):
+        scale = scale_at(table, key, name, folder, number)
+        if not questionnaires and scale.kind == QUESTIONNAIRE and (scale.scores or len(scale.items) > _MOST_ASKED):
+            found = f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}"
+            wanted = f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores"
+            raise table.fault(key, f"{found}: {wanted}", number)
+        if questionnaires and scale.kind == PREFERENCE:
+            found = f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]"
+            raise table.fault(key, found, number)
+        if scale.name in [scale.name for scale in made]:
+            raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
+        made.append(scale)
+    if not made and not questionnaires:
+        raise table.fault(key, "is empty: expected one scale at least; see 'hmdwarp list scales'")
+    if not questionnaires:
+        _check_kinds(table, key, made)
+    return tuple(made)
+
+
+def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
+    """Check that the scales after a trial fit what it shows."""
+    names = ", ".join(scale.name for scale in made)
+    preferences = [scale for scale in made if scale.kind == PREFERENCE]
+    shows = trial.word("shows", SHOWS, ONE)
+    if shows == PAIR:
+        if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
+            wanted = f"expected one scale of kind {PREFERENCE}, such as preference, and perhaps a short questionnaire"
+            raise trial.fault(key, f"is {names}, after a pair: {wanted}")
+        return
+    if preferences:
+        raise trial.fault(key, f"has '{preferences[0].name}', a {PREFERENCE}: it needs shows = \"{PAIR}\"")
+    if all(scale.kind != RATING for scale in made):  # tables of ratings and the analysis hold only that kind
+        wanted = "expected one scale of kind rating at least; the others belong in [sickness]"
+        raise trial.fault(key, f"has no rating ({names}): {wanted}")
+    for scale in made:
+        if scale.kind == RATING and scale.beside_reference != (shows == REFERENCE_FIRST):
+            found, first = f"has '{scale.name}', which asks", f'shows = "{REFERENCE_FIRST}"'
+            beside = f"for the difference from a reference shown right before: it needs {first}"
+            other = "nothing about the reference: expected dcr, or a scale with beside_reference = true, with"
+            raise trial.fault(key, f"{found} {beside if scale.beside_reference else f'{other} {first}'}")
+
+
+def length_of(trial: Table) -> tuple[float, bool]:
+    """Return how long a trial is at most, and whether the participant ends it."""
+    seconds = trial.raw("seconds") if "seconds" in trial else None
+    if isinstance(seconds, str):
+        if seconds != UNTIL_DONE:
+            raise trial.fault("seconds", f'is {quoted(seconds)}: expected a finite number, or "{UNTIL_DONE}"')
+        return trial.within("longest", 0, 3600, LONGEST_S, above=True), True
+    if "longest" in trial:
+        raise trial.fault("longest", f'belongs to seconds = "{UNTIL_DONE}": leave it out beside a number')
+    return trial.within("seconds", 0, 3600, 20.0, above=True), False
+
+
+def practice_of(data: Table, checker: Checker) -> Condition | None:
+    """Return the practice, None without its table; it looks like [common], without a warp."""
+    if PRACTICE not in data:
+        return None
+    table, others = data.table(PRACTICE), ("seconds",)
+    own = {key: value for key, value in _all_of(table).items() if key not in others}
+    settings = checker.settings(table, own, PRACTICE, beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
+    return Condition(PRACTICE, settings)
+
+
+def sickness_of(data: Table, folder: Path) -> Sickness | None:
+    """Return the sickness rule, None without [sickness]."""
+    if "sickness" not in data:
+        return None
+    table = data.table("sickness")
+    scale = scale_at(table, "scale", table.text("scale"), folder)
+    if scale.kind == QUESTIONNAIRE:
+        found = f"has '{scale.name}', a questionnaire of {len(scale.items)} items"
+        raise table.fault("scale", f"{found}: expected a scale that takes a moment")
+    if scale.kind in (RATING, PREFERENCE):
+        found = f"has '{scale.name}', a {scale.kind}, and would stand among those of the trials"
+        raise table.fault("scale", f"{found}: expected fms, misc or the like")
+    stop_at = table.within("stop_at", scale.least, scale.most, None)
+    if stop_at is not None and scale.badness(stop_at) <= 0:
+        found = f"is {stop_at:g}, the best answer of '{scale.name}'"
+        raise table.fault("stop_at", f"{found}: expected a worse one, or every session stops at once")
+    rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
+    return Sickness(scale, **fields_in(table, Sickness), stop_at=stop_at, rise=rise)
+
+
+def consent_of(data: Table, folder: Path) -> Consent | None:
+    """Return the consent, None without [consent]; its text is there or in a file next to it."""
+    if "consent" not in data:
+        return None
+    table = data.table("consent")
+    version = fields_in(table, Consent)
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "needs either text, or file: a text beside the study file")
+    return Consent(**version, text=table.text("text") if "text" in table else _text_of(table, folder))
+
+
+def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
+    """Return a page to read, a text or a picture, None without its table.
+
+    checked: False leaves files alone, which may be gone when an old session is exported.
+    """
+    if key not in data:
+        return None
+    table = data.table(key)
+    title = table.line("title", title)
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "needs either text, or file: a text or a picture beside the study file")
+    if "text" in table:
+        return Page(title, table.text("text"))
+    path = folder / table.text("file")
+    if path.suffix.lower() in ENDINGS:
+        if checked:
+            try:
+                open_picture(path, folder)
+            except InputError as error:
+                raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+        return Page(title, picture=str(path))
+    return Page(title, _text_of(table, folder) if checked else "")
+
+
+def _text_of(table: Table, folder: Path) -> str:
+    path = folder / table.text("file")
+    try:
+        text = text_of(path, "a text that participants read", folder)
+    except InputError as error:
+        raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+    if not text.strip():
+        raise table.fault("file", f"is {quoted(str(path))}, which is empty: expected a text that participants read")
+    return text
+
+
+ENDINGS = (".png", ".jpg", ".jpeg")
+PNG_OR_JPEG = attrs.evolve(PICTURE_FILE, what="a PNG or JPEG file")
+
+
+def open_picture(path: Path | str, folder: Path | None = None) -> Image:
+    """Load a picture, RGBA. folder: as `opened` takes it. Errors: InputError."""
+    from PIL import Image
+
+    try:
+        with opened(path, PNG_OR_JPEG, folder) as plain, Image.open(plain) as file:
+            return file.convert("RGBA")
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError(f"no picture ({error}): expected a PNG or JPEG file") from error
+
+
+SCHEMA = 1
+SHIPPED = Path(__file__).resolve().parent.parent / "ready"
+_EXAMPLE = "thesis.toml ('hmdwarp study plan thesis' prints its path)"
+
+
+def study_names() -> list[str]:
+    """Return the names of the shipped studies, sorted; NAME_more.toml only belongs to a study."""
+    return sorted(p.stem for p in SHIPPED.glob("*.toml") if "_" not in p.stem)
+
+
+def load_design(name_or_path: str, *, checked: bool = True) -> Design:
+    """Load a shipped study by name, or a .toml file by path.
+
+    checked: try every condition's settings as far as possible without a display, which takes a
+    second for a large scene.
+    Errors: InputError that names file and line, what was found and what was expected.
+    """
+    path = Path(name_or_path)
+    if not name_or_path.endswith(".toml"):
+        if name_or_path not in study_names():
+            if path.is_file():
+                raise InputError(f"study file {path}: expected one whose name ends in .toml")
+            raise unknown_name("study", name_or_path, [*study_names(), "FILE.toml"])
+        path = SHIPPED / f"{name_or_path}.toml"
+    text = text_of(path, f"a .toml file, or one of {', '.join(study_names())}")
+    try:
+        return design_from_text(text, str(path), checked=checked)
+    except InputError as error:
+        if checked:
+            raise
+        raise InputError(f"{error}; sessions that hmdwarp 0.2 ran with this plan are exported by that one") from error
+
+
+def design_from_text(text: str, path: str, *, checked: bool = True) -> Design:
+    """Return the plan of a text.
+
+    path: of its file, for messages and for files it names. checked: False does not try the
+    settings, because the scenes of an old session may be gone. Errors: as load_design.
+    """
+    folder = Path(path).parent
+
+    def made(data: Table) -> Design:
+        if (schema := data.whole("schema", 0, 2**31)) != SCHEMA:
+            raise data.fault("schema", f"is {schema}: expected {SCHEMA}, which this version of hmdwarp reads")
+        trial = data.table("trial")
+        checker = Checker(folder, data.table("common") if "common" in data else Table({}), checked)
+        scales, sickness = scales_of(trial, "scales", folder), sickness_of(data, folder)
+        asked = data.table("questionnaires") if "questionnaires" in data else Table({})
+        before, after = (scales_of(asked, key, folder, questionnaires=True) for key in ("before", "after"))
+        if sickness is not None and sickness.scale.name in [scale.name for scale in scales]:
+            found = f"has '{sickness.scale.name}', which is also that of [sickness]: leave it out of one of them"
+            raise trial.fault("scales", found)
+        parts = parts_of(data, checker)
+        seconds, until_done = length_of(trial)
+        return Design(
+            name=name_of(data, ()),
+            **fields_in(data, Design),
+            parts=parts,
+            scales=scales,
+            families=families_of(data, parts),
+            seconds=seconds,
+            until_done=until_done,
+            practice=practice_of(data, checker),
+            breaks=Breaks(**fields_in(data.table("breaks"), Breaks)) if "breaks" in data else Breaks(),
+            sickness=sickness,
+            before=before,
+            after=after,
+            consent=consent_of(data, folder),
+            instructions=page_of(data, "instructions", "Instructions", folder, checked),
+            ready=page_of(data, "ready", "Ready?", folder, checked),
+            thanks=page_of(data, "thanks", "Thank you", folder, checked),
+            text=text,
+            path=path,
+            scene_notes=checker.scene_notes,
+        )
+
+    return parsed(text, path, made, _EXAMPLE)
+
+
+TEMPLATE = Path(__file__).parent / "plan_template.toml"
+
+
+def write_new_plan(name: str, folder: Path, *, force: bool = False) -> Path:
+    """Write NAME.toml, a commented plan that can be run as it is, and return its path.
+
+    Errors: InputError for a wrong name, an existing file, unless forced, and a folder not writable.
+    """
+    if not NAME.fullmatch(name) or name.endswith(".toml"):
+        raise InputError(f"study name {quoted(name)}: {NAME_WANTED}, without .toml")
+    path = folder / f"{name}.toml"
+    refuse_existing(path, force=force)
+    write_text(path, TEMPLATE.read_text(encoding="utf-8").format(name=name))
+    return path

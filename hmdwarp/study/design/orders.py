@@ -36,10 +36,7 @@ def turned(name: str) -> str:
 
 
 def every_pair(names: Sequence[str]) -> tuple[str, ...]:
-    """Return each pair of conditions once; over all of them each condition comes first as often.
-
-    With an even number of conditions the counts differ by one.
-    """
+    """Return each pair once; each condition comes first as often, but for one."""
     numbered = list(enumerate(names))
     return tuple(
         pair_name(a, b) if (i + j) % 2 else pair_name(b, a) for (i, a), (j, b) in itertools.combinations(numbered, 2)
@@ -49,10 +46,7 @@ def every_pair(names: Sequence[str]) -> tuple[str, ...]:
 def tables_of(
     names: Sequence[str], answers: Iterable[tuple[Pair, float]], *, allows_ties: bool
 ) -> tuple[Table, Table | None]:
-    """Count answers about pairs, as jod_scores takes them.
-
-    answers: pairs as they were shown, with an answer, FIRST, SECOND or NEITHER, each.
-    """
+    """Count answers about pairs as shown, FIRST, SECOND or NEITHER, as jod_scores takes them."""
     place = {name: number for number, name in enumerate(names)}
     wins, ties = np.zeros((2, len(names), len(names)))
     for (first, second), answer in answers:
@@ -94,7 +88,7 @@ def williams(n: int) -> tuple[tuple[int, ...], ...]:
 def _zigzag(n: int) -> tuple[int, ...]:
     """Return 0, 1, n-1, 2, n-2, ..
 
-    Neighbours differ by every number of 1 .. n-1 once (n even), or by it and its opposite (n odd).
+    Neighbours differ by each of 1 .. n-1 once (n even), or by it and its opposite (n odd).
     """
     return tuple((k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n))
 
@@ -149,10 +143,7 @@ def _rows(design: Design, part: str, names: tuple[str, ...]) -> tuple[Order, ...
 
 
 def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int], names: Sequence[str]) -> Order:
-    """Return the order that begins with that row of the square.
-
-    The mirrored half of an odd square moves the other way: see _seam_shifts.
-    """
+    """Return the order from that row on; the mirrored half moves the other way."""
     n = len(names)
     half, place = divmod(row, n)
     rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
@@ -195,13 +186,10 @@ def _random_order(design: Design, part: str, names: tuple[str, ...], row: int) -
 
 
 def allot(filled: Sequence[int], seed: int) -> int:
-    """Return the row for the next session: one of those filled least often.
+    """Return the row for the next session: one of those filled least often, drawn by seed.
 
-    filled: how many complete or running sessions each row has.
-    Among several rows a draw from the seed and from `filled` decides, never the number of a
-    participant: the next order cannot be guessed, and gaps left by drop-outs are filled first.
-
-    Errors: InputError where there are no rows.
+    filled: how many complete or running sessions each row has. No participant's number decides:
+    the next order cannot be guessed.
     """
     if not filled:
         raise InputError("there is no order to allot: the part has no conditions")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from statistics import NormalDist
 from typing import Any
 
@@ -14,28 +15,12 @@ import attrs
 from ...report import counted, listed, pair_text
 from ..scales import QUESTIONNAIRE, Item, Scale
 from ..statistics import JOD_SPREAD, people_for_sign, people_for_signed_rank, sign_power, signed_rank_power, smallest_p
-from .definitions import (
-    BOTH,
-    FIXED,
-    ONE,
-    PAIR,
-    PARTICIPANT,
-    RANDOM,
-    REFERENCE_FIRST,
-    WILLIAMS,
-    Condition,
-    Design,
-    Family,
-    Page,
-    Part,
-    default_of,
-    every_scale,
-    resolved,
-)
+from . import definitions
+from .definitions import Condition, Design, Family, Page, Part, default_of, every_scale, resolved
 from .orders import Order, pair_name, pair_of, presented, rows_for, trials_of, turned
 
 # Names of a trial's showings, by what it shows; the questions are about the last one.
-TURNS = {ONE: ("",), PAIR: ("first", "second"), REFERENCE_FIRST: ("reference", "second")}
+TURNS = {"one": ("",), "pair": ("first", "second"), "reference first": ("reference", "second")}
 
 
 @attrs.frozen
@@ -93,14 +78,8 @@ Step = Read | PageStep | Show | Ask | Pause
 
 
 def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> tuple[Step, ...]:
-    """Return all steps of a session.
-
-    order: names of the part's conditions, one tuple per repeat.
-    """
-    conditions = design.part(part)
-    steps: list[Step] = []
-    if design.consent is not None:
-        steps.append(Read("consent", design.consent.text))
+    """Return all steps of a session. order: names of the part's conditions, a tuple per repeat."""
+    steps: list[Step] = [] if design.consent is None else [Read("consent", design.consent.text)]
     steps += [ask for scale in design.before for ask in _asks(scale, "before", "before")]
     if design.instructions is not None:
         steps.append(PageStep("instructions", design.instructions))
@@ -109,39 +88,31 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps += _sickness(design, "practice", 0, "practice")
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
-        steps += _trial(
-            design, trial, [conditions.condition(shown_name) for shown_name in _shown(design, conditions, name)], repeat
-        )
+        steps += _trial(design, design.part(part), trial, name, repeat)
         if design.breaks.every and trial % design.breaks.every == 0 and trial < len(shown):
             steps.append(Pause(f"break/{trial // design.breaks.every}", design.breaks.seconds))
     steps += [ask for scale in design.after for ask in _asks(scale, "after", "after")]
     return tuple(steps)
 
 
-def _shown(design: Design, part: Part, name: str) -> tuple[str, ...]:
-    """Return the names of the conditions that a trial shows, in order. name: of it in the order."""
-    if design.shows == PAIR:
-        return pair_of(name)
-    return (
-        *(condition.name for condition in part.conditions if condition.reference and design.shows == REFERENCE_FIRST),
-        name,
-    )
-
-
-def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int) -> list[Step]:
-    key = f"trial/{trial}"
+def _trial(design: Design, part: Part, trial: int, name: str, repeat: int) -> list[Step]:
+    """Return a trial's showings and the questions about the last. name: as the order has it."""
+    key, names = f"trial/{trial}", [name]
+    if design.shows == definitions.PAIR:
+        names = [*pair_of(name)]
+    elif design.shows == definitions.REFERENCE_FIRST:
+        names = [condition.name for condition in part.conditions if condition.reference] + names
+    conditions = [part.condition(shown) for shown in names]
     block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
     shows: list[Show] = []
     for condition, turn in zip(conditions, TURNS[design.shows], strict=True):
-        after = shows[-1].key if shows else ""
-        at = f"{key}/{turn}" if turn else key
+        after, at = shows[-1].key if shows else "", f"{key}/{turn}" if turn else key
         shows.append(Show(at, trial, condition, design.seconds, repeat, block, design.until_done, turn, after))
-    steps: list[Step] = [*shows]
     about = shows[-1].key
-    steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial, about)]
+    asks = [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial, about)]
     if design.sickness is not None and trial % design.sickness.every == 0:
-        steps += _sickness(design, key, trial, about)
-    return steps
+        asks += _sickness(design, key, trial, about)
+    return [*shows, *asks]
 
 
 def _sickness(design: Design, key: str, trial: int, about: str) -> tuple[Ask, ...]:
@@ -184,43 +155,38 @@ class Balance:
 
 def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     """Return the phases of a session of that part, from beginning to end."""
-    trials = trials_of(design, part)
-    steps = steps_of(design, (presented(design, part),) * design.repeats, part)
+    trials, every = trials_of(design, part), design.breaks.every
     asked = [scale.name for scale in design.scales]
-    each, sick = f"{'each ' if trials > 1 else ''}{'compared' if design.shows == PAIR else 'rated'}", []
-    if design.sickness is not None:
-        every = design.sickness.every
-        sick = [f"{design.sickness.scale.name}{'' if every == 1 else f' after every {_nth(every)}'}"]
+    if (rule := design.sickness) is not None:
+        asked.append(f"{rule.scale.name}{'' if rule.every == 1 else f' after every {_nth(rule.every)}'}")
+    lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
+    each = f"each {'condition ' if design.shows == definitions.PAIR else ''}{lasting.removeprefix('of ')}"
+    lasting = {
+        definitions.PAIR: f"pairs, {each}",
+        definitions.REFERENCE_FIRST: f"of the reference and a condition, {each}",
+    }.get(design.shows, lasting)
+    rated = f"{'each ' if trials > 1 else ''}{'compared' if design.shows == definitions.PAIR else 'rated'}"
+    before, after = (
+        ", ".join(f"{scale.name} ({counted(len(scale.items), 'item')})" for scale in scales)
+        for scales in (design.before, design.after)
+    )
     content = {
         "consent": "a text to read and to agree to",
-        "before": ", ".join(_asked(scale) for scale in design.before),
+        "before": before,
         "instructions": "a page to read",
         "practice": f"{design.practice_seconds:g} s, not scored",
-        "trials": f"{trials} {_lasting(design)}, {each}: {', '.join(asked + sick)}",
-        "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(design.breaks.every)}",
-        "after": ", ".join(_asked(scale) for scale in design.after),
+        "trials": f"{trials} {lasting}, {rated}: {', '.join(asked)}",
+        "breaks": f"{design.breaks.seconds:g} s at least, after every {_nth(every)}",
+        "after": after,
     }
     found: dict[str, list[Step]] = {name: [] for name in content}
-    for step in steps:
+    for step in steps_of(design, (presented(design, part),) * design.repeats, part):
         found[_phase(step)].append(step)
     return tuple(
         SessionPhase(name, content[name], len(of), sum(map(expected_s, of)), name == "trials" and design.until_done)
         for name, of in found.items()
         if of
     )
-
-
-def _lasting(design: Design) -> str:
-    lasting = f"until done, at most {design.seconds:g} s" if design.until_done else f"of {design.seconds:g} s"
-    if design.shows == PAIR:
-        return f"pairs, each condition {lasting.removeprefix('of ')}"
-    if design.shows == REFERENCE_FIRST:
-        return f"of the reference and a condition, each {lasting.removeprefix('of ')}"
-    return lasting
-
-
-def _asked(scale: Scale) -> str:
-    return f"{scale.name} ({counted(len(scale.items), 'item')})"
 
 
 def _nth(every: int) -> str:
@@ -262,108 +228,79 @@ def reading_s(text: str) -> float:
 
 
 def balance(orders: Sequence[Order], names: Sequence[str]) -> Balance:
-    """Count how these orders of a part are balanced.
-
-    names: what they order, as orders.presented; of a pair it does not matter which one is first.
-    """
-    orders = [tuple(tuple(map(_unturned(names), row)) for row in order) for order in orders]
-    rows = [row for order in orders for row in order]
+    """Count how these orders of `names` are balanced; of a pair either may be first."""
+    known = set(names)
+    unturned = [[[name if name in known else turned(name) for name in row] for row in order] for order in orders]
+    rows = [row for order in unturned for row in order]
     places = Counter((place, name) for row in rows for place, name in enumerate(row))
     pairs = Counter(pair for row in rows for pair in zip(row, row[1:], strict=False))
-    seams = Counter((before[-1], after[0]) for order in orders for before, after in zip(order, order[1:], strict=False))
+    seams = Counter((before[-1], after[0]) for order in unturned for before, after in itertools.pairwise(order))
     unequal = [(a, b) for a in names for b in names if a != b]
+
+    def range_of(counts: Sequence[int]) -> tuple[int, int]:
+        return min(counts), max(counts)
+
     return Balance(
         len(orders),
-        _range([places[place, name] for place in range(len(names)) for name in names]),
-        _range([pairs[pair] for pair in unequal]) if unequal else None,
-        _range([seams[pair] for pair in unequal]) if unequal and seams else None,
+        range_of([places[place, name] for place in range(len(names)) for name in names]),
+        range_of([pairs[pair] for pair in unequal]) if unequal else None,
+        range_of([seams[pair] for pair in unequal]) if unequal and seams else None,
         sum(count for (a, b), count in seams.items() if a == b),
     )
 
 
-def _unturned(names: Sequence[str]) -> Callable[[str], str]:
-    known = set(names)
-    return lambda name: name if name in known else turned(name)
-
-
-def _range(counts: Sequence[int]) -> tuple[int, int]:
-    return min(counts), max(counts)
-
-
 def least_participants(comparisons: int) -> int:
-    """Return the participants below which no comparison of such a family can be significant.
-
-    The smallest p of an exact Wilcoxon test, 2 / 2^n, times the comparisons must fall below ALPHA.
-    """
+    """Return how many people the exact Wilcoxon test of so many comparisons needs."""
     return math.ceil(math.log2(2 * comparisons / ALPHA))
 
 
 def notes(design: Design) -> tuple[str, ...]:
     """Return hints to consider before the study begins; none of them is an error."""
     out = []
-    if design.order == FIXED:
+    if design.order == definitions.FIXED:
         out.append(
             "the order is the same for all participants: late conditions may be rated by habit or fatigue; order "
             "williams balances that"
         )
-    elif design.order == RANDOM:
+    elif design.order == definitions.RANDOM:
         out.append(
             "random orders are balanced only on average; order williams is balanced exactly, with few participants"
         )
     for part in design.parts:
         count = len(part.conditions)
-        if design.order == WILLIAMS and count % 2 and design.shows != PAIR:
-            out.append(
-                f"part {part.name}: {count} conditions, an odd number, need {2 * count} orders; {count + 1} would "
-                f"need {count + 1}"
-            )
-    return (
-        *out,
-        *(note for part in design.parts for note in _of_part(design, part)),
-        *_of_comparisons(design),
-        *_of_people(design),
-        *design.scene_notes,
-    )
+        if design.order == definitions.WILLIAMS and count % 2 and design.shows != definitions.PAIR:
+            need = f"{count} conditions, an odd number, need {2 * count} orders"
+            out.append(f"part {part.name}: {need}; {count + 1} would need {count + 1}")
+    for part in design.parts:
+        out += [f"part {part.name}: {note}" for note in _of_part(design, part)]
+    return (*out, *_of_comparisons(design), *_of_people(design), *design.scene_notes)
 
 
 def _of_part(design: Design, part: Part) -> list[str]:
     out = []
     reference = next((condition for condition in part.conditions if condition.reference), None)
     if reference is None:
-        out.append(
-            f"part {part.name}: no condition is a hidden reference (reference = true): nothing shows how each "
-            "person uses a scale"
-        )
-    elif reference.settings.get("latency", 200.0):
-        out.append(
-            f"part {part.name}: the reference '{reference.name}' has a latency of its own; a reference usually has "
-            "latency = 0"
-        )
-    if reference is not None and reference.settings.get("warp") != "none":
-        out.append(
-            f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\""
-        )
+        none = "no condition is a hidden reference (reference = true)"
+        out.append(f"{none}: nothing shows how each person uses a scale")
+    else:
+        name, settings = f"the reference '{reference.name}'", reference.settings
+        if settings.get("latency", 200.0):
+            out.append(f"{name} has a latency of its own; a reference usually has latency = 0")
+        if settings.get("warp") != "none":
+            out.append(f'{name} is warped; a reference usually has warp = "none"')
     for number, condition in enumerate(part.conditions):
-        same = [other.name for other in part.conditions[:number] if other.settings == condition.settings]
+        name, settings = f"'{condition.name}'", condition.settings
+        same = [other.name for other in part.conditions[:number] if other.settings == settings]
         if same:
-            out.append(
-                f"part {part.name}: '{condition.name}' has the settings of '{same[0]}'; repeats in [trial] shows the "
-                "same again"
-            )
-        latency_s = float(condition.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
+            out.append(f"{name} has the settings of '{same[0]}'; repeats in [trial] shows the same again")
+        latency_s = float(settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
         if latency_s * 3 > design.seconds:
-            out.append(
-                f"part {part.name}: '{condition.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: that "
-                "is little time to see it"
-            )
-        if condition.settings.get("fused") or condition.settings.get("lens", "auto") not in ("auto", "none"):
-            out.append(
-                f"part {part.name}: '{condition.name}' applies a lens, which a headset's runtime does by itself: it "
-                "works only in a window"
-            )
-    compared = {c.part for family in design.families for c in family.comparisons}
-    if part.name not in compared:
-        out.append(f"part {part.name}: no [[family]] plans a comparison; comparisons chosen afterwards prove nothing")
+            late = f"{name} is {latency_s:g} s late, shown for {design.seconds:g} s"
+            out.append(f"{late}: that is little time to see it")
+        if settings.get("fused") or settings.get("lens", "auto") not in ("auto", "none"):
+            out.append(f"{name} applies a lens, which a headset's runtime does by itself: it works only in a window")
+    if part.name not in {c.part for family in design.families for c in family.comparisons}:
+        out.append("no [[family]] plans a comparison; comparisons chosen afterwards prove nothing")
     return out
 
 
@@ -375,43 +312,37 @@ def _of_comparisons(design: Design) -> list[str]:
     """
     pairs: dict[tuple[str, str], list[str]] = defaultdict(list)
     for compared in (one for family in design.families for one in family.comparisons):
-        of = {condition.name: condition for condition in design.part(compared.part).conditions}
-        both = of[compared.better], of[compared.baseline]
-        varied = _varied(*(resolved(one.settings) for one in both))
+        both = [design.part(compared.part).condition(name) for name in (compared.better, compared.baseline)]
+        better, baseline = (resolved(one.settings) for one in both)
+        varied = dict[str, tuple[object, ...]]()
+        for name in dict.fromkeys((*better, *baseline)):
+            values = tuple(one.get(name, default_of(name)) for one in (better, baseline))
+            varied |= {name: values} if values[0] != values[1] else {}
+        if "none" in varied.get("warp", ()):
+            varied.pop("fill", None)
         if len(varied) > 1 and not any(one.reference for one in both):
-            pairs[compared.part, _confounded(varied, *(one.settings for one in both))].append(
-                f"'{compared.better}' over '{compared.baseline}'"
-            )
+            what = _confounded(varied, *(one.settings for one in both))
+            pairs[compared.part, what].append(f"'{compared.better}' over '{compared.baseline}'")
     return [f"part {part}: {', '.join(names)}: {what}" for (part, what), names in pairs.items()]
 
 
-Varied = dict[str, tuple[object, object]]
 # Settings whose default follows the warp.
 _BY_WARP = ("fill", "guard", "predict")
 
 
-def _varied(better: Mapping[str, object], baseline: Mapping[str, object]) -> Varied:
-    """Return the settings that differ, with both values. better, baseline: as resolved."""
-    names = dict.fromkeys((*better, *baseline))
-    values = {name: tuple(one.get(name, default_of(name)) for one in (better, baseline)) for name in names}
-    varied = {name: (a, b) for name, (a, b) in values.items() if a != b}
-    if "none" in varied.get("warp", ()):
-        varied.pop("fill", None)
-    return varied
+def _confounded(
+    varied: Mapping[str, tuple[object, ...]], better: Mapping[str, object], baseline: Mapping[str, object]
+) -> str:
+    def in_toml(value: object) -> str:
+        return f"{value:g}" if isinstance(value, float) else json.dumps(value)
 
-
-def _confounded(varied: Varied, better: Mapping[str, object], baseline: Mapping[str, object]) -> str:
-    what = ", ".join(f"{name} ({_in_toml(a)} and {_in_toml(b)})" for name, (a, b) in varied.items())
+    what = ", ".join(f"{name} ({in_toml(a)} and {in_toml(b)})" for name, (a, b) in varied.items())
     said = f"several settings differ, {what}; which of them is rated, no answer tells"
     by_default = [name for name in _BY_WARP if name in varied and not (name in better and name in baseline)]
     if not by_default:
         return f"{said}; compare conditions that differ in one"
-    lines = " and ".join(f"{name} = {_in_toml(better.get(name, varied[name][0]))}" for name in by_default)
+    lines = " and ".join(f"{name} = {in_toml(better.get(name, varied[name][0]))}" for name in by_default)
     return f"{said}; some have a default that follows the warp: write {lines} into [common], and it is the same for all"
-
-
-def _in_toml(value: object) -> str:
-    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
 
 
 def _of_people(design: Design) -> list[str]:
@@ -434,10 +365,8 @@ def _of_people(design: Design) -> list[str]:
         minutes = sum(phase.seconds for phase in session_phases(design, part.name)) / 60
         if minutes > 45:
             shorter = ", several sessions, or a shorter longest" if design.until_done else " or several sessions"
-            out.append(
-                f"part {part.name}: {'at most ' if design.until_done else ''}about {minutes:.0f} minutes are long in a "
-                f"headset; use fewer repeats{shorter}"
-            )
+            about = f"{'at most ' if design.until_done else ''}about {minutes:.0f} minutes are long in a headset"
+            out.append(f"part {part.name}: {about}; use fewer repeats{shorter}")
     return out
 
 
@@ -447,22 +376,27 @@ Rows = list[tuple[str, str]]
 
 def head_rows(design: Design) -> Rows:
     """Describe the study, what is hidden, the order, and what surrounds the trials."""
-    rows = [
-        ("Study", f"{design.name}: {design.path} is valid"),
-        ("Hidden", _HIDDEN.get(design.blind, "nothing: participant and experimenter see the condition")),
-        ("Order", _order(design)),
-    ]
+    hidden = {
+        definitions.BOTH: "the condition, from participant and experimenter: both see only numbers of trials",
+        definitions.PARTICIPANT: "the condition, from the participant; the experimenter sees it",
+    }.get(design.blind, "nothing: participant and experimenter see the condition")
+    what = "pair" if design.shows == definitions.PAIR else "condition"
+    again = f"; each {what} {design.repeats} times, each round in another order" if design.repeats > 1 else ""
+    order = {
+        definitions.FIXED: "fixed: as in the file, the same for all participants",
+        definitions.WILLIAMS: f"Williams design, seed {design.seed}: each session gets the order used least so far"
+        f"{again}",
+        definitions.RANDOM: f"random, seed {design.seed}: another one for each participant{again}",
+    }[design.order]
+    rows = [("Study", f"{design.name}: {design.path} is valid"), ("Hidden", hidden), ("Order", order)]
     if design.practice is not None:
         settings = ", ".join(_settings(design.practice.settings))
         rows.append(("Practice", f"{design.practice_seconds:g} s first, not scored: {settings}"))
-    if design.sickness is not None:
-        rule = design.sickness
+    if (rule := design.sickness) is not None:
         often = "every trial" if rule.every == 1 else f"every {rule.every} trials"
-        ends = []
+        ends = [f"{rule.rise:g} worse than at first"] if rule.rise is not None else []
         if rule.stop_at is not None:
-            ends.append(f"{rule.stop_at:g} or {'more' if rule.scale.low_is_good else 'less'}")
-        if rule.rise is not None:
-            ends.append(f"{rule.rise:g} worse than at first")
+            ends.insert(0, f"{rule.stop_at:g} or {'more' if rule.scale.low_is_good else 'less'}")
         ending = f"ends the session at {' or at '.join(ends)}" if ends else "never ends the session"
         rows.append(("Sickness", f"{rule.scale.name} after {often}; {ending}"))
     if design.consent is not None:
@@ -471,41 +405,17 @@ def head_rows(design: Design) -> Rows:
     return rows
 
 
-_HIDDEN = {
-    BOTH: "the condition, from participant and experimenter: both see only numbers of trials",
-    PARTICIPANT: "the condition, from the participant; the experimenter sees it",
-}
-
-
-def _order(design: Design) -> str:
-    if design.order == FIXED:
-        return "fixed: as in the file, the same for all participants"
-    what = "pair" if design.shows == PAIR else "condition"
-    again = f"; each {what} {design.repeats} times, each round in another order" if design.repeats > 1 else ""
-    if design.order == WILLIAMS:
-        return f"Williams design, seed {design.seed}: each session gets the order used least so far{again}"
-    return f"random, seed {design.seed}: another one for each participant{again}"
-
-
 def _settings(settings: Mapping[str, object]) -> list[str]:
-    return [f"{name} {_value(value)}" for name, value in settings.items()]
+    def text(value: object) -> str:
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        return f"{value:g}" if isinstance(value, int | float) else str(value)
 
-
-def _value(value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:g}" if isinstance(value, int | float) else str(value)
-
-
-def _defaults(condition: Condition) -> str:
-    """Name the defaults of a condition: a reference that names no warp has one."""
-    values = resolved(condition.settings)
-    texts = _settings({name: value for name, value in values.items() if name not in condition.settings})
-    return f"; by default {', '.join(texts)}" if texts else ""
+    return [f"{name} {text(value)}" for name, value in settings.items()]
 
 
 def condition_rows(part: Part) -> Rows:
-    """Describe the conditions of a part, what they share last."""
+    """Describe the conditions of a part with their defaults, what they share last."""
     first, *others = part.conditions
     shared = {
         name: value
@@ -514,9 +424,12 @@ def condition_rows(part: Part) -> Rows:
     }
     rows = []
     for number, condition in enumerate(part.conditions, 1):
-        own = ", ".join(_settings({name: value for name, value in condition.settings.items() if name not in shared}))
+        settings = condition.settings
+        own = ", ".join(_settings({name: value for name, value in settings.items() if name not in shared}))
+        more = {name: value for name, value in resolved(settings).items() if name not in settings}
+        by_default = f"; by default {', '.join(_settings(more))}" if more else ""
         reference = " (the hidden reference)" if condition.reference else ""
-        rows.append((f"{number}  {condition.name}", (own or "as all") + _defaults(condition) + reference))
+        rows.append((f"{number}  {condition.name}", (own or "as all") + by_default + reference))
     return [*rows, ("   all", ", ".join(_settings(shared)))] if shared else rows
 
 
@@ -534,28 +447,24 @@ def _time(seconds: float) -> str:
 
 def balance_rows(design: Design, part: Part) -> Rows:
     """Describe how the orders of a part are balanced."""
-    if design.order == FIXED:
+    if design.order == definitions.FIXED:
         return [("balanced", "no: there is one order")]
+
+    def times(least: int, most: int) -> str:
+        return f"{least} to {most} times" if least != most else "once" if least == 1 else f"{least} times"
+
     found = balance(rows_for(design, part.name), presented(design, part.name))
-    what = "pair" if design.shows == PAIR else "condition"
-    lines = [("places", f"each {what} in each place {_times(found.places)}")]
+    what, count = "pair" if design.shows == definitions.PAIR else "condition", found.orders
+    lines = [("places", f"each {what} in each place {times(*found.places)}")]
     if found.pairs is not None:
-        lines.append(("neighbours", f"each {what} right after each other one {_times(found.pairs)}"))
+        lines.append(("neighbours", f"each {what} right after each other one {times(*found.pairs)}"))
     if found.seams is not None:
-        often = f"{_times((found.repeated,) * 2)} a condition" if found.repeated else "none"
-        again = f"{often} follows itself"
-        lines.append(("seams", f"between two rounds, each right after each other one {_times(found.seams)}; {again}"))
-    if design.order == WILLIAMS:
-        count = found.orders
+        often = f"{times(found.repeated, found.repeated)} a condition" if found.repeated else "none"
+        round_ = f"between two rounds, each right after each other one {times(*found.seams)}"
+        lines.append(("seams", f"{round_}; {often} follows itself"))
+    if design.order == definitions.WILLIAMS:
         lines.append(("people", f"balanced with {count}, {2 * count}, {3 * count} .. complete sessions"))
     return lines
-
-
-def _times(counts: tuple[int, int]) -> str:
-    least, most = counts
-    if least != most:
-        return f"{least} to {most} times"
-    return "once" if least == 1 else f"{least} times"
 
 
 def order_rows(design: Design, part: Part) -> Rows:
@@ -598,9 +507,9 @@ _ASSUMED = {
 
 def power_as_json(design: Design, people: int) -> list[dict[str, Any]]:
     """Return the power of one comparison for so many people, for each size of a family."""
-    unit, found = "JOD" if design.shows == PAIR else "sd", []
+    unit, found = "JOD" if design.shows == definitions.PAIR else "sd", []
     for count in sorted({len(family.comparisons) for family in design.families}):
-        alpha, rows = 0.05 / count, []
+        alpha, rows = ALPHA / count, []
         for effect in _EFFECTS[unit]:
             if unit == "sd":
                 power, least = signed_rank_power(people, effect, alpha), people_for_signed_rank(effect, alpha)
@@ -617,41 +526,27 @@ def power_as_json(design: Design, people: int) -> list[dict[str, Any]]:
 def power_rows(found: Mapping[str, Any]) -> Rows:
     """Describe one entry of power_as_json."""
     strict = f" / {found['comparisons']} (Holm's strictest step)" if found["comparisons"] > 1 else ""
-    rows = [
-        (
-            f"{row['effect']:g} {found['unit']}",
-            f"{row['power']:.0%} with {found['people']} people, 80% with {row['people_for_80_percent']}",
-        )
-        for row in found["effects"]
-    ]
-    test = f"{found['test']}, p below 0.05{strict}: {listed(found['families'])}"
-    return [("test", test), *rows, ("assumed", found["assumed"])]
+    rows = [("test", f"{found['test']}, p below 0.05{strict}: {listed(found['families'])}")]
+    for row in found["effects"]:
+        power = f"{row['power']:.0%} with {found['people']} people, 80% with {row['people_for_80_percent']}"
+        rows.append((f"{row['effect']:g} {found['unit']}", power))
+    return [*rows, ("assumed", found["assumed"])]
 
 
 def design_as_json(design: Design) -> dict[str, object]:
     """Return the whole plan; times in seconds, orders as lists of names for each repeat."""
-    rule = design.sickness
+    rule, practice = design.sickness, design.practice
+    pages = {key: getattr(design, key) for key in ("instructions", "ready", "thanks")}
     return {
-        "name": design.name,
-        "title": design.title,
-        "path": design.path,
-        "seed": design.seed,
-        "blind": design.blind,
-        "order": design.order,
-        "shows": design.shows,
-        "repeats": design.repeats,
+        **{key: getattr(design, key) for key in ("name", "title", "path", "seed")},
+        **{key: getattr(design, key) for key in ("blind", "order", "shows", "repeats")},
         "trial_seconds": design.seconds,
         "trial_until_done": design.until_done,
-        "practice": None
-        if design.practice is None
-        else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
+        "practice": practice and {"seconds": design.practice_seconds, "settings": dict(practice.settings)},
         "breaks": attrs.asdict(design.breaks),
-        "sickness": None if rule is None else attrs.asdict(rule, recurse=False) | {"scale": rule.scale.name},
-        "consent_version": None if design.consent is None else design.consent.version,
-        **{
-            key: None if getattr(design, key) is None else attrs.asdict(getattr(design, key))
-            for key in ("instructions", "ready", "thanks")
-        },
+        "sickness": rule and attrs.asdict(rule, recurse=False) | {"scale": rule.scale.name},
+        "consent_version": design.consent and design.consent.version,
+        **{key: page and attrs.asdict(page) for key, page in pages.items()},
         "scales": [
             attrs.asdict(scale) | {"anchors": {f"{value:g}": words for value, words in scale.anchors.items()}}
             for scale in every_scale(design)

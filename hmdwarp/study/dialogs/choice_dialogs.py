@@ -83,10 +83,7 @@ class ButtonPicker:
 
 
 class MenuDialog:
-    """Participant's menu: continue, a break, the last question again, or the end without a reason.
-
-    Stopping is asked twice, as the first may be a slip; answers are kept either way.
-    """
+    """Participant's menu: go on, break, last question again, or the end, asked twice."""
 
     def __init__(self, offered: Sequence[str] = OFFERED, hints: InputHints = KEYS) -> None:
         self.chosen = ""  # one of `offered`, "" before
@@ -95,7 +92,6 @@ class MenuDialog:
 
     @property
     def over(self) -> bool:
-        """Whether something is chosen."""
         return bool(self.chosen)
 
     def _open(self) -> None:
@@ -223,7 +219,6 @@ class BreakDialog:
 
     @property
     def left_s(self) -> float:
-        """Seconds until it may be over."""
         return max(0.0, self._until_s - self._now_s())
 
     def panel(self) -> MessagePanel:
@@ -271,7 +266,6 @@ class TextDialog:
         )
 
     def question(self) -> Question:
-        """Return the question for the console."""
         text, scale = self.ask.item.text, self.ask.scale.title
         return Question(text, 0, 0, 1, entered=self.text or None, scale=scale, in_words=True)
 
@@ -356,13 +350,11 @@ class QuestionDialog:
         return QuestionPanel(*shown)
 
     def question(self) -> Question:
-        """Return the question for the console."""
         of, text = self._scale, self.ask.item.text
         return Question(text, of.least, of.most, of.step, self._form.anchors, self.value, of.title)
 
     @property
     def over(self) -> bool:
-        """Whether it is confirmed."""
         return self.confirmed
 
     @property
@@ -438,10 +430,7 @@ class QuestionDialog:
             self._refuse(number_text(value) if isinstance(value, float) else value)
 
     def _step(self, steps: int) -> None:
-        """Move the marker; the first step puts it in the middle, or takes a skip back.
-
-        In a list of choices, which have no middle, it puts it at the end where it comes from.
-        """
+        """Move the marker; the first step puts it in the middle (of a list, to an end)."""
         scale = self._scale
         if self._skipping:
             self._skipping = False

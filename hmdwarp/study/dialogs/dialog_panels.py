@@ -69,10 +69,7 @@ def height_of(rows: int, px: int) -> int:
 
 @functools.lru_cache(8)
 def picture_light(path: str) -> NDArray[np.uint8]:
-    """Load a picture as large as a panel takes it: (h, w, 3) linear light, top row first.
-
-    Errors: InputError for a file that is no picture.
-    """
+    """Load a picture as large as a panel takes it: (h, w, 3) linear light, top row first."""
     from PIL import Image
 
     shown = open_picture(path)
@@ -111,11 +108,9 @@ class Canvas:
         self._draw.line((x, y, to_x, to_y), ink, width)
 
     def pointer(self, x: float, y: float, size: float) -> None:
-        """Draw a triangle that stands on its tip."""
         self._draw.polygon(((x, y), (x - 0.6 * size, y - size), (x + 0.6 * size, y - size)), FULL)
 
     def ink(self) -> NDArray[np.uint8]:
-        """Return the picture, (h, w), top row first."""
         return np.asarray(self._image)
 
 
@@ -216,7 +211,6 @@ class Button:
 
     @property
     def bottom(self) -> float:
-        """Lower edge."""
         return self.top + BUTTON_HIGH
 
     def draw(self, canvas: Canvas, marked: bool, dim: bool = False) -> None:
@@ -396,7 +390,6 @@ class ListLayout:
         self.height = ROW * (form.last + 1)
 
     def value_at(self, x: float, y: float) -> float | None:
-        """Return the value of the row at that place, None for none."""
         number = math.floor(y / ROW)
         return self._form.values()[number] if 0 <= number <= self._form.last and 0 <= x <= WIDTH else None
 
@@ -488,10 +481,7 @@ def message_panel(title: str, text: str = "", hint: str = "") -> MessagePanel:
 
 
 def trial_panel(trial: int, trials: int, hint: str = "", turn: str = "") -> MessagePanel:
-    """Make the panel before a trial: its number, never its condition.
-
-    trial: 0 for the practice. turn: which of its showings follows, "" for the only one.
-    """
+    """Make the panel before a trial (0: practice): its number and turn, never its condition."""
     number = f"Trial {trial} of {trials}{f': {turn}' if turn else ''}"
     return message_panel(number if trial else "Practice: look around, it is not rated", hint=hint)
 

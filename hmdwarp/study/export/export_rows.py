@@ -118,7 +118,7 @@ def column_of(name: str) -> Column:
 
 
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale.
+    """Return COLUMNS, the rows' other settings after SETTINGS, `more` before the scale.
 
     RATED_COLUMNS are the last where a row has them.
     """
@@ -171,10 +171,7 @@ def _text(
 
 
 def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[Column], title: str) -> None:
-    """Write typed columns, nulls for missing values, and descriptions as metadata.
-
-    Errors: MachineError where pyarrow is missing; OSError.
-    """
+    """Write typed columns, nulls for missing values, and descriptions as metadata."""
     pa, parquet = import_extra("pyarrow", "pyarrow", "study"), import_extra("pyarrow.parquet", "pyarrow", "study")
     kinds = {NUMBER: (pa.float64(), float), INTEGER: (pa.int64(), int), FLAG: (pa.bool_(), bool)}
     fields, arrays = [], []
@@ -213,8 +210,7 @@ def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
 def onset_s(session: Session, showing: Showing) -> float | None:
     """Return when the trial's first picture was seen, since the session began.
 
-    Sessions of older versions have only the instant before it. None if the machine's clock was set
-    back.
+    By the instant before it in sessions of older versions; None if the clock was set back.
     """
     if showing.actual.get("onset_s") is not None:
         return float(round(showing.actual["onset_s"], _DIGITS))
@@ -314,10 +310,9 @@ def without_consent(contents: Contents, origin: str = PERSON) -> tuple[int, int]
 
 
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return one row per planned question, with its `phase` and `kind`; None for a missing value.
+    """Return one row per planned question, with its `phase` and `kind`.
 
     A missing answer has a row with the reason. Of revised answers only the last one counts.
-    Errors: as sessions_of.
     """
     return [answer_row(design, data, ask) for data in sessions_of(contents, design) for ask in data.asks.values()]
 
@@ -344,10 +339,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
 
 
 def answer_row(design: Design, data: SessionData, ask: Ask) -> Row:
-    """Return the row of a planned question.
-
-    Figures of a showing are of that which the answer is about, without one of the last complete one.
-    """
+    """Return the row of a planned question, with the showing that its answer is about."""
     session, answer, show = data.session, data.answers.get(ask.key), data.shows.get(ask.about)
     if answer is not None and answer.showing is not None:
         showing = data.showings.get(answer.showing)
@@ -408,10 +400,7 @@ def _shown(data: SessionData, show: Show | None) -> Row:
 
 
 def settings_row(settings: Mapping[str, object]) -> Row:
-    """Return a condition's settings as columns, with the defaults of a live run.
-
-    Of a file only its name: its folder may name a person.
-    """
+    """Return a condition's settings with defaults; a file's name alone: folders name people."""
     options = live_options(settings)
     row = {name: getattr(options, name) for name in SETTINGS}
     row["scene"] = PurePath(row["scene"]).name

@@ -41,11 +41,9 @@ _UNEVEN = 0.05  # of a median step: smaller deviations are the timer's
 
 
 def tracking_system(facts: Mapping[str, Any]) -> tuple[str, str, str]:
-    """Return what led the head of a showing, from the facts of a session.
+    """Return what led the head of a showing: a label, a name, and the device's model or "".
 
-    That is a label for tracksys-<label>, a name, and the model of the device, "" where there is
-    none: the headset of a window is only emulated. A trace's file name stays private: it may name a
-    person.
+    A window's headset is only emulated. A trace's file name stays private: it may name a person.
     """
     display, axes = facts.get("display", {}), facts.get("trace_axes")
     if facts.get("trace"):
@@ -76,7 +74,6 @@ class Rates:
         return cls(1e9 / median, len(steps) * 1e9 / track.duration_ns, float(off.mean()), float(steps.max()) * 1e-9)
 
     def describe(self) -> str:
-        """Describe how regular the samples are."""
         return (
             f"Samples are as recorded, not resampled: {self.uneven:.1%} of the steps differ by more than "
             f"{_UNEVEN:.0%} from the median, "
@@ -87,8 +84,7 @@ class Rates:
 def motion_text(track: PoseTrack) -> str:
     """Return the _motion.tsv: no header, a row for each sample, columns as CHANNELS.
 
-    Seconds to the microsecond, as the specification writes them; positions and quaternions with
-    every digit.
+    Seconds to the microsecond, as the specification writes them; poses with every digit.
     """
     stream = io.StringIO()
     columns = (track.time_ns - track.start_ns, track.position_m, track.orientation_xyzw)
@@ -99,11 +95,7 @@ def motion_text(track: PoseTrack) -> str:
 
 
 def motion_json(track: PoseTrack, task: Mapping[str, str], facts: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the sidecar.
-
-    task: TaskName and other fields of the task. facts: of the session; only versions and what led
-    the head are used.
-    """
+    """Return the sidecar; of the session's facts only versions and what led the head are used."""
     rates, (_, system, model) = Rates.of(track), tracking_system(facts)
     return {
         **task,
@@ -236,10 +228,7 @@ class _Tree:
         self._json("participants.json", side)
 
     def behaviour(self, session: Session, rows: Sequence[Row]) -> list[Row]:
-        """Write all answers of a session, and its trials with their times since it began.
-
-        Returns the rows for _scans.tsv.
-        """
+        """Write a session's answers and the times of its trials; return the rows for _scans.tsv."""
         stem = f"beh/{self._stem(session)}"
         columns = columns_for(rows, ("phase", "kind", *(["text"] if any(row["text"] for row in rows) else [])))
         self._text(f"{self._folder(session)}/{stem}_beh.tsv", tsv_text(rows, columns))
@@ -263,10 +252,7 @@ class _Tree:
         )
 
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
-        """Write the head motion of a showing, and what was done in it.
-
-        Errors: TraceError for an unreadable trace, InputError for such inputs.
-        """
+        """Write the head motion of a showing, and what was done in it. Errors: InputError."""
         trace = self.contents.folder / "traces" / showing.trace
         track, acted = load_trace(trace).track, inputs_beside(trace)
         if len(track) < 2:
@@ -474,10 +460,7 @@ def _counts(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
 
 
 def no_sessions(contents: Contents, origin: str, verb: str) -> str:
-    """Describe that there are no sessions of that origin, and what to do.
-
-    contents: of all origins. verb: what cannot be done without them.
-    """
+    """Say that there are no sessions of that origin to `verb`, and what to do."""
     there = {session.origin for session in contents.sessions if session.consented} - {origin}
     run = "run one with --pilot" if origin == PILOT else "run one"
     hint = f"{run} first, or check the folder of --store"

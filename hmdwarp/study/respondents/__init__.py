@@ -31,10 +31,7 @@ def person_of(code: str) -> int:
 
 
 def table_of(seed: int, study: int, part: str, person: int, count: int) -> Floats:
-    """Return `count` uniform draws in [0, 1) of a person in a part of a study.
-
-    A longer table begins with the shorter one.
-    """
+    """Return a person's first `count` uniform draws in [0, 1) in a part of a study."""
     return _uniform(seed, study, part, person, 0, count)
 
 
@@ -84,10 +81,7 @@ class RatingModel:
     reference: float | None = None
 
     def means_of(self, part: Part, where: str) -> Floats:
-        """Return the (conditions) means of a part.
-
-        where: the place in the file, for the error. Errors: InputError for a condition without one.
-        """
+        """Return the (conditions) means. where: in the file. Errors: InputError without one."""
         own = self.means.get(part.name)
         table, others = own if isinstance(own, Mapping) else self.means, {True: self.reference, False: self.mean}
         found = {one.name: table.get(one.name, others[one.reference]) for one in part.conditions}
@@ -233,10 +227,7 @@ def model_names() -> list[str]:
 
 
 def load_model(name_or_path: str | Path) -> Model:
-    """Load a shipped model by the name of its study, or any .toml file by path.
-
-    Errors: InputError naming the file, the line and the value.
-    """
+    """Load a shipped model by its study's name, or a .toml file by path. Errors: InputError."""
     name = str(name_or_path)
     if not name.endswith(".toml") and name not in model_names():
         raise unknown_name("model", name, [*model_names(), "FILE.toml"])
@@ -312,10 +303,7 @@ class Population:
         }
 
     def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
-        """Simulate one study of these people, in the sequence they come.
-
-        orders: of each person; None allots them as the store does.
-        """
+        """Simulate a study of these people. orders: of each; None allots as the store does."""
         draws = self._draws(persons, seed, study)
         trials, why, sickness = self._ends(draws)
         flat = None if orders is None else np.array([self._flat(order) for order in orders])
@@ -346,10 +334,7 @@ class Population:
         return {name: cut.reshape(len(table), *shape) for (name, shape), cut in cuts}
 
     def _flat(self, order: Order) -> list[tuple[int, int]]:
-        """Return the numbers of the conditions, trial by trial, over all repeats.
-
-        Of both of a pair, and of a single condition twice.
-        """
+        """Return the numbers of both conditions of each trial, of a single one twice."""
         pairs = (pair_of(name) if self.design.shows == PAIR else (name, name) for names in order for name in names)
         return [(self._names[first], self._names[second]) for first, second in pairs]
 
@@ -363,10 +348,7 @@ class Population:
         return on_scale(self._ratings[scale.name].latent(means, before, place, level, taste, noise), scale)
 
     def _preferred(self, draws: Mapping[str, Floats], number: int, first: Ints, second: Ints) -> Floats:
-        """Return (n, T) answers: by how much each second condition is felt to be better, in JOD.
-
-        Neither below the threshold, where allowed.
-        """
+        """Return (n, T) answers, by how much the second feels better, in JOD."""
         scale = self.design.scales[number]
         rating, means = self._ratings[scale.name], self._means[scale.name]
 
@@ -449,8 +431,7 @@ class Simulated:
     def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
         """Return the commands of this refresh, in the words of LineConsole.commands.
 
-        Each is sent once in a visit of a step, and again where it had no effect.
-        shown: the step shown last. elapsed_s: time since this step began.
+        Each is sent once in a visit of a step, and again where it had no effect after PATIENCE_S.
         """
         begins = step.key != self._key or elapsed_s < self._last_s  # another step, or the same one from its start
         self._last_s = elapsed_s
@@ -494,10 +475,7 @@ class Simulated:
         return Command("continue") if step.until_done and elapsed_s >= lasts_s else None
 
     def answer(self, step: Ask, trial: int) -> float | None:
-        """Return the answer, None for "cannot say".
-
-        trial: the last one shown, for questions after all trials.
-        """
+        """Return the answer, None for "cannot say". trial: shown last, for later questions."""
         about_trial, cohort = step.phase in ("practice", "trial"), self._cohort
         rated = step.phase == "trial" and step.scale.name in cohort.answers
         if rated or (about_trial and step.scale.kind != QUESTIONNAIRE):

@@ -207,10 +207,7 @@ def scale_names() -> list[str]:
 
 
 def load_scale(name: str, folder: Path | None = None) -> Scale:
-    """Load a shipped scale by name, or any .toml file by path.
-
-    folder: as text_of takes it. Errors: InputError naming the file, the line and the value.
-    """
+    """Load a shipped scale by name, or a .toml file by path. Errors: InputError."""
     path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and name not in scale_names():
         raise unknown_name("scale", name, [*scale_names(), "FILE.toml"])

@@ -54,7 +54,6 @@ class ClockReading:
         return min(readings, key=lambda one: one.error_s)
 
     def lsl_time(self, at_ns: int) -> float:
-        """Convert an instant of the display's clock."""
         return self.lsl_s + (at_ns - self.display_ns) * 1e-9
 
 
@@ -92,14 +91,12 @@ class MarkerStream:
         return bool(self._outlet.have_consumers())
 
     def describe(self) -> str:
-        """Return what to tell the user."""
         stream = f"markers go to LSL as stream '{self.name}'"
         if self._fixed is not None:
             return f"{stream}; the clock of this display is simulated: stamps do not fit those of other streams"
         return f"{stream}; the display's time is converted to LSL's within {self.error_s * 1e6:.1f} us"
 
     def send(self, event: str, at_ns: int, **data: object) -> None:
-        """Send a marker."""
         reading = self._fixed or self._read()
         self._outlet.push_sample([json.dumps({"event": event, **data})], reading.lsl_time(at_ns))
 
@@ -116,9 +113,6 @@ class MarkerStream:
 
 
 def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> MarkerStream:
-    """Return a stream of markers stamped by a display's clock; about: further facts.
-
-    Errors: as load_lsl.
-    """
+    """Return a stream of markers stamped by a display's clock; about: further facts."""
     facts = {**about, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
     return MarkerStream(name, facts, display.now_ns, is_simulated=display.name == OFFSCREEN)

@@ -132,7 +132,6 @@ class _Program:
     quiet: bool = False  # whether an error says it all
 
     def live_options(self, settings: Any) -> LiveOptions:
-        """Return the options of a live run with a condition's settings."""
         return live_options(settings, source=self.options.source, trace=self.options.trace)
 
     def run(
@@ -208,7 +207,6 @@ class _Program:
 
     @property
     def how_to_resume(self) -> str:
-        """Sentence with the command that resumes the session."""
         assert self.session is not None
         several = len(self.design.parts) > 1
         return f"resume with: {self.options.command(self.session.code, self.session.part, several)}"
@@ -271,8 +269,7 @@ PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
     """Return versions, machine, GPU, display and seed.
 
-    No name of a host or a user is among them: a session's data may be passed on. Of a trace file
-    the name is kept, not the folders.
+    No host, user or folder is named: a session's data may be passed on.
     """
     gpu, packages = display.gpu, dict[str, str]()
     for name in PACKAGES:

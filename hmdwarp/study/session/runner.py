@@ -81,18 +81,15 @@ class TrialHandler(StepHandler):
 
     @property
     def seen_s(self) -> float:
-        """Time since the first picture."""
         return self._since_s(self._first_ns)
 
     def _since_s(self, instant_ns: int | None) -> float:
         return 0.0 if instant_ns is None else (self.context.display.now_ns() - instant_ns) * 1e-9
 
     def finished(self) -> bool:
-        """Return whether the trial's seconds are over, or someone ended it."""
         return self._is_done or (self._first_ns is not None and self.seen_s >= self.step.seconds)
 
     def label(self) -> Label:
-        """Return the panel with the number, and nothing over pictures."""
         hints = hints_for(self.context.display.name)
         return "" if self.pictures else wording.number_panel(self.step, self.context.steps, hints)
 
@@ -112,7 +109,6 @@ class TrialHandler(StepHandler):
         self.last_shown_ns = refresh.shown_ns
 
     def mark(self, event: str, at_ns: int, **data: object) -> None:
-        """Send a marker of this showing."""
         shown = {"trial": self.step.trial, "showing": self._showing.id, "presentation": self._showing.presentation}
         self.context.mark(event, self.step, at_ns, **shown, **data)
 
@@ -122,10 +118,7 @@ class TrialHandler(StepHandler):
         return {"onset_s": self._onset_s, "ended_by": ended_by, **self.head.figures()}
 
     def take(self, by: str, command: Command) -> None:
-        """End a trial that is shown until the participant is done; no command changes another.
-
-        In the black before the first picture there is nothing to end, or to act upon.
-        """
+        """End a trial that lasts until done, or act in its scene; not in the black before."""
         if self._first_ns is not None and command.control in ACTIONS:
             if self._hand is not None:
                 self._hand.act(command)
@@ -138,10 +131,7 @@ class TrialHandler(StepHandler):
             self.by, self._is_done = by, True
 
     def handle(self, commands: Sequence[Command]) -> bool:
-        """Carry out the commands, and lead from the black to the pictures.
-
-        A button of a controller that acts in the scene confirms nothing.
-        """
+        """Carry out the commands, and lead from the black to the pictures."""
         if self._hand is not None and any(one.hand is not None and one.value != MOVED for one in commands):
             commands = [command for command in commands if command.control != "confirm"]
         super().handle(commands)
@@ -180,10 +170,7 @@ AFTER = "after"
 
 
 def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
-    """Return the newest revision of each answer by the key of its question.
-
-    They are in the order in which the questions were first answered.
-    """
+    """Return each question's newest answer by key, in the order first answered."""
     newest: dict[str, Answer] = {}
     for answer in answers:
         known = newest.get(answer.key)
@@ -195,9 +182,8 @@ def counting(answers: Iterable[Answer]) -> dict[str, Answer]:
 def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
     """Return why the stop rule ends the session, in words; "" as long as it may go on.
 
-    The newest answer on the rule's scale decides, so that a slip corrected at once does not end the
-    session; "cannot say" decides nothing. A rise counts from the first answer of the session.
-    Questions after all trials end nothing any more.
+    The newest answer decides, so that a slip can be corrected; "cannot say" decides nothing, nor do
+    questions after all trials. A rise counts from the first answer of the session.
     """
     if rule is None:
         return ""
@@ -256,10 +242,7 @@ class SessionRunner:
     _knows_how_to_look: bool = False
 
     def run(self) -> str:
-        """Run all steps. Returns the status that the session ends with.
-
-        Errors: Interrupted; Closed, Lost, as Driver.run; InputError and MachineError.
-        """
+        """Run all steps, and return the session's status. Errors: Interrupted; Closed."""
         try:
             self._end_if_sick()  # the last run of the program may have died at the stop rule
             first = next(iter(self._undone()), None)
@@ -282,10 +265,7 @@ class SessionRunner:
         self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(wording.READY, ""), panel))
 
     def farewell(self, status: str) -> None:
-        """Show the last panel. Everything is stored by now: an error here no longer matters.
-
-        The plan's own words stay as long as reading takes, or until they are confirmed.
-        """
+        """Show the last panel. All is stored by now: an error here no longer matters."""
         own = self.context.design.thanks if status == COMPLETE else None
         seconds = FAREWELL_S if own is None else reading_s(own.text)
         how: dict[str, Any] = {"seconds": seconds, "phase": "over", "may_close": own is not None}
@@ -362,10 +342,9 @@ class SessionRunner:
         return shown
 
     def _run_trial(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
-        """Run a trial from the black before it to its last picture, or to what ended it before.
+        """Run a trial from the black before it (panel_ns: since when) to its end.
 
-        panel_ns: since when the panel before it is shown. The showing is in the store when this
-        returns, and also, as incomplete, when an error leaves it.
+        The showing is then in the store, also, as incomplete, when an error leaves it.
         """
         context = self.context
         options = self.options_of(step)
@@ -439,10 +418,7 @@ class SessionRunner:
             raise Interrupted(f"ended by {signal.Signals(self.ending.asked).name}")
 
     def _pursue(self, make: Callable[[], H]) -> H:
-        """Run a step to its end, anew after each interrupt.
-
-        A question that the menu leaves unanswered has come to its end.
-        """
+        """Run a step to its end, anew after each interrupt but a question left unanswered."""
         while True:
             handler = make()
             self._drive(handler)
@@ -492,10 +468,7 @@ class SessionRunner:
     # --- the stop rule ---
 
     def _end_if_sick(self) -> None:
-        """End the session at the stop rule, after the last questions, which may be left out.
-
-        An answer that was a slip can be corrected before.
-        """
+        """End the session at the stop rule, after the last questions, but for a slip."""
         context, rule = self.context, Read(wording.STOP_RULE, "")
         if self._is_sick or not self._why_sick():
             return

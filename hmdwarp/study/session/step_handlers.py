@@ -68,7 +68,6 @@ class SessionContext:
         return (self.display.now_ns() - self._begun_ns) * 1e-9
 
     def now_s(self) -> float:
-        """Return the time of the display's clock in seconds."""
         return self.display.now_ns() * 1e-9
 
     def received(self, commands: Sequence[Command], step: Step, elapsed_s: float) -> list[tuple[str, Command]]:
@@ -108,11 +107,9 @@ class SessionContext:
         self.display.show_status(Status(heading=self.title(step)))
 
     def tell(self, step: Step, describe: Callable[[], Mapping[str, Any]], *, looks: bool = True) -> None:
-        """Tell the console a few times a second.
+        """Tell the console a few times a second. describe: returns fields of ConsoleState.
 
-        describe: returns fields of ConsoleState. looks: whether to ask for the head, as no frame
-        did.
-        Errors: Lost.
+        looks: whether to ask for the head, as no frame did. Errors: Lost.
         """
         now_ns = self.display.now_ns()
         if self._state_ns is not None and now_ns - self._state_ns < TELL_NS:
@@ -136,8 +133,7 @@ class SessionContext:
 class StepHandler(FrameHandler):
     """Refreshes that belong to one step, and the commands that every step knows.
 
-    An interrupt is in the journal before it has effect. Subclasses say which other commands they
-    take, when they are finished, and what lies over the picture.
+    An interrupt is in the journal before it has effect.
     """
 
     pictures = False
@@ -153,7 +149,6 @@ class StepHandler(FrameHandler):
 
     @property
     def elapsed_s(self) -> float:
-        """Time since the step began."""
         return (self.context.display.now_ns() - self.began_ns) * 1e-9
 
     def finished(self) -> bool:
@@ -169,7 +164,6 @@ class StepHandler(FrameHandler):
         return {"phase": self.phase}
 
     def over(self) -> bool:
-        """Return whether the step is finished or interrupted."""
         return bool(self.interrupt) or self.finished()
 
     def handle(self, commands: Sequence[Command]) -> bool:
@@ -206,11 +200,9 @@ class StepHandler(FrameHandler):
             self.take(by, command)
 
     def arrived(self, refresh: Refresh) -> None:
-        """Remember the head of the frame."""
         self.context.head = refresh.head
 
     def on_display_lost(self, why: str) -> None:
-        """Record the loss."""
         self.context.record(LOST, self.step, why=why)
 
 
@@ -243,11 +235,9 @@ class DialogHandler(StepHandler, Generic[D]):
         return self.dialog.over
 
     def label(self) -> Label:
-        """Return the panel of the dialog."""
         return self.dialog.panel()
 
     def take(self, by: str, command: Command) -> None:
-        """Pass the command to the dialog."""
         self.dialog.handle((command,))
         if self.finished():
             self.by, self.seconds = by, self.elapsed_s
@@ -264,7 +254,6 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
         super().__init__(context, ask, dialog)
 
     def leave_unanswered(self) -> None:
-        """Leave the question unanswered, as the menu offers."""
         self.take(self.by or PARTICIPANT, Command("answer", None))
 
     def take(self, by: str, command: Command) -> None:
@@ -331,10 +320,7 @@ class ConfirmHandler(StepHandler):
 
 
 class PanelHandler(FrameHandler):
-    """Panel that stays for some refreshes or seconds; commands wait for the next step.
-
-    may_close: whether the participant's confirmation closes it before its time.
-    """
+    """Panel that stays for some refreshes or seconds; commands wait for the next step."""
 
     pictures = False
 

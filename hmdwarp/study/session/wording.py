@@ -82,9 +82,8 @@ def step_name(step: Step, steps: Sequence[Step]) -> str:
 def ready_panel(
     next_step: Step, steps: Sequence[Step], resumed: bool, hints: InputHints, own: Page | None = None
 ) -> MessagePanel:
-    """Make the panel before the first step and the first trial of a run of the program.
+    """Make the panel before the first step, and before the first trial, of a run of the program.
 
-    Nothing begins before the participant sits right, and no trial before they know how to look.
     own: the plan's words or picture in place of ours.
     """
     next_name = "a break" if isinstance(next_step, Pause) else step_name(next_step, steps)

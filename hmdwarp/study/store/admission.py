@@ -15,20 +15,20 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ..design import ONE, Condition, Design, Order, allot, rows_for
-from ..scales import Item, Scale
+from ..design import ONE, Condition, Design, allot, rows_for
+from ..scales import Scale
 from . import records
 from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
 
 
 def plan_signature(design: Design, part: str) -> dict[str, Any]:
-    """Return the signature as JSON data.
+    """Return what may not change within a study, as JSON data.
 
-    Titles, comments, breaks, the consent's text, families and other parts are not in it: they may
-    change. So may the folder of the file, together with the files beside it.
+    Titles, comments, breaks, the consent, families, other parts and the file's folder may.
     """
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
-    rule = design.sickness
+    practice, rule = design.practice, design.sickness
+    stops = rule and {"every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
     return {
         "conditions": [_condition(condition, folder) for condition in design.part(part).conditions],
         "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
@@ -36,23 +36,12 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
         "order": design.order,
         "seed": design.seed,
         "scales": [_scale(scale) for scale in design.scales],
-        "practice": None
-        if design.practice is None
-        else [_condition(design.practice, folder), float(design.practice_seconds)],
-        "sickness": (
-            None
-            if rule is None
-            else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
-        ),
+        "practice": practice and [_condition(practice, folder), float(design.practice_seconds)],
+        "sickness": rule and {"scale": _scale(rule.scale), **(stops or {})},
         "before": [_scale(scale) for scale in design.before],
         "after": [_scale(scale) for scale in design.after],
-        **_shows(design),
+        **({} if design.shows == ONE else {"shows": design.shows}),  # older sessions show one
     }
-
-
-def _shows(design: Design) -> dict[str, Any]:
-    """Return what a trial shows; nothing for one condition, as older sessions have it."""
-    return {} if design.shows == ONE else {"shows": design.shows}
 
 
 def _condition(condition: Condition, folder: str) -> dict[str, Any]:
@@ -64,36 +53,32 @@ def _condition(condition: Condition, folder: str) -> dict[str, Any]:
 
 
 def _scale(scale: Scale) -> dict[str, Any]:
-    """Return the questions in their words, and the possible answers."""
+    """Return the questions in their words, and the possible answers; with those of their own."""
+    asked: list[Any] = [scale.prompt]
+    for item in scale.items:
+        own: list[Any] = [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
+        own = [{f"{value:g}": words for value, words in item.anchors.items()}] if item.anchors else own
+        asked.append([item.key, item.text, *own])
     return {
         "name": scale.name,
-        "asked": [scale.prompt, *([item.key, item.text, *_own(item)] for item in scale.items)],
+        "asked": asked,
         "range": [scale.least, scale.most, scale.step],
         "anchors": {f"{value:g}": words for value, words in sorted(scale.anchors.items())},
         "low_is_good": scale.low_is_good,
     }
 
 
-def _own(item: Item) -> list[Any]:
-    """Return the answers of a question that has its own, or its own words for some."""
-    if item.anchors:
-        return [{f"{value:g}": words for value, words in item.anchors.items()}]
-    return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
-
-
 def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Describe what differs between two signatures, both decoded from JSON."""
     changed = [key for key in {**before, **now} if before.get(key) != now.get(key)]
-    return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
-
-
-def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
-    was, is_ = ({condition["name"]: condition for condition in side} for side in (before, now))
-    words = [f"'{name}' is new" for name in is_ if name not in was] + [
-        f"'{name}' is gone" for name in was if name not in is_
-    ]
-    words += [f"'{name}' changed" for name in is_ if name in was and was[name] != is_[name]]
-    return f"conditions ({', '.join(words) or 'in another order'})"
+    if "conditions" in changed:
+        was, is_ = ({condition["name"]: condition for condition in of["conditions"]} for of in (before, now))
+        words = [f"'{name}' is new" for name in is_ if name not in was]
+        words += [f"'{name}' is gone" for name in was if name not in is_]
+        words += [f"'{name}' changed" for name in is_ if name in was and was[name] != is_[name]]
+        described = f"conditions ({', '.join(words) or 'in another order'})"
+        changed[changed.index("conditions")] = described
+    return changed
 
 
 HOLDING = (RUNNING, INTERRUPTED, COMPLETE)  # other sessions free their order for another participant
@@ -128,52 +113,46 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
             f"this store holds {other} participants; a {origin} one must not be mixed with them: use another "
             "folder (--store), or --pilot"
         )
-    if code.lower() == NEW:
-        if new_session:
-            raise _new_again()
-        return _new_participant(db, _draw(_CLEAR, 5, lambda drawn: is_taken(db, drawn)), origin)
-    check_code(code)
-    if is_withdrawn(db, code):
-        raise InputError(f"participant {code} has withdrawn, and codes are not reused: take another ('new' draws one)")
     known = db.execute("SELECT id, code, origin FROM participant WHERE code = ?", (code,)).fetchone()
-    if known is None:
-        if new_session:
-            raise _unknown(code)
-        return _new_participant(db, code, origin)
+    is_new = code.lower() == NEW
+    if not is_new and _CODE.fullmatch(code) and is_withdrawn(db, code):
+        raise InputError(f"participant {code} has withdrawn, and codes are not reused: take another ('new' draws one)")
+    if is_new or known is None:
+        check_first(code, new_session)
+        code = _draw(_CLEAR, 5, lambda drawn: is_taken(db, drawn)) if is_new else code
+        sub = _draw(_SUB, 12, lambda drawn: is_taken(db, drawn))
+        return insert(db, "participant", code=code, sub=sub, origin=origin)
     id_, code, was = known
     if was != origin:
         raise InputError(f"participant {code} is a {was} here, not a {origin}: take another code")
     if not new_session:
-        raise InputError(_already(db, code, part))
+        sessions = records.sessions_of(db, code)
+        resumable = any(session.part == part and session.status == INTERRUPTED for session in sessions)
+        how = f"{'--resume resumes it, ' if resumable else ''}--new-session begins another one"
+        raise InputError(
+            f"participant {code} is known here ({_listed(sessions)}): {how}; a different participant needs a different "
+            "code"
+        )
     return int(id_)
 
 
 def check_first(code: str, new_session: bool) -> None:
-    """Check as participant_for does, before there is a store."""
-    if code.lower() == NEW:
-        if new_session:
-            raise _new_again()
-        return
-    check_code(code)
+    """Check the code of a participant who is not known, also before there is a store."""
+    is_new = code.lower() == NEW
+    if not is_new:
+        check_code(code)
+    if new_session and is_new:
+        raise InputError(
+            "--participant new draws a code for a new participant: --new-session needs the code of a known one"
+        )
     if new_session:
-        raise _unknown(code)
-
-
-def _new_again() -> InputError:
-    return InputError(
-        "--participant new draws a code for a new participant: --new-session needs the code of a known one"
-    )
-
-
-def _unknown(code: str) -> InputError:
-    return InputError(f"participant {code} is not known here: leave out --new-session, or check the code")
+        raise InputError(f"participant {code} is not known here: leave out --new-session, or check the code")
 
 
 def is_withdrawn(db: sqlite3.Connection, code: str) -> bool:
     """Return whether the data of that code were erased, or are being erased."""
-    query = (
-        "SELECT 1 FROM withdrawn WHERE code = :code UNION SELECT 1 FROM participant WHERE code = :code AND withdrawing"
-    )
+    query = """SELECT 1 FROM withdrawn WHERE code = :code
+      UNION SELECT 1 FROM participant WHERE code = :code AND withdrawing"""
     return db.execute(query, {"code": code}).fetchone() is not None
 
 
@@ -184,85 +163,47 @@ def is_taken(db: sqlite3.Connection, code: str) -> bool:
     return db.execute(query, {"code": code}).fetchone() is not None
 
 
-def _already(db: sqlite3.Connection, code: str, part: str) -> str:
-    sessions = records.sessions_of(db, code)
-    resumable = any(session.part == part and session.status == INTERRUPTED for session in sessions)
-    resume = "--resume resumes it, " if resumable else ""
-    known = f"participant {code} is known here ({_listed(sessions)})"
-    return f"{known}: {resume}--new-session begins another one; a different participant needs a different code"
-
-
 def _listed(sessions: Sequence[Session]) -> str:
     return ", ".join(f"session {session.number} of part '{session.part}' {session.status}" for session in sessions)
-
-
-def _new_participant(db: sqlite3.Connection, code: str, origin: str) -> int:
-    sub = _draw(_SUB, 12, lambda drawn: is_taken(db, drawn))
-    return insert(db, "participant", code=code, sub=sub, origin=origin)
-
-
-def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> tuple[int, Order]:
-    """Return the next order, one that fewest sessions of this origin hold."""
-    rows = rows_for(design, part)
-    query = f"""SELECT s.order_row, count(*) FROM session s JOIN participant p ON p.id = s.participant
-      WHERE s.part = ? AND p.origin = ? AND s.status IN ({", ".join("?" * len(HOLDING))}) AND NOT p.withdrawing
-      GROUP BY s.order_row"""
-    counts = dict(db.execute(query, (part, origin, *HOLDING)).fetchall())
-    row = allot([counts.get(row, 0) for row in range(len(rows))], design.seed)
-    return row, rows[row]
 
 
 def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -> bool:
     """Return whether the plan's text differs from the last session's of this part.
 
-    Errors: InputError where sessions of this part ran with a plan of another signature: ratings
-    would not be comparable, nor orders balanced. A changed plan is a study of its own. Pilots may
-    change anything.
+    Errors: InputError where sessions of people ran with a plan of another signature, as ratings
+    would not be comparable, nor orders balanced.
     """
     if origin == PILOT:
         return False
-    now = from_json(to_json(plan_signature(design, part)))
-    rows = rows_for(design, part)
+    now, rows = from_json(to_json(plan_signature(design, part))), rows_for(design, part)
     found = db.execute(
-        """SELECT DISTINCT plan.meaning, s.order_row, s.order_names FROM session s JOIN plan ON plan.id = s.plan
-          JOIN participant p ON p.id = s.participant WHERE s.part = ? AND p.origin = ?""",
+        """SELECT plan.meaning, s.order_row, s.order_names, plan.text FROM session s JOIN plan ON plan.id = s.plan
+          JOIN participant p ON p.id = s.participant WHERE s.part = ? AND p.origin = ? ORDER BY s.id""",
         (part, origin),
     ).fetchall()
-    for was, row, names in found:
+    for was, row, names, _ in found:
         different = signature_changes(from_json(was), now)
         if not different and (row >= len(rows) or [list(names_) for names_ in rows[row]] != from_json(names)):
             different = ["the orders"]
         if different:
             raise InputError(
                 f"{design.path or design.name}: sessions of part '{part}' ran with another plan "
-                f"({', '.join(different)}): "
-                "ratings before and after would not be comparable; undo the change, or make it a study of "
-                "its own (name, --store)"
+                f"({', '.join(different)}): ratings before and after would not be comparable; undo the change, or make "
+                "it a study of its own (name, --store)"
             )
-    latest = db.execute(
-        """SELECT plan.text FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
-          WHERE s.part = ? AND p.origin = ? ORDER BY s.id DESC LIMIT 1""",
-        (part, origin),
-    ).fetchone()
-    return latest is not None and latest[0] != design.text
+    return bool(found) and found[-1][-1] != design.text
 
 
 def check_same(db: sqlite3.Connection, design: Design, session: Session) -> None:
-    """Raise InputError where a session's plan, read again, has another signature.
-
-    The store keeps its text, but not custom scales that it names. Pilots may change anything.
-    """
+    """Raise InputError where a session's plan, read again with its own scales, differs."""
     if session.origin == PILOT:
         return
-    was = db.execute(
-        "SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?", (session.id,)
-    ).fetchone()[0]
+    query = "SELECT plan.meaning FROM session s JOIN plan ON plan.id = s.plan WHERE s.id = ?"
+    (was,) = db.execute(query, (session.id,)).fetchone()
     different = signature_changes(from_json(was), from_json(to_json(plan_signature(design, session.part))))
     if different:
-        raise InputError(
-            f"{design.path or design.name}: files that it names changed since the session began "
-            f"({', '.join(different)}): undo that"
-        )
+        found = f"files that it names changed since the session began ({', '.join(different)})"
+        raise InputError(f"{design.path or design.name}: {found}: undo that")
 
 
 def new_session(
@@ -274,15 +215,19 @@ def new_session(
     facts: Mapping[str, Any],
     started_utc: str,
 ) -> int:
-    """Insert a session with the next order; return its id."""
-    row, order = allotted(db, design, part, origin)
+    """Insert a session with an order that fewest sessions of this origin hold; return its id."""
+    rows = rows_for(design, part)
+    query = f"""SELECT s.order_row, count(*) FROM session s JOIN participant p ON p.id = s.participant
+      WHERE s.part = ? AND p.origin = ? AND s.status IN ({", ".join("?" * len(HOLDING))}) AND NOT p.withdrawing
+      GROUP BY s.order_row"""
+    counts = dict(db.execute(query, (part, origin, *HOLDING)).fetchall())
+    row = allot([counts.get(row, 0) for row in range(len(rows))], design.seed)
     plan = (design.text, to_json(plan_signature(design, part)))
     db.execute("INSERT OR IGNORE INTO plan (text, meaning) VALUES (?, ?)", plan)
-    plan_id = db.execute("SELECT id FROM plan WHERE text = ? AND meaning = ?", plan).fetchone()[0]
-    number = db.execute(
-        "SELECT coalesce(max(number), 0) + 1 FROM session WHERE participant = ?", (participant,)
-    ).fetchone()[0]
-    names = json.dumps(order, ensure_ascii=False, separators=(",", ":"))
+    (plan_id,) = db.execute("SELECT id FROM plan WHERE text = ? AND meaning = ?", plan).fetchone()
+    query = "SELECT coalesce(max(number), 0) + 1 FROM session WHERE participant = ?"
+    (number,) = db.execute(query, (participant,)).fetchone()
+    names = json.dumps(rows[row], ensure_ascii=False, separators=(",", ":"))
     return insert(
         db, "session", participant=participant, number=number, part=part, order_row=row, order_names=names,
         plan=plan_id, status=RUNNING, started_utc=started_utc, facts=to_json(facts),
@@ -298,10 +243,7 @@ def insert(db: sqlite3.Connection, table: str, **values: Any) -> int:
 
 
 def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
-    """Return the interrupted session.
-
-    Errors: InputError where there is none, or several parts have one.
-    """
+    """Return the interrupted session. Errors: InputError for none, or several."""
     check_code(code)
     if is_withdrawn(db, code):
         raise InputError(f"participant {code} has withdrawn: there is nothing to resume")
@@ -310,24 +252,17 @@ def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
         raise InputError(f"participant {code} is not known here: leave out --resume, or check the code")
     open_ = [session for session in sessions if session.status == INTERRUPTED and part in (None, session.part)]
     if not open_:
-        raise InputError(
-            f"participant {code} has no interrupted session to resume ({_listed(sessions)}): --new-session begins "
-            "another"
-        )
+        none = f"participant {code} has no interrupted session to resume ({_listed(sessions)})"
+        raise InputError(f"{none}: --new-session begins another")
     parts = sorted({session.part for session in open_})
     if len(parts) > 1:
-        raise InputError(
-            f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): choose one with "
-            "--part NAME"
-        )
+        several = f"participant {code} has interrupted sessions of several parts ({', '.join(parts)})"
+        raise InputError(f"{several}: choose one with --part NAME")
     return open_[-1]
 
 
 def chosen_part(design: Design, part: str | None) -> str:
-    """Return the part, by default the only one.
-
-    Errors: InputError for a part that the plan lacks, or where one of several must be named.
-    """
+    """Return the part, by default the only one. Errors: InputError."""
     names = [part.name for part in design.parts]
     if part is None and len(names) == 1:
         return names[0]

@@ -51,8 +51,10 @@ def store_error(error: sqlite3.Error | UnicodeDecodeError, path: Path) -> Hmdwar
     # SQLITE_ERROR: the schema is not what the file says it is.
     if name in ("SQLITE_ERROR", "SQLITE_NOTADB") or name.startswith("SQLITE_CORRUPT") or "UTF-8" in str(error):
         return damaged(path, NOT_A_DATABASE if name == "SQLITE_NOTADB" else str(error))
-    if name.startswith("SQLITE_IOERR") and _is_full(path.parent):
-        name = "SQLITE_FULL"  # the shared memory of the log reports it so
+    if name.startswith("SQLITE_IOERR"):
+        with suppress(OSError):
+            if shutil.disk_usage(path.parent).free < _LEAST_BYTES:
+                name = "SQLITE_FULL"  # the shared memory of the log reports it so
     for begins, kind, words in _TEXTS:
         if name.startswith(begins):
             return kind(f"{path}: {words.format(error=error)}")
@@ -71,13 +73,6 @@ def damaged(path: Path, why: str) -> InputError:
     except OSError:
         how = "there is no copy, as no session has ended: use a backup of the folder"
     return InputError(f"{path}: damaged ({' '.join(why.split())}): leave it as it is; {how}")
-
-
-def _is_full(folder: Path) -> bool:
-    try:
-        return shutil.disk_usage(folder).free < _LEAST_BYTES
-    except OSError:
-        return False
 
 
 @contextmanager
@@ -107,6 +102,7 @@ def transaction(db: sqlite3.Connection, path: Path) -> Iterator[sqlite3.Connecti
 SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": recognises databases of other programs
 SYNCHRONOUS = "FULL"  # a commit returns after an fsync
+_SETTINGS = (f"synchronous = {SYNCHRONOUS}", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY")
 BUSY_S = 5.0  # a reader may hold it for a moment, at a checkpoint
 
 # The statements alone: SQLite keeps their text in each store.
@@ -132,7 +128,12 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
                 _refuse_lost(path)
             else:
                 _check_schema(db, path)
-            _set_up(db, path)
+            mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+            if mode != "wal":
+                cannot = f"the disk cannot hold a write-ahead log ({mode})"
+                raise MachineError(f"{path}: {cannot}: keep the study on a disk of this machine (--store)")
+            for setting in _SETTINGS:
+                db.execute(f"PRAGMA {setting}")
             if new:
                 with transaction(db, path):
                     for statement in TABLES.split(";\n"):
@@ -148,22 +149,8 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
             raise
 
 
-def _set_up(db: sqlite3.Connection, path: Path) -> None:
-    mode = db.execute("PRAGMA journal_mode = WAL").fetchone()[0]
-    if mode != "wal":
-        raise MachineError(
-            f"{path}: the disk cannot hold a write-ahead log ({mode}): keep the study on a disk of this machine "
-            "(--store)"
-        )
-    for setting in (f"synchronous = {SYNCHRONOUS}", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
-        db.execute(f"PRAGMA {setting}")
-
-
 def open_to_read(folder: Path) -> sqlite3.Connection | None:
-    """Open the database for reading, even while it is written; None where there is none yet.
-
-    Errors: as open_to_write.
-    """
+    """Open the database for reading, even while it is written; None where there is none yet."""
     path = folder / DATABASE
     if not path.is_file():
         _refuse_lost(path)
@@ -207,16 +194,11 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
 
 
 def _frozen(path: Path) -> str:
-    """Return how to read where nothing may be written: without the files that readers share.
-
-    Data that are still in the WAL would be missed.
-    """
+    """Return how to read, without files that readers share, where nothing is left in a log."""
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
     if any(path.is_file() and path.stat().st_size for path in beside):
-        raise MachineError(
-            f"{path.parent}: its last session was cut off, and the folder is not writable: copy the folder and "
-            "read the copy"
-        )
+        cut_off = "its last session was cut off, and the folder is not writable"
+        raise MachineError(f"{path.parent}: {cut_off}: copy the folder and read the copy")
     return "immutable=1"
 
 
@@ -290,8 +272,7 @@ def _check_schema(db: sqlite3.Connection, path: Path) -> None:
     if application != APPLICATION_ID and not fits:
         raise InputError(f"{path}: a database, but not of an hmdwarp study: choose another folder (--store)")
     if version > SCHEMA and application == APPLICATION_ID:
-        raise InputError(
-            f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): update hmdwarp"
-        )
+        newer = f"written by a newer hmdwarp (schema {version}; this one knows {SCHEMA})"
+        raise InputError(f"{path}: {newer}: update hmdwarp")
     if not fits or (application, version) != (APPLICATION_ID, SCHEMA):
         raise damaged(path, f"its tables are not those of schema {SCHEMA}, it says schema {version}")

@@ -41,18 +41,15 @@ class Holdings:
 
     def describe(self) -> str:
         """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
-        tables = ("sessions", "answers", "showings", "events")
-        names = {name: counted(getattr(self, name), name[:-1]) for name in tables}
-        names["answers"] += " (revisions included)" if self.answers else ""
+        tables = ("session", "answer", "showing", "event")
+        names = {name: counted(getattr(self, f"{name}s"), name) for name in tables}
+        names["answer"] += " (revisions included)" if self.answers else ""
         text = ", ".join([*names.values(), counted(self.traces, "head trace")])
         return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text
 
 
 def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
-    """Erase all data of a participant but the code.
-
-    Errors: InputError for an unknown or withdrawn participant.
-    """
+    """Erase all data of a participant but the code. Errors: InputError, as known."""
     with transaction(db, folder / DATABASE):
         participant, _ = known(db, code)
         db.execute("UPDATE participant SET withdrawing = 1 WHERE id = ?", (participant,))
@@ -60,10 +57,7 @@ def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
 
 
 def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
-    """Return the participant's row and sub.
-
-    Errors: InputError for an unknown or withdrawn participant.
-    """
+    """Return the participant's row and sub. Errors: InputError where unknown or withdrawn."""
     check_code(code)
     if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
         raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
@@ -74,10 +68,7 @@ def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
 
 
 def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:
-    """Finish erasures that are marked, or that a program left when it died; return the codes.
-
-    Usually there is none, which takes two queries.
-    """
+    """Finish erasures that are marked, or that a program left when it died; return the codes."""
     with translated(folder / DATABASE):
         marked = db.execute("SELECT id, code, sub FROM participant WHERE withdrawing").fetchall()
     for id_, code, sub in marked:

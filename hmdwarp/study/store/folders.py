@@ -140,24 +140,14 @@ def folder_to_read(design: Design, folder: Path | None, origin: str) -> Path:
     found = store_folder(design, folder, origin)
     if (found / DATABASE).exists():
         return found
-    others = {whose: store_folder(design, None, whose) for whose in ORIGINS if folder is None and whose != origin}
-    there = [
-        f"{at} is read {'without --' + origin if whose == PERSON else 'with --' + whose}"
-        for whose, at in others.items()
-        if (at / DATABASE).exists()
-    ]
+    hint = ""
+    for whose in ORIGINS:
+        at = store_folder(design, None, whose)
+        if folder is None and whose != origin and (at / DATABASE).exists():
+            hint += f"; {at} is read {'without --' + origin if whose == PERSON else 'with --' + whose}"
     whose = "" if origin == PERSON else f", {origin},"
-    hint = "".join(f"; {text}" for text in there)
-    raise InputError(
-        f"{found}: there are no data{whose} of '{design.name}' yet: run sessions first, or name their folder with "
-        f"--store{hint}"
-    )
-
-
-def trace_name(sub: str, number: int, trial: int, turn: str, presentation: int) -> str:
-    """Name the file of a head trace. trial: 0 for the practice. turn: as Show has it."""
-    which = f"{trial}-{turn}" if turn else f"{trial}"
-    return f"{sub}_ses-{number}_trial-{which}_{presentation}.csv"
+    none = f"there are no data{whose} of '{design.name}' yet"
+    raise InputError(f"{found}: {none}: run sessions first, or name their folder with --store{hint}")
 
 
 def make_folders(folder: Path) -> None:
@@ -179,39 +169,30 @@ def make_folders(folder: Path) -> None:
 
 
 def check_place(folder: Path) -> None:
-    """Check that make_folders can succeed, without creating anything.
-
-    Errors: InputError, as there.
-    """
+    """Check that make_folders can succeed, without creating anything. Errors: InputError."""
     if folder.is_dir():
         _check_ours(folder)
     above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
-        raise InputError(
-            f"{folder}: cannot be created ({above} is not writable): choose another folder for the study's data "
-            "(--store)"
-        )
+        why = f"{folder}: cannot be created ({above} is not writable)"
+        raise InputError(f"{why}: choose another folder for the study's data (--store)")
 
 
 def _check_ours(folder: Path) -> None:
     others = sorted(path.name for path in folder.iterdir() if path.name not in _OURS)
     if others and not (folder / DATABASE).exists():
-        raise InputError(
-            f"{folder}: holds something else ({others[0]}): a study's data need a folder of their own (--store)"
-        )
+        found = f"{folder}: holds something else ({others[0]})"
+        raise InputError(f"{found}: a study's data need a folder of their own (--store)")
 
 
 def count_of_traces(files: Iterable[Path]) -> int:
     """Count the head traces among files; inputs lie beside some."""
-    paths = list(files)
-    return len({*paths} - {inputs_beside(path) for path in paths})
+    paths = set(files)
+    return len(paths - {inputs_beside(path) for path in paths})
 
 
 def sync_trace(path: Path) -> bool:
-    """Sync a trace, its inputs and their folder; False where there is no trace.
-
-    Errors: MachineError.
-    """
+    """Sync a trace, its inputs and their folder; False where there is no trace."""
     try:
         for each in (path, *filter(Path.is_file, [inputs_beside(path)])):
             keep_private(each)
@@ -220,9 +201,8 @@ def sync_trace(path: Path) -> bool:
     except FileNotFoundError:
         return False
     except OSError as error:
-        raise MachineError(
-            f"{path}: cannot be written to the disk ({error.strerror or error}): resume with a copy on another disk"
-        ) from error
+        why = f"{path}: cannot be written to the disk ({error.strerror or error})"
+        raise MachineError(f"{why}: resume with a copy on another disk") from error
     return True
 
 

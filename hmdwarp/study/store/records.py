@@ -247,11 +247,7 @@ def showing(db: sqlite3.Connection, id_: int) -> Showing:
 def last_answers(db: sqlite3.Connection, session_id: int) -> tuple[Answer, ...]:
     """Return the last answer to each question of a session, in the order of the questions."""
     rows = db.execute(f"{_ANSWER} WHERE session = ? ORDER BY id", (session_id,))
-    latest: dict[str, Answer] = {}
-    for row in rows:
-        one = Answer(*row)
-        latest[one.key] = one  # a revision comes after what it revises, and takes its place in the order
-    return tuple(latest.values())
+    return tuple({one.key: one for one in (Answer(*row) for row in rows)}.values())
 
 
 def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:

@@ -26,20 +26,10 @@ from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from ..design import Ask, Design, Show
-from . import admission, database, records
+from . import admission, database, folders, records
 from .database import transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
-from .folders import (
-    DATABASE,
-    TRACES,
-    Lock,
-    check_place,
-    count_of_traces,
-    make_folders,
-    sync_trace,
-    trace_name,
-    write_copy,
-)
+from .folders import DATABASE, TRACES, Lock
 from .records import (
     DECLINED,
     INTERRUPTED,
@@ -70,11 +60,9 @@ class MachineClock:
     """The machine's own clock."""
 
     def utc(self) -> datetime:
-        """Return the time of day, in UTC."""
         return datetime.now(UTC)
 
     def mono_ns(self) -> int:
-        """Return nanoseconds of the monotonic clock."""
         return time.monotonic_ns()
 
 
@@ -155,10 +143,12 @@ class Store:
         with self._write() as db:
             participant = admission.participant_for(db, code, part, origin, new_session)
             mended = admission.check_plan(db, design, part, origin)
-            now = self._now()
-            id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
+            id_ = admission.new_session(db, design, part, participant, origin, facts or {}, self._now())
             session = records.session(db, id_)
-            data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
+            data = {"part": part, "row": session.row, "plan_text_changed": mended}
+            if design.consent is not None:  # it may be in its own file, which the plan's text does not hold
+                digest = hashlib.sha256(design.consent.text.encode()).hexdigest()
+                data |= {"consent_version": design.consent.version, "consent_sha256": digest}
             self._event(session, "begin", data=data)
             session = records.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
@@ -168,14 +158,11 @@ class Store:
         return session
 
     def would_begin(self, design: Design, part: str | None, code: str, origin: str, new_session: bool = False) -> None:
-        """Raise what `begin` would refuse, before the participant puts the headset on.
-
-        A missing store is not created.
-        """
+        """Raise what `begin` would refuse, before anybody puts a headset on; creates nothing."""
         part = admission.chosen_part(design, part)
         if not self.name:
             admission.check_first(code, new_session)
-            check_place(self.folder)
+            folders.check_place(self.folder)
             return
         self._take_lock(design.name)
         with suppress(_Undone), self._write() as db:
@@ -195,11 +182,7 @@ class Store:
             admission.check_same(self._db, design, session)
 
     def resume(self, code: str, part: str | None = None, facts: Mapping[str, Any] | None = None) -> Session:
-        """Resume the interrupted session of a participant.
-
-        facts: of this run of the program, kept with the event.
-        Errors: InputError where there is none, or several parts have one and none is named.
-        """
+        """Resume a participant's interrupted session. facts: of this run of the program."""
         self._take_lock()
         with self._write() as db:
             session = admission.to_resume(db, code, part)
@@ -213,12 +196,10 @@ class Store:
             return records.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """End a session, and renew the copy of the store.
+        """End a session with one of STATUSES but RUNNING, and renew the copy of the store.
 
-        status: any of STATUSES but RUNNING. why: in words, "" for none.
-
-        DECLINED needs "refused" in the journal, which tells it from STOPPED; a session that is
-        STOPPED before its consent was given is returned as UNCONSENTED.
+        why: in words. DECLINED needs "refused" in the journal; a session that is STOPPED before its
+        consent was given is returned as UNCONSENTED.
         """
         if status not in STATUSES or status in (RUNNING, UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
@@ -247,9 +228,8 @@ class Store:
     def begin_showing(
         self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True
     ) -> Showing:
-        """Record a showing before its first picture.
+        """Record a showing before its first picture; it stays, incomplete, if the program dies.
 
-        If the program dies from here on, the showing stays, incomplete, with a partial trace.
         recorded: there will be a trace, at traces / showing.trace, a name that is never reused.
         """
         with self._running(session) as db:
@@ -266,11 +246,8 @@ class Store:
             return records.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
-        """Record the end of a showing, after its trace is closed; a missing file is no trace.
-
-        actual: as study/actual.py.
-        """
-        trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
+        """Record the end of a showing, after its trace is closed; a missing file is no trace."""
+        trace = showing.trace if showing.trace and folders.sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
@@ -299,12 +276,12 @@ class Store:
         with self._running(session) as db:
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
-            words = {"text": text} if text else {}
             id_ = admission.insert(
                 db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
                 at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
+            words = {"text": text} if text else {}
             self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             return records.answer(db, id_)
 
@@ -321,8 +298,7 @@ class Store:
     def passed_s(self, session: Session) -> float:
         """Return the time from a session's beginning to its last entry.
 
-        Within a run of the program by the monotonic clock. Between two runs by the time of day: not
-        where that was set back meanwhile, as then no clock says how long it was.
+        Between two runs of the program by the time of day, unless that was set back meanwhile.
         """
         with translated(self._path):
             return records.passed_s(self._db, session.id)[0]
@@ -338,21 +314,17 @@ class Store:
             return records.contents(self._db, self.folder, pilot)
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
-        """Return the path of a head trace."""
-        return self.traces / trace_name(session.sub, session.number, step.trial, step.turn, presentation)
+        """Return the path of a head trace; of a trial 0, the practice, too."""
+        which = f"{step.trial}-{step.turn}" if step.turn else f"{step.trial}"
+        return self.traces / f"{session.sub}_ses-{session.number}_trial-{which}_{presentation}.csv"
 
     def measured(self, showing_id: int, data: Mapping[str, Any]) -> None:
-        """Replace the figures measured of a showing's pictures.
-
-        Holds the lock only for this call.
-        """
+        """Replace the figures measured of a showing's pictures; holds the lock as long."""
         locked = self._take_lock()
         try:
             with self._write() as db:
-                changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
-                ).rowcount
-                if changed != 1:
+                change = "UPDATE showing SET measured = ? WHERE id = ?"
+                if db.execute(change, (to_json(data), showing_id)).rowcount != 1:
                     raise KeyError(showing_id)
         finally:
             if locked:
@@ -360,10 +332,7 @@ class Store:
                 self._open = database.open_to_read(self.folder)
 
     def holdings(self, code: str) -> Holdings:
-        """Return the amount of data to erase.
-
-        Errors: InputError for an unknown or withdrawn code.
-        """
+        """Return the amount of data to erase. Errors: InputError, as withdraw."""
         with translated(self._path):
             participant, sub = known(self._db, code)
             query = "SELECT code FROM participant WHERE id = ?"  # as it was first written: searches ignore case
@@ -377,7 +346,7 @@ class Store:
             }
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
         size = sum(path.stat().st_size for path in files)
-        return Holdings(code, sub, **counted, traces=count_of_traces(files), bytes=size)
+        return Holdings(code, sub, **counted, traces=folders.count_of_traces(files), bytes=size)
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""
@@ -387,9 +356,8 @@ class Store:
     def withdraw(self, code: str) -> Holdings | None:
         """Erase all data of a participant but the code, at any time and without a reason.
 
-        Returns what was erased, or None for an interrupted withdrawal. Errors: InputError for an
-        unknown or withdrawn code; MachineError while a session runs, or while a program that reads
-        the study keeps the old bytes alive. The next withdrawal or session then erases the rest.
+        Returns what was erased, None for an interrupted withdrawal. Errors: InputError for unknown
+        or withdrawn codes; MachineError while a session runs or a reader keeps the old bytes alive.
         """
         if self.finish_withdrawal(code):
             return None
@@ -422,21 +390,17 @@ class Store:
 
     @property
     def _db(self) -> sqlite3.Connection:
-        """The database, to read from."""
         if self._open is None:
             raise InputError(f"{self.folder}: {NOTHING} yet: run a session first")
         return self._open
 
     def _take_lock(self, study: str | None = None) -> bool:
-        """Take the lock for writing; False where it is held already.
-
-        study: name of the study, without which no store is created.
-        """
+        """Take the lock to write, unless it is held. study: its name, or no store is created."""
         self._check_name(study)
         if self._lock is not None:
             return False
         if self._create and study:
-            make_folders(self.folder)
+            folders.make_folders(self.folder)
         else:
             _ = self._db  # there must be one
         keep_private(self.folder, *self.folder.rglob("*"))
@@ -453,10 +417,7 @@ class Store:
         return True
 
     def _tidy(self) -> None:
-        """Mark sessions of dead programs as interrupted, and finish interrupted withdrawals.
-
-        The lock excludes other programs: a session that still runs belongs to one that died.
-        """
+        """Mark sessions of dead programs as interrupted, and finish interrupted withdrawals."""
         self._finished = finish_erasing(self._db, self.folder)
         for code in self._finished:
             self._say(f"the withdrawal of participant {code} was interrupted; it is finished now")
@@ -468,12 +429,9 @@ class Store:
                 db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
 
     def _copy(self, *, told: bool = True) -> None:
-        """Renew the copy; that it fails, as on a full disk, costs no session.
-
-        told: whether it says so.
-        """
+        """Renew the copy; that it fails costs no session. told: whether it says so."""
         try:
-            write_copy(self._db, self.folder)
+            folders.write_copy(self._db, self.folder)
         except (sqlite3.Error, OSError) as error:
             if told:
                 self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
@@ -495,10 +453,7 @@ class Store:
 
     @contextmanager
     def _running(self, session: Session) -> Iterator[sqlite3.Connection]:
-        """Open a transaction of a running session.
-
-        Errors: HmdwarpError, an internal error, where it is over.
-        """
+        """Open a transaction of a running session. Errors: HmdwarpError where it is over."""
         with self._write() as db:
             now = records.session(db, session.id)
             if now.status != RUNNING:
@@ -508,7 +463,6 @@ class Store:
             yield db
 
     def _now(self) -> str:
-        """Return the time of day as rows hold it."""
         return text_of(self._clock.utc())
 
     def _event(
@@ -534,13 +488,3 @@ class Store:
                 "not depend on it"
             )
         self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))
-
-
-def _consent(design: Design) -> dict[str, str]:
-    """Identify the consent text: it may be in its own file, which the plan's text does not hold."""
-    if design.consent is None:
-        return {}
-    return {
-        "consent_version": design.consent.version,
-        "consent_sha256": hashlib.sha256(design.consent.text.encode()).hexdigest(),
-    }
