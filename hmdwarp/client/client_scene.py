@@ -84,15 +84,6 @@ class ClientScene:
         # Of the newest frame that was received: what it built on, and when it was drawn.
         self._newest: tuple[int, int] | None = None
 
-    @property
-    def is_still(self) -> bool:
-        """Whether the scene is known to look the same at all times and from everywhere."""
-        return self.scene.is_still
-
-    def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> None:
-        """Draw inverse depth of all triangles into an r32f texture, -1 where nothing is."""
-        self.server.draw_depth(view, size, into, time_ns)
-
     def store(self, kind: type[StoreT], wanted: Hashable = None) -> StoreT:
         """Return the store of that kind; it is made at first use."""
         key = (kind, wanted)

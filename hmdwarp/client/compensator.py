@@ -156,7 +156,7 @@ class Compensator(Owner):
         if self._client_depth is not None:
             assert self._geometry is not None, "a plan that draws the client's depth is for a client with geometry"
             with self._stages["client_depth"]:
-                self._geometry.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
+                self._geometry.server.draw_depth(inputs.shown, self.shown_size, self._client_depth, inputs.shown_ns)
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stages["warp"]:
             warped = made.warped

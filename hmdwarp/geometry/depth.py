@@ -45,13 +45,23 @@ class DepthLayer:
     a 0..1 buffer is (0, 1, near, far); -1..1 NDC is (-1, 1, near, far); reversed with infinite far
     is (0, 1, inf, near).
 
-    Errors: InputError for planes that are equal, negative or NaN, and for an empty range.
     Source: OpenXR 1.1 specification, XrCompositionLayerDepthInfoKHR.
+
+    Parameters
+    ----------
+    min_depth, max_depth : float
+        The range of values, within 0 to 1, or -1 to 1 for NDC.
+    near_z, far_z : float
+        Metres, above 0; near_z > far_z means reversed; either may be inf.
+
+    Raises
+    ------
+    InputError
+        For planes that are equal, negative or NaN, and for an empty range.
     """
 
-    min_depth: float = attrs.field(default=0.0, converter=real)  # beyond 0..1 for NDC only
+    min_depth: float = attrs.field(default=0.0, converter=real)
     max_depth: float = attrs.field(default=1.0, converter=real)
-    # metres; near_z > far_z means reversed; either may be inf
     near_z: float = attrs.field(default=0.1, converter=real)
     far_z: float = attrs.field(default=math.inf, converter=real)
 

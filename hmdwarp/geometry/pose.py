@@ -114,9 +114,17 @@ class Pose:
     pose.transform(point_in_b)` and neighbours cancel in products, `world_from_head @
     head_from_eye`.
 
-    position_m: (3,) metres. orientation_xyzw: (4,) quaternion, x y z w, normalised here; q and -q
-    are the same pose.
-    Errors: InputError for values that are not finite and for a zero quaternion.
+    Parameters
+    ----------
+    position_m : array_like
+        (3,), in metres.
+    orientation_xyzw : array_like
+        (4,), a quaternion x y z w, normalised here; q and -q are the same pose.
+
+    Raises
+    ------
+    InputError
+        For values that are not finite and for a zero quaternion.
     """
 
     position_m: Vector = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3, eq=lambda place: tuple(place.tolist()))

@@ -94,9 +94,17 @@ _MAX_ANGLE = math.radians(89.5)  # tan = 114.6: beyond this a plane at z = -1 is
 
 @attrs.frozen
 class Fov:
-    """Four half angles in radians, as in XrFovf; left and down are negative; may be asymmetric.
+    """A field of view: four half angles, as in XrFovf; may be asymmetric.
 
-    Errors: InputError unless left < right, down < up and each within +-89.5 degrees.
+    Parameters
+    ----------
+    left, right, down, up : float
+        Radians; left and down are negative for a view that looks ahead.
+
+    Raises
+    ------
+    InputError
+        Unless left < right, down < up and each within +-89.5 degrees.
     """
 
     left: float = attrs.field(converter=real)
@@ -259,11 +267,24 @@ class Hidden:
 
     A pixel is seen if it lies between the first and the last seen one of its column. Triangles of a
     mesh leave cracks of a pixel between them, which are closed.
+
+    Parameters
+    ----------
+    polygons : tuple of polygons
+        Each of three or more points (x, y), in tangents.
+    fov : Fov
+        The view without a guard band.
+    margins : tuple of float
+        By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
+
+    Raises
+    ------
+    InputError
+        For what are no polygons.
     """
 
-    polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)  # In tangents.
-    fov: Fov = attrs.field(validator=is_a(Fov))  # The view without a guard band.
-    # By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
+    polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)
+    fov: Fov = attrs.field(validator=is_a(Fov))
     margins: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False, eq=False)
     _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False, eq=False)
@@ -353,15 +374,31 @@ def _check_gaze(_: object, __: object, gaze: Gaze | None) -> None:
 
 @attrs.frozen
 class View:
-    """One eye at one instant. Errors: InputError for parts of another type."""
+    """One eye at one instant.
 
-    pose: Pose = attrs.field(validator=is_a(Pose))  # world_from_eye
+    Parameters
+    ----------
+    pose : Pose
+        world_from_eye.
+    fov : Fov
+        What the eye sees.
+    head_from_eye : Pose
+        Head-locked content is seen with this; the head's origin is half way between the eyes.
+    hidden : Hidden or None
+        What is neither drawn nor shown; None for nothing.
+    gaze : tuple of float or None
+        Unit direction in the head's axes in which the eye looks; None where it is not known.
+
+    Raises
+    ------
+    InputError
+        For parts of another type.
+    """
+
+    pose: Pose = attrs.field(validator=is_a(Pose))
     fov: Fov = attrs.field(validator=is_a(Fov))
-    # head-locked content is seen with this; the head's origin is half way between the eyes
     head_from_eye: Pose = attrs.field(factory=Pose, validator=is_a(Pose))
-    # what is neither drawn nor shown, None for nothing
     hidden: Hidden | None = attrs.field(default=None, validator=is_a(Hidden, optional=True))
-    # unit direction in the head's axes in which the eye looks, None where it is not known
     gaze: Gaze | None = attrs.field(default=None, validator=_check_gaze)
 
     def __hash__(self) -> int:
@@ -447,9 +484,13 @@ class WarpMap:
     (infinitely far), for a zero baseline (e = 0) and far from the world origin.
 
     Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
+
+    Parameters
+    ----------
+    H, e : numpy.ndarray
+        (3, 3) and (3,), float64, read-only from `between`.
     """
 
-    # (3, 3) and (3,), read-only from `between`
     H: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
     e: NDArray[np.float64] = attrs.field(eq=attrs.cmp_using(np.array_equal))
 

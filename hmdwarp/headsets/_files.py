@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,7 @@ from ..geometry import Eyes, Fov, Polygon, Pose
 from ..options import Table, parsed, text_of
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
-from ._lenses import COLOURS, MODELS, Array, Lens, ViveLens
-from ._model import IPD_RANGE_M, Headset, HeadsetEye
+from ._model import COLOURS, IPD_RANGE_M, MODELS, Array, Headset, HeadsetEye, Lens, ViveLens
 
 REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
 REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
@@ -181,12 +181,17 @@ def _headset(data: Table) -> Headset:
     size_m = _pair(panel, "eye_size_m") if "eye_size_m" in panel else None
     if "lens" in data and size_m is None:
         raise panel.missing("eye_size_m")
-    both = _Both(eyes.within("ipd_m", 0, 1), size_m, data.table("lens") if "lens" in data else None)
-    left = both.eye(eyes.table("left"), -1) if "left" in eyes else both.straight(data.table("fov_deg"))
+    eye = partial(_eye, eyes.within("ipd_m", 0, 1), size_m, data.table("lens") if "lens" in data else None)
+    if "left" in eyes:
+        left = eye(eyes.table("left"), -1)
+    else:  # one that looks straight ahead, by four angles
+        fov_deg = data.table("fov_deg")
+        fov = Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up")))
+        left = eye(Table({}), -1, fov)
     other = eyes.raw("right") if "right" in eyes else MIRRORED
     if isinstance(other, str) and other != MIRRORED:
         raise eyes.fault("right", f"is '{other}': expected \"{MIRRORED}\", or a table")
-    right = left.mirrored() if other == MIRRORED else both.eye(eyes.table("right"), 1)
+    right = left.mirrored() if other == MIRRORED else eye(eyes.table("right"), 1)
     return Headset(
         name=data.text("name"),
         summary=data.text("summary"),
@@ -206,40 +211,27 @@ def _pair(data: Table, key: str) -> tuple[float, float]:
     return first, second
 
 
-@attrs.frozen
-class _Both:
-    """What both eyes have in common."""
-
-    ipd_m: float
-    size_m: tuple[float, float] | None
-    lens: Table | None
-
-    def straight(self, fov_deg: Table) -> HeadsetEye:
-        """Return a left eye that looks straight ahead, by four angles."""
-        fov = Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up")))
-        return HeadsetEye(Pose((-self.ipd_m / 2, 0, 0)), fov, self.size_m, self._lens(None, -1, fov))
-
-    def eye(self, data: Table, side: int) -> HeadsetEye:
-        """Return the left (side -1) or the right eye (1) by its own table."""
-        offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
-        place = np.add(offset_m, (side * self.ipd_m / 2, 0, 0))
-        half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
-        turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
-        if "orientation_xyzw" in data:
-            turn = data.numbers("orientation_xyzw", 4)
-        fov = Fov.from_tangents(data.numbers("tangents", 4))
-        return HeadsetEye(Pose(place, turn), fov, self.size_m, self._lens(data, side, fov), _hidden(data, fov))
-
-    def _lens(self, data: Table | None, side: int, fov: Fov) -> Lens | None:
-        if self.lens is None or self.size_m is None:
-            return None
-        model = self.lens.text("model")
+def _eye(
+    ipd_m: float, size_m: tuple[float, float] | None, lens: Table | None, data: Table, side: int, fov: Fov | None = None
+) -> HeadsetEye:
+    """Return the left (side -1) or right eye (1) by its table; fov: in place of its tangents."""
+    offset_m = data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)
+    place = np.add(offset_m, (side * ipd_m / 2, 0, 0))
+    half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
+    turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
+    if "orientation_xyzw" in data:
+        turn = data.numbers("orientation_xyzw", 4)
+    fov = Fov.from_tangents(data.numbers("tangents", 4)) if fov is None else fov
+    made: Lens | None = None
+    if lens is not None and size_m is not None:
+        model = lens.text("model")
         if model not in MODELS:
             raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
-        x, y = _pair(self.lens, "axis_from_centre_m") if model != "mesh" else (0.0, 0.0)
-        axis = _pair(data, "lens_axis_m") if data is not None and "lens_axis_m" in data else (-side * x, y)
-        corner = np.array(self.size_m) / 2 + np.abs(axis)
-        return MODELS[model].of(self.lens, axis, float(np.hypot(*corner)), fov, self.size_m)
+        x, y = _pair(lens, "axis_from_centre_m") if model != "mesh" else (0.0, 0.0)
+        axis = _pair(data, "lens_axis_m") if "lens_axis_m" in data else (-side * x, y)
+        corner = np.array(size_m) / 2 + np.abs(axis)
+        made = MODELS[model].of(lens, axis, float(np.hypot(*corner)), fov, size_m)
+    return HeadsetEye(Pose(place, turn), fov, size_m, made, _hidden(data, fov))
 
 
 def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:

@@ -233,7 +233,9 @@ def geometry(gpu):
     """Everything the client can draw, drawn once, so that what is compiled and allocated for it is
     there already."""
     scene = ClientScene(gpu)
-    scene.draw_depth(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0)
+    scene.server.draw_depth(
+        View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), SHOWN_SIZE, allocate(gpu.gl, SHOWN_SIZE, SCALAR), 0
+    )
     return scene
 
 

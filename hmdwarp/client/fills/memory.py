@@ -325,7 +325,7 @@ class Memory(Fill):
         self._kept: list[Keyframe] = []
         self._last: dict[int, tuple[View, int]] = {}
         self._turn = 0
-        self._forgets = self.geometry is None or not self.geometry.is_still
+        self._forgets = self.geometry is None or not self.geometry.scene.is_still
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         rendered, shown = inputs.rendered, inputs.middle
