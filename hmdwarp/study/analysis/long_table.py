@@ -171,10 +171,7 @@ def _place(settings: Mapping[str, Any]) -> tuple[Any, ...]:
 
 
 def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> Ratings:
-    """Return the ratings of one origin; every session is read by the plan that it ran with.
-
-    A study that does not name its only part has no part's name.
-    """
+    """Return the ratings of one origin, by each session's own plan; a nameless part has no name."""
     kept = of_origin(contents, origin)
     if not kept.sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
@@ -502,10 +499,7 @@ def name_of(settings: Mapping[str, Any]) -> str:
 
 
 def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratings:
-    """Return the ratings of a long table (a file) or of a study's store.
-
-    A shipped study without a store stands for the ratings published with it.
-    """
+    """Return the ratings of a table or of a study's store; published ones where it has none."""
     if not name.endswith(".toml") and Path(name).is_file():
         return from_csv(Path(name), options)
     if name.endswith((".csv", ".tsv", ".txt")):
@@ -523,10 +517,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
 
 
 def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOptions) -> Ratings:
-    """Return the ratings of one source, or of several tables, as the exports of several sites.
-
-    These are of one origin and the same scales, and no two have the same session.
-    """
+    """Return the ratings of one source, or of tables of one origin and the same scales."""
     if len(names) == 1:
         return ratings_from(names[0], store, options)
     every, seen = list[Ratings](), dict[tuple[str, str, int], str]()

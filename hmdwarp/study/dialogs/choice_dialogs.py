@@ -325,8 +325,7 @@ NOTED_S = 5.0  # how long a note stays
 class QuestionDialog:
     """Question with its answer so far.
 
-    Nothing is chosen beforehand: a default would draw answers to itself. A repeated question says
-    so, or the participant wonders what is different.
+    Nothing is chosen beforehand: a default would draw answers to itself.
     """
 
     def __init__(self, ask: Ask, now_s: Callable[[], float], hints: InputHints = KEYS, again: bool = False) -> None:

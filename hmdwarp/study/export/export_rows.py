@@ -22,7 +22,7 @@ from ...resources import __version__, import_extra
 from ...scenes import ACTIONS, InputEvent
 from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, FILES, KINDS, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
-from ..scales import FIRST, NEITHER, PREFERENCE, RATING, SECOND, Scale, scored
+from ..scales import FIRST, NEITHER, PREFERENCE, SECOND, Scale, scored
 from ..scales import KINDS as SCALE_KINDS
 from ..store import COMPLETE, DECLINED, ORIGINS, PERSON, STATUSES, UNCONSENTED, Answer, Contents, Session, Showing
 
@@ -118,10 +118,7 @@ def column_of(name: str) -> Column:
 
 
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
-    """Return COLUMNS, the rows' other settings after SETTINGS, `more` before the scale.
-
-    RATED_COLUMNS are the last where a row has them.
-    """
+    """Return COLUMNS with the rows' other settings, `more` before the scale, RATED_COLUMNS last."""
     others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
     rated = [column.name for column in RATED_COLUMNS if any(row.get(column.name) is not None for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
@@ -135,11 +132,7 @@ def label_of(text: str) -> str:
 
 
 def field_text(value: Any) -> str:
-    """Format one value, n/a for a missing one.
-
-    Numbers are the shortest text that reads back as the same one, whole ones without a point; texts
-    are report.inert_text.
-    """
+    """Format a value as report.inert_text, n/a for none; numbers read back as the same."""
     if value is None or value == "":
         return MISSING
     if isinstance(value, bool):
@@ -208,10 +201,7 @@ def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
 
 
 def onset_s(session: Session, showing: Showing) -> float | None:
-    """Return when the trial's first picture was seen, since the session began.
-
-    By the instant before it in sessions of older versions; None if the clock was set back.
-    """
+    """Return when the first picture was seen, in the session; None if the clock was set back."""
     if showing.actual.get("onset_s") is not None:
         return float(round(showing.actual["onset_s"], _DIGITS))
     passed = datetime.fromisoformat(showing.started_utc) - datetime.fromisoformat(session.started_utc)
@@ -243,11 +233,7 @@ class SessionData:
 
 
 def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
-    """Return all sessions, each with the plan that it ran with.
-
-    design: the present plan, which must know their conditions.
-    Errors: InputError for a session of another plan.
-    """
+    """Return all sessions, each with its own plan. design: the present one, for conditions."""
     read: dict[str, Design] = {design.text: design}
     answers, showings = defaultdict[int, dict[str, Answer]](dict), defaultdict[int, dict[int, Showing]](dict)
     for answer in sorted(contents.answers, key=lambda answer: (answer.revision, answer.id)):
@@ -286,10 +272,9 @@ def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
 
 
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
-    """Keep sessions of one origin: people, pilots and programs are never mixed.
+    """Keep sessions of one origin and with consent: people, pilots and programs are never mixed.
 
-    Sessions without consent are left out: they have no participant. The others come in the order of
-    the random words, so that the order of arrival does not show.
+    They come in the order of the random words, so that the order of arrival does not show.
     """
     chosen = (session for session in contents.sessions if session.origin == origin and session.consented)
     sessions = tuple(sorted(chosen, key=lambda session: (session.sub, session.number)))
@@ -310,16 +295,8 @@ def without_consent(contents: Contents, origin: str = PERSON) -> tuple[int, int]
 
 
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return one row per planned question, with its `phase` and `kind`.
-
-    A missing answer has a row with the reason. Of revised answers only the last one counts.
-    """
+    """Return one row per planned question, with the reason where it has no answer."""
     return [answer_row(design, data, ask) for data in sessions_of(contents, design) for ask in data.asks.values()]
-
-
-def is_rated(row: Row) -> bool:
-    """Return whether it is a row of the long table: of a rating or choice after a trial."""
-    return row["phase"] == "trial" and row["kind"] in (RATING, PREFERENCE)
 
 
 def score_rows(contents: Contents, design: Design) -> list[Row]:

@@ -19,7 +19,7 @@ from ...resources import __version__, install_line, made_text
 from ...run import DESKTOP, OPENXR
 from ...scenes import inputs_beside, read_inputs
 from ..design import Design, Show
-from ..scales import Scale
+from ..scales import PREFERENCE, RATING, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents, Session, Showing
 from . import export_rows as tables
 from .export_rows import Column, Row, columns_for, columns_in, tsv_text
@@ -413,7 +413,8 @@ def export(
             "choose another folder, or replace it with --force"
         )
     answers = tables.answer_rows(kept, design)
-    ratings = [row for row in answers if tables.is_rated(row)]
+    kinds = (RATING, PREFERENCE)
+    ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] in kinds]
     with OutputFolder(out, owned=OWNED, last="README", force=options.force, private=True) as folder:
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):

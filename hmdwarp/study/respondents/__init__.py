@@ -107,10 +107,7 @@ class RatingModel:
 
 @attrs.frozen(kw_only=True)
 class OtherRatings:
-    """Ratings on scales and of conditions that a model does not name.
-
-    All but `missing` are shares of the scale, from its best (0) to its worst (1).
-    """
+    """Other ratings, but `missing` as shares of the scale, from its best (0) to its worst (1)."""
 
     mean: float = _within(0, 1, attrs.NOTHING)  # of a condition
     reference: float = _within(0, 1, attrs.NOTHING)  # of a hidden reference
@@ -285,10 +282,7 @@ class Cohort:
 
 
 class Population:
-    """All that many simulated studies of one part have in common.
-
-    Errors: InputError where the model lacks a scale or a condition of the study.
-    """
+    """What many simulated studies of one part have in common. Errors: InputError."""
 
     def __init__(self, model: Model, design: Design, part: str) -> None:
         self.model, self.design, self.part = model, design, design.part(part)

@@ -14,10 +14,8 @@ from typing import Any
 
 import attrs
 
-from ...display import Display
 from ...errors import MachineError
 from ...resources import import_extra
-from ...run import OFFSCREEN
 
 EXTRA = "lsl"
 TYPE = "Markers"  # of the stream, by which recorders know it
@@ -110,9 +108,3 @@ class MarkerStream:
         reading = ClockReading.of(self._now_ns, self._lsl.local_clock)
         self.error_s = max(self.error_s, reading.error_s)
         return reading
-
-
-def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> MarkerStream:
-    """Return a stream of markers stamped by a display's clock; about: further facts."""
-    facts = {**about, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
-    return MarkerStream(name, facts, display.now_ns, is_simulated=display.name == OFFSCREEN)

@@ -18,12 +18,20 @@ from ...scenes import ACTIONS, InputBook
 from ..actual import actual_of
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
 from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, ConsentDialog, PageDialog
-from ..dialogs.dialog_panels import InputHints, hints_for
+from ..dialogs.dialog_panels import InputHints, hints_for, message_panel
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from . import step_handlers as handlers
-from . import wording
-from .step_handlers import CONFIRMS, LOST, PAUSE, DialogHandler, PanelHandler, SessionContext, StepHandler
-from .wording import HeadRange, step_name
+from .step_handlers import (
+    CONFIRMS,
+    LOST,
+    PAUSE,
+    DialogHandler,
+    HeadRange,
+    PanelHandler,
+    SessionContext,
+    StepHandler,
+    step_name,
+)
 
 BY = "hmdwarp study"
 TIME = "time"  # ended a trial, where no one did
@@ -35,10 +43,7 @@ PATIENCE_S = 30.0  # for the first frame
 
 
 def first_picture_wait_s(latencies_ms: Sequence[float]) -> float:
-    """Return how long frames are under way before the first picture, the same for all trials.
-
-    A wait as long as the latency, or as building the pipeline, would tell the condition.
-    """
+    """Return how long frames are under way first, for all trials, or it tells the condition."""
     return max(latencies_ms, default=0.0) * 1e-3 + SETTLED_S
 
 
@@ -91,7 +96,7 @@ class TrialHandler(StepHandler):
 
     def label(self) -> Label:
         hints = hints_for(self.context.display.name)
-        return "" if self.pictures else wording.number_panel(self.step, self.context.steps, hints)
+        return "" if self.pictures else handlers.number_panel(self.step, self.context.steps, hints)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -251,7 +256,7 @@ class SessionRunner:
                 self._wait_until_ready(first, None)  # the other steps do so themselves
             for step in self._undone():
                 if self.context.break_due and not (isinstance(step, Ask) and step.about):
-                    self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
+                    self._rest(Pause(handlers.REQUESTED_BREAK, 0.0))
                 self._do(step)
         except Over as over:
             return over.status
@@ -261,8 +266,8 @@ class SessionRunner:
         return [step for step in self.context.steps if step.key not in self.context.done]
 
     def _wait_until_ready(self, next_step: Step, own: Page | None) -> None:
-        panel = wording.ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
-        self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(wording.READY, ""), panel))
+        panel = handlers.ready_panel(next_step, self.context.steps, self.resumed, self.hints, own)
+        self._pursue(lambda: handlers.ConfirmHandler(self.context, Read(handlers.READY, ""), panel))
 
     def farewell(self, status: str) -> None:
         """Show the last panel. All is stored by now: an error here no longer matters."""
@@ -270,8 +275,11 @@ class SessionRunner:
         seconds = FAREWELL_S if own is None else reading_s(own.text)
         how: dict[str, Any] = {"seconds": seconds, "phase": "over", "may_close": own is not None}
         with suppress(Closed, Exception):
-            panel = wording.farewell_panel(status, own, self.hints)
-            self.driver.run(PanelHandler(self.context, Read(wording.END, ""), panel, **how))
+            if own is None:
+                panel = message_panel(*handlers.FAREWELL[status])
+            else:
+                panel = handlers.page_panel(own, f"{self.hints.confirm}: close", own.text)
+            self.driver.run(PanelHandler(self.context, Read(handlers.END, ""), panel, **how))
 
     # --- steps ---
 
@@ -320,7 +328,7 @@ class SessionRunner:
             if context.markers is not None and not context.markers.are_received:
                 say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
-            panel = wording.number_panel(step, context.steps, self.hints)
+            panel = handlers.number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self._run_trial(step, panel_ns)
             context.shown = step
@@ -333,8 +341,9 @@ class SessionRunner:
             say(f"{step_name(step, context.steps)}: shown again, from its start")
         context.done.add(step.key)
         self.seen[step.key] = showing
-        if handler.head.is_still:
-            say(f"{step_name(step, context.steps)}: {wording.still_text(handler.head)}")
+        if (head := handler.head).is_still:
+            moved = f"the head hardly moved ({head.turn_deg:.1f} degrees, {head.shift_m * 100:.1f} cm)"
+            say(f"{step_name(step, context.steps)}: {moved}: what was rated is almost a still picture")
 
     def _show_of(self, key: str) -> Show:
         shown = next(step for step in self.context.steps if step.key == key)
@@ -342,10 +351,7 @@ class SessionRunner:
         return shown
 
     def _run_trial(self, step: Show, panel_ns: int) -> tuple[Showing, TrialHandler]:
-        """Run a trial from the black before it (panel_ns: since when) to its end.
-
-        The showing is then in the store, also, as incomplete, when an error leaves it.
-        """
+        """Run a trial from its black (since panel_ns); the showing is in the store then."""
         context = self.context
         options = self.options_of(step)
         source = self.sources[options.scene_key]
@@ -434,7 +440,7 @@ class SessionRunner:
         if chosen == STOP:
             raise Over(STOPPED)
         if chosen == BREAK:
-            self._rest(Pause(wording.REQUESTED_BREAK, 0.0))
+            self._rest(Pause(handlers.REQUESTED_BREAK, 0.0))
         elif chosen == AGAIN:
             if self.answered is None:
                 self.context.console.say("nothing has been answered yet")
@@ -455,7 +461,7 @@ class SessionRunner:
             STOP: True,
         }
         offered = [name for name, is_offered in offers.items() if is_offered]
-        handler = handlers.MenuHandler(self.context, Pause(wording.MENU, 0.0), offered, step)
+        handler = handlers.MenuHandler(self.context, Pause(handlers.MENU, 0.0), offered, step)
         self._drive(handler)
         return handler.dialog.chosen
 
@@ -469,16 +475,16 @@ class SessionRunner:
 
     def _end_if_sick(self) -> None:
         """End the session at the stop rule, after the last questions, but for a slip."""
-        context, rule = self.context, Read(wording.STOP_RULE, "")
+        context, rule = self.context, Read(handlers.STOP_RULE, "")
         if self._is_sick or not self._why_sick():
             return
         try:
             while why := self._why_sick():
-                context.record(wording.STOP_RULE, rule, why=why)
+                context.record(handlers.STOP_RULE, rule, why=why)
                 context.console.say(f"the stop rule: {why}")
                 self.why = why
                 last = [step for step in self._undone() if isinstance(step, Ask) and step.phase == AFTER]
-                handler = handlers.ConfirmHandler(context, rule, wording.sick_panel(bool(last), self.hints))
+                handler = handlers.ConfirmHandler(context, rule, handlers.sick_panel(bool(last), self.hints))
                 self._drive(handler)
                 if not handler.interrupt:
                     self._is_sick = True

@@ -15,10 +15,7 @@ import attrs
 
 
 def to_json(data: Mapping[str, Any]) -> str:
-    """Encode data; NaN and infinite numbers become null, NumPy's numbers and arrays plain ones.
-
-    Errors: TypeError for other objects.
-    """
+    """Encode data; NaN and infinite numbers become null, NumPy's plain. Errors: TypeError."""
     return json.dumps(_plain(data), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 

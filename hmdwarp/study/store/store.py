@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 from ...errors import HmdwarpError, InputError
 from ...report import keep_private
@@ -46,18 +46,8 @@ from .records import (
 )
 
 
-class Clock(Protocol):
-    """Time of day, which may be set back, and time since boot, which never is."""
-
-    def utc(self) -> datetime:
-        """Return the time of day, with a time zone."""
-
-    def mono_ns(self) -> int:
-        """Return nanoseconds since some instant."""
-
-
 class MachineClock:
-    """The machine's own clock."""
+    """Time of day, which may be set back, and nanoseconds since boot, which never are."""
 
     def utc(self) -> datetime:
         return datetime.now(UTC)
@@ -93,7 +83,7 @@ class Store:
         create: bool = False,
         study: str | None = None,
         say: Callable[[str], None] = lambda text: None,
-        clock: Clock | None = None,
+        clock: MachineClock | None = None,
     ) -> None:
         """Open the store of a folder, see folders.store_folder.
 
@@ -228,10 +218,7 @@ class Store:
     def begin_showing(
         self, session: Session, step: Show, settings: Mapping[str, Any], recorded: bool = True
     ) -> Showing:
-        """Record a showing before its first picture; it stays, incomplete, if the program dies.
-
-        recorded: there will be a trace, at traces / showing.trace, a name that is never reused.
-        """
+        """Record a showing before its first picture. recorded: there will be a trace."""
         with self._running(session) as db:
             query = "SELECT coalesce(max(presentation), 0) + 1 FROM showing WHERE session = ? AND key = ?"
             presentation = db.execute(query, (session.id, step.key)).fetchone()[0]
@@ -296,10 +283,7 @@ class Store:
             return {key for (key,) in self._db.execute(query, {"id": session.id})}
 
     def passed_s(self, session: Session) -> float:
-        """Return the time from a session's beginning to its last entry.
-
-        Between two runs of the program by the time of day, unless that was set back meanwhile.
-        """
+        """Return the time since a session began, less gaps over which the clock was set back."""
         with translated(self._path):
             return records.passed_s(self._db, session.id)[0]
 

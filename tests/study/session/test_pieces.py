@@ -23,7 +23,7 @@ from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
 from hmdwarp.study.session.runner import counting, why_sick
 from hmdwarp.study.session.session_options import SessionOptions
-from hmdwarp.study.session.wording import HeadRange
+from hmdwarp.study.session.step_handlers import HeadRange
 from hmdwarp.study.store import Answer
 
 from .conftest import SETTLED_S
