@@ -22,15 +22,15 @@ from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
-from ..export.export_rows import (
+from ..export.write import (
     CANNOT_SAY,
     NOT_ASKED,
     answer_row,
+    no_sessions,
     of_origin,
     sessions_of,
     without_consent,
 )
-from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
 from ..store import DATABASE, PERSON, PILOT, Contents, Store
 

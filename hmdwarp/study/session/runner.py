@@ -17,8 +17,18 @@ from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Rec
 from ...scenes import ACTIONS, InputBook
 from ..actual import actual_of
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
-from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, ConsentDialog, PageDialog
-from ..dialogs.dialog_panels import InputHints, hints_for, message_panel
+from ..dialogs.dialog_panels import (
+    AGAIN,
+    BREAK,
+    CONTINUE,
+    SKIP,
+    STOP,
+    ConsentDialog,
+    InputHints,
+    PageDialog,
+    hints_for,
+    message_panel,
+)
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from . import step_handlers as handlers
 from .step_handlers import (

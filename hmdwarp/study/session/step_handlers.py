@@ -19,8 +19,17 @@ from ...run import FrameHandler
 from ...scenes import scenes
 from .. import design
 from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
-from ..dialogs.choice_dialogs import BreakDialog, MenuDialog, QuestionDialog, TextDialog
-from ..dialogs.dialog_panels import InputHints, MessagePanel, hints_for, message_panel, trial_panel
+from ..dialogs.dialog_panels import (
+    BreakDialog,
+    InputHints,
+    MenuDialog,
+    MessagePanel,
+    QuestionDialog,
+    TextDialog,
+    hints_for,
+    message_panel,
+    trial_panel,
+)
 from ..line_console import ConsoleState, LineConsole
 from ..respondents import Simulated
 from ..scales import WORDS

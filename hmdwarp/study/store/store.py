@@ -26,10 +26,9 @@ from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from ..design import Ask, Design, Show
-from . import admission, database, folders, records
-from .database import transaction, translated
+from . import admission, database, records
+from .database import DATABASE, TRACES, Lock, transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
-from .folders import DATABASE, TRACES, Lock
 from .records import (
     DECLINED,
     INTERRUPTED,
@@ -85,7 +84,7 @@ class Store:
         say: Callable[[str], None] = lambda text: None,
         clock: MachineClock | None = None,
     ) -> None:
-        """Open the store of a folder, see folders.store_folder.
+        """Open the store of a folder, see database.store_folder.
 
         create: create it when the first session begins; a refused session leaves no folder behind.
         study: name that the store must have; None for any. say: receives notes for the user.
@@ -152,7 +151,7 @@ class Store:
         part = admission.chosen_part(design, part)
         if not self.name:
             admission.check_first(code, new_session)
-            folders.check_place(self.folder)
+            database.check_place(self.folder)
             return
         self._take_lock(design.name)
         with suppress(_Undone), self._write() as db:
@@ -234,7 +233,7 @@ class Store:
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace."""
-        trace = showing.trace if showing.trace and folders.sync_trace(self.traces / showing.trace) else ""
+        trace = showing.trace if showing.trace and database.sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
@@ -330,7 +329,7 @@ class Store:
             }
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
         size = sum(path.stat().st_size for path in files)
-        return Holdings(code, sub, **counted, traces=folders.count_of_traces(files), bytes=size)
+        return Holdings(code, sub, **counted, traces=database.count_of_traces(files), bytes=size)
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""
@@ -384,7 +383,7 @@ class Store:
         if self._lock is not None:
             return False
         if self._create and study:
-            folders.make_folders(self.folder)
+            database.make_folders(self.folder)
         else:
             _ = self._db  # there must be one
         keep_private(self.folder, *self.folder.rglob("*"))
@@ -415,7 +414,7 @@ class Store:
     def _copy(self, *, told: bool = True) -> None:
         """Renew the copy; that it fails costs no session. told: whether it says so."""
         try:
-            folders.write_copy(self._db, self.folder)
+            database.write_copy(self._db, self.folder)
         except (sqlite3.Error, OSError) as error:
             if told:
                 self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")

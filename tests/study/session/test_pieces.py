@@ -16,8 +16,7 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
 from hmdwarp.study.design import Ask, Condition, Show, Sickness
-from hmdwarp.study.dialogs.choice_dialogs import PageDialog, TextDialog
-from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS
+from hmdwarp.study.dialogs.dialog_panels import CONTROLLERS, PageDialog, TextDialog
 from hmdwarp.study.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session import program, runner
