@@ -22,15 +22,8 @@ from ...options import RATINGS, text_in
 from ...report import counted, listed, raw_text
 from .. import store as stored
 from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
-from ..export.write import (
-    CANNOT_SAY,
-    NOT_ASKED,
-    answer_row,
-    no_sessions,
-    of_origin,
-    sessions_of,
-    without_consent,
-)
+from ..export import write
+from ..export.write import answer_row, no_sessions, of_origin, sessions_of, without_consent
 from ..scales import PREFERENCE, RATING, Scale, load_scale, scale_names
 from ..store import DATABASE, PERSON, PILOT, Contents, Store
 
@@ -48,8 +41,8 @@ _SESSIONS = {"participant": "", "part": "", "session": 1, "status": "", "why": "
 SETTINGS = ("latency_ms", "warp", "fill", "scene")
 # Why a rating is missing, as exported tables say it, in words.
 _WHY = {
-    CANNOT_SAY: "the participant could not say",
-    NOT_ASKED: "not answered",
+    write.CANNOT_SAY: "the participant could not say",
+    write.NOT_ASKED: "not answered",
     f"session {stored.SICK}": "the stop rule for sickness ended the session before",
     f"session {stored.STOPPED}": "the session was stopped before",
     f"session {stored.INTERRUPTED}": "the session was interrupted and not resumed",

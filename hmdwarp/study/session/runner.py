@@ -17,31 +17,11 @@ from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Rec
 from ...scenes import ACTIONS, InputBook
 from ..actual import actual_of
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
-from ..dialogs.dialog_panels import (
-    AGAIN,
-    BREAK,
-    CONTINUE,
-    SKIP,
-    STOP,
-    ConsentDialog,
-    InputHints,
-    PageDialog,
-    hints_for,
-    message_panel,
-)
+from ..dialogs import dialog_panels as dialogs
+from ..dialogs.dialog_panels import InputHints, hints_for
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from . import step_handlers as handlers
-from .step_handlers import (
-    CONFIRMS,
-    LOST,
-    PAUSE,
-    DialogHandler,
-    HeadRange,
-    PanelHandler,
-    SessionContext,
-    StepHandler,
-    step_name,
-)
+from .step_handlers import DialogHandler, PanelHandler, SessionContext, StepHandler
 
 BY = "hmdwarp study"
 TIME = "time"  # ended a trial, where no one did
@@ -87,7 +67,7 @@ class TrialHandler(StepHandler):
         super().__init__(context, step)
         self._hand = hand
         self._panel_ns, self._log, self._wait_s, self._showing = panel_ns, log, wait_s, showing
-        self.head = HeadRange()  # of the pictures so far
+        self.head = handlers.HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
         self._arrived = self._is_done = self._told = False
         self._restarted_ns: int | None = None
@@ -140,7 +120,7 @@ class TrialHandler(StepHandler):
             elif command.hand is None and not self._told:  # nothing may stand over the picture
                 self._told = True
                 self.context.console.say(f"{command.control}: the scene of this trial does not react to what people do")
-        if self._first_ns is None or command.control not in CONFIRMS:
+        if self._first_ns is None or command.control not in handlers.CONFIRMS:
             return
         if self.step.until_done:
             self.by, self._is_done = by, True
@@ -166,7 +146,7 @@ class TrialHandler(StepHandler):
     def on_display_lost(self, why: str) -> None:
         """End the trial; it is shown again, as a rating must be about an undisturbed one."""
         super().on_display_lost(why)
-        self.interrupt = LOST
+        self.interrupt = handlers.LOST
 
     def describe(self) -> Mapping[str, Any]:
         """Return the times and the frame rate; the age of frames would tell the condition."""
@@ -286,7 +266,7 @@ class SessionRunner:
         how: dict[str, Any] = {"seconds": seconds, "phase": "over", "may_close": own is not None}
         with suppress(Closed, Exception):
             if own is None:
-                panel = message_panel(*handlers.FAREWELL[status])
+                panel = dialogs.message_panel(*handlers.FAREWELL[status])
             else:
                 panel = handlers.page_panel(own, f"{self.hints.confirm}: close", own.text)
             self.driver.run(PanelHandler(self.context, Read(handlers.END, ""), panel, **how))
@@ -299,7 +279,7 @@ class SessionRunner:
                 self._read(step)
             case PageStep():
                 page = step.page
-                dialog = partial(PageDialog, page.title, page.text, self.hints, page.picture)
+                dialog = partial(dialogs.PageDialog, page.title, page.text, self.hints, page.picture)
                 self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="waiting"))
                 self._finish(step)
             case Show():
@@ -315,7 +295,7 @@ class SessionRunner:
                 self._finish(step)
 
     def _read(self, step: Read) -> None:
-        dialog = partial(ConsentDialog, step.text, self.hints)
+        dialog = partial(dialogs.ConsentDialog, step.text, self.hints)
         handler = self._pursue(lambda: DialogHandler(self.context, step, dialog(), phase="reading"))
         if handler.dialog.refused:
             self.context.record("refused", step, by=handler.by)
@@ -346,14 +326,14 @@ class SessionRunner:
             self._just_seen = step.key if showing.complete else ""
             if showing.complete:
                 break
-            if handler.interrupt != LOST:
+            if handler.interrupt != handlers.LOST:
                 self._between(handler.interrupt, step)
-            say(f"{step_name(step, context.steps)}: shown again, from its start")
+            say(f"{handlers.step_name(step, context.steps)}: shown again, from its start")
         context.done.add(step.key)
         self.seen[step.key] = showing
         if (head := handler.head).is_still:
             moved = f"the head hardly moved ({head.turn_deg:.1f} degrees, {head.shift_m * 100:.1f} cm)"
-            say(f"{step_name(step, context.steps)}: {moved}: what was rated is almost a still picture")
+            say(f"{handlers.step_name(step, context.steps)}: {moved}: what was rated is almost a still picture")
 
     def _show_of(self, key: str) -> Show:
         shown = next(step for step in self.context.steps if step.key == key)
@@ -416,7 +396,7 @@ class SessionRunner:
         text = step.scale.words_for(step.item, answer.value, answer.text) or (
             "left unanswered" if answer.value is None else f"{answer.value:g}"
         )
-        name = step_name(step, context.steps)
+        name = handlers.step_name(step, context.steps)
         where = f"{name}, {step.scale.title}" if step.about else name
         context.console.say(f"{where}: {text}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = context.design.sickness
@@ -440,18 +420,20 @@ class SessionRunner:
             self._drive(handler)
             if not handler.interrupt:
                 return handler
-            if self._between(handler.interrupt, handler.step) == SKIP and isinstance(handler, handlers.QuestionHandler):
+            if self._between(handler.interrupt, handler.step) == dialogs.SKIP and isinstance(
+                handler, handlers.QuestionHandler
+            ):
                 handler.leave_unanswered()
                 return handler
 
     def _between(self, interrupt: str, step: Step) -> str:
         """Do what an interrupt requests. Returns what was done."""
-        chosen = self._menu(step) if interrupt == PAUSE else interrupt
-        if chosen == STOP:
+        chosen = self._menu(step) if interrupt == handlers.PAUSE else interrupt
+        if chosen == dialogs.STOP:
             raise Over(STOPPED)
-        if chosen == BREAK:
+        if chosen == dialogs.BREAK:
             self._rest(Pause(handlers.REQUESTED_BREAK, 0.0))
-        elif chosen == AGAIN:
+        elif chosen == dialogs.AGAIN:
             if self.answered is None:
                 self.context.console.say("nothing has been answered yet")
             elif not self._asking_again:
@@ -464,11 +446,11 @@ class SessionRunner:
 
     def _menu(self, step: Step) -> str:
         offers = {
-            CONTINUE: True,
-            BREAK: not isinstance(step, Pause),
-            AGAIN: self.answered is not None and not self._asking_again,
-            SKIP: isinstance(step, Ask),
-            STOP: True,
+            dialogs.CONTINUE: True,
+            dialogs.BREAK: not isinstance(step, Pause),
+            dialogs.AGAIN: self.answered is not None and not self._asking_again,
+            dialogs.SKIP: isinstance(step, Ask),
+            dialogs.STOP: True,
         }
         offered = [name for name, is_offered in offers.items() if is_offered]
         handler = handlers.MenuHandler(self.context, Pause(handlers.MENU, 0.0), offered, step)

@@ -19,17 +19,8 @@ from ...run import FrameHandler
 from ...scenes import scenes
 from .. import design
 from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
-from ..dialogs.dialog_panels import (
-    BreakDialog,
-    InputHints,
-    MenuDialog,
-    MessagePanel,
-    QuestionDialog,
-    TextDialog,
-    hints_for,
-    message_panel,
-    trial_panel,
-)
+from ..dialogs import dialog_panels as dialogs
+from ..dialogs.dialog_panels import InputHints, MessagePanel, hints_for, message_panel, trial_panel
 from ..line_console import ConsoleState, LineConsole
 from ..respondents import Simulated
 from ..scales import WORDS
@@ -363,14 +354,18 @@ class DialogHandler(StepHandler, Generic[D]):
             self.by, self.seconds = by, self.elapsed_s
 
 
-class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
+class QuestionHandler(DialogHandler[dialogs.QuestionDialog | dialogs.TextDialog]):
     """Question. again: whether it was asked before."""
 
     phase = "asking"
 
     def __init__(self, context: SessionContext, ask: Ask, again: bool = False) -> None:
         hints, is_text = hints_for(context.display.name), ask.item.answer == WORDS
-        dialog = TextDialog(ask, hints, again) if is_text else QuestionDialog(ask, context.now_s, hints, again)
+        dialog = (
+            dialogs.TextDialog(ask, hints, again)
+            if is_text
+            else dialogs.QuestionDialog(ask, context.now_s, hints, again)
+        )
         super().__init__(context, ask, dialog)
 
     def leave_unanswered(self) -> None:
@@ -385,14 +380,14 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
         return {"phase": self.phase, "question": self.dialog.question()}
 
 
-class BreakHandler(DialogHandler[BreakDialog]):
+class BreakHandler(DialogHandler[dialogs.BreakDialog]):
     """Break. until_ns: when it may end, on the display's clock."""
 
     phase = "break"
 
     def __init__(self, context: SessionContext, pause: Pause, until_ns: int) -> None:
         left_s = max(0.0, (until_ns - context.display.now_ns()) * 1e-9)
-        super().__init__(context, pause, BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
+        super().__init__(context, pause, dialogs.BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
 
     def receive(self, by: str, command: Command) -> None:
         """Ignore a request for a break within a break."""
@@ -403,13 +398,13 @@ class BreakHandler(DialogHandler[BreakDialog]):
         return {"phase": self.phase, "left_s": self.dialog.left_s}
 
 
-class MenuHandler(DialogHandler[MenuDialog]):
+class MenuHandler(DialogHandler[dialogs.MenuDialog]):
     """Menu, which the experimenter's pause opens too. during: the interrupted step."""
 
     phase = "paused"
 
     def __init__(self, context: SessionContext, pause: Pause, offered: Sequence[str], during: Step) -> None:
-        super().__init__(context, pause, MenuDialog(offered, hints_for(context.display.name)), during)
+        super().__init__(context, pause, dialogs.MenuDialog(offered, hints_for(context.display.name)), during)
 
     def receive(self, by: str, command: Command) -> None:
         """Pass every command to the menu; the choice is in the journal before it has effect."""

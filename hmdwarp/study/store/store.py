@@ -29,20 +29,7 @@ from ..design import Ask, Design, Show
 from . import admission, database, records
 from .database import DATABASE, TRACES, Lock, transaction, translated
 from .erasing import Holdings, erase, finish_erasing, known
-from .records import (
-    DECLINED,
-    INTERRUPTED,
-    RUNNING,
-    STATUSES,
-    STOPPED,
-    UNCONSENTED,
-    Answer,
-    Contents,
-    Session,
-    Showing,
-    clean,
-    to_json,
-)
+from .records import Answer, Contents, Session, Showing, clean, to_json
 
 
 class MachineClock:
@@ -175,7 +162,9 @@ class Store:
         self._take_lock()
         with self._write() as db:
             session = admission.to_resume(db, code, part)
-            db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
+            db.execute(
+                "UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (records.RUNNING, session.id)
+            )
             self._event(session, "resume", data=facts or {})
             if not records.passed_s(db, session.id)[1]:
                 self._say(
@@ -185,24 +174,24 @@ class Store:
             return records.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """End a session with one of STATUSES but RUNNING, and renew the copy of the store.
+        """End a session with one of records.STATUSES but records.RUNNING, and renew the copy of the store.
 
-        why: in words. DECLINED needs "refused" in the journal; a session that is STOPPED before its
-        consent was given is returned as UNCONSENTED.
+        why: in words. records.DECLINED needs "refused" in the journal; a session that is records.STOPPED before its
+        consent was given is returned as records.UNCONSENTED.
         """
-        if status not in STATUSES or status in (RUNNING, UNCONSENTED):
+        if status not in records.STATUSES or status in (records.RUNNING, records.UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
         with self._running(session) as db:
             self._event(session, "end", data={"status": status, "why": why})
             now = self._now()
             db.execute(
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
-                (STOPPED if status == DECLINED else status, now, clean(why), session.id),
+                (records.STOPPED if status == records.DECLINED else status, now, clean(why), session.id),
             )
             ended = records.session(db, session.id)
-            if (ended.status == DECLINED) != (status == DECLINED):
+            if (ended.status == records.DECLINED) != (status == records.DECLINED):
                 raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
-        self._copy(told=status != INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
+        self._copy(told=status != records.INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
         return ended
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
@@ -405,11 +394,11 @@ class Store:
         for code in self._finished:
             self._say(f"the withdrawal of participant {code} was interrupted; it is finished now")
             self._copy()
-        died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
+        died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (records.RUNNING,))]
         with self._write() as db:
             for id_ in died:
                 self._event(records.session(db, id_), "interrupted", data={"why": "the program died"})
-                db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
+                db.execute("UPDATE session SET status = ? WHERE id = ?", (records.INTERRUPTED, id_))
 
     def _copy(self, *, told: bool = True) -> None:
         """Renew the copy; that it fails costs no session. told: whether it says so."""
@@ -439,7 +428,7 @@ class Store:
         """Open a transaction of a running session. Errors: HmdwarpError where it is over."""
         with self._write() as db:
             now = records.session(db, session.id)
-            if now.status != RUNNING:
+            if now.status != records.RUNNING:
                 raise HmdwarpError(
                     f"session {now.number} of participant {now.code} is {now.status}: nothing more can be stored in it"
                 )
