@@ -11,6 +11,10 @@ import reprlib
 from collections.abc import Sequence
 
 FILE = "FILE"  # how an entry begins that stands for a file of the user
+# What converting to numbers raises for a text, a ragged list, an integer of 400 digits, a tensor.
+NO_NUMBERS = (TypeError, ValueError, OverflowError, RuntimeError)
+_SHOWN = 80  # characters of a value in a message
+_IRREGULAR = {"person": "people", "refresh": "refreshes"}  # plurals in messages
 
 
 class HmdwarpError(Exception):
@@ -55,12 +59,6 @@ class PlanError(InputError):
 
 class ShaderError(HmdwarpError):
     """A shader that does not compile or link, or a uniform set by a name that it lacks."""
-
-
-# What converting to numbers raises for a text, a ragged list, an integer of 400 digits, a tensor.
-NO_NUMBERS = (TypeError, ValueError, OverflowError, RuntimeError)
-_SHOWN = 80  # characters of a value in a message
-_IRREGULAR = {"person": "people", "refresh": "refreshes"}  # plurals in messages
 
 
 def counted(number: int, word: str) -> str:

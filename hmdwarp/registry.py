@@ -59,31 +59,24 @@ def _text(value: object) -> str:
     return (value if isinstance(value, str) else ", ".join(value) if isinstance(value, Iterable) else "") or "none"
 
 
+@attrs.define(eq=False, slots=False)
 class Registry(Generic[T]):
     """Entries of one kind: one per public file of `package`, if any, plus those of other packages.
 
     File names give the names, so listing them imports no entry; those with an underscore are none.
     """
 
-    def __init__(
-        self,
-        kind: str,
-        package: str,
-        group: str = "",
-        of_table: Callable[[str, dict[str, Any]], T] | None = None,
-        *,
-        holds_objects: bool = False,
-        columns: str = "",
-        modules: Mapping[str, str] | None = None,
-    ) -> None:
-        self.kind = kind  # singular, for messages: "warp"
-        self.package = package  # dotted name of the package that holds the entries
-        self.group = f"hmdwarp.{group or package.rpartition('.')[2]}"  # of the entry points
-        self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
-        self._columns = columns  # of describe()
-        self._holds_objects = holds_objects  # whether an entry is an object: a class that registers is made
-        self._modules = modules or {}  # by entry, the module that declares it with others
-        self._entries: dict[str, T] = {}
+    kind: str  # singular, for messages: "warp"
+    package: str  # dotted name of the package that holds the entries
+    group: str = ""  # of the entry points, by default the last part of the package's name
+    _of_table: Callable[[str, dict[str, Any]], T] | None = None  # makes an entry of its name and its table
+    _holds_objects: bool = attrs.field(default=False, kw_only=True)  # a class that registers is made
+    _columns: str = attrs.field(default="", kw_only=True)  # of describe()
+    _modules: Mapping[str, str] = attrs.field(factory=dict, kw_only=True)  # by entry, what declares it with others
+    _entries: dict[str, T] = attrs.field(factory=dict, init=False)
+
+    def __attrs_post_init__(self) -> None:
+        self.group = f"hmdwarp.{self.group or self.package.rpartition('.')[2]}"
 
     def register(self, entry: E) -> E:
         """Add `entry` under its `name`; works as a class decorator. Refuse a second one."""

@@ -19,8 +19,7 @@ from eyes import with_eyes
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects._base import ExpandPass
+from hmdwarp.client.effects import ExpandPass, Tools
 from hmdwarp.geometry import Fovea
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset

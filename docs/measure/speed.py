@@ -37,7 +37,7 @@ from hmdwarp.geometry import Fov, View
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
-from hmdwarp.run.combinations import OpenCvWarp
+from hmdwarp.run.measuring import OpenCvWarp
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import attrs
 import numpy as np
@@ -35,13 +35,11 @@ class Convention:
     label: str
     needs: str  # the frames that show it
     fields: tuple[str, ...]  # the parts of a reading that state it
-    # Its value in words, where a reading differs; `plain` where it does not, if that differs.
-    words: Callable[[Reading, Stated], str]
     # What is fitted for it, and the standard error beyond which it is unknown: of the factor's
     # logarithm; of the offset, in the median; of the way along the ray; in pixels; in frames.
     numbers: tuple[str, ...] = ()
     vague: float = math.inf
-    plain: str = "as stated"
+    plain: str = "as stated"  # its value in words, where a reading does not differ
 
 
 def differences(reading: Reading) -> tuple[str, ...]:
@@ -66,34 +64,36 @@ def restored(reading: Reading, name: str) -> Reading:
 
 
 def value(reading: Reading, stated: Stated, name: str) -> str:
-    """Return what a reading takes one convention for."""
-    one = CONVENTIONS[name]
-    return one.words(reading, stated) if not one.plain or name in differences(reading) else one.plain
-
-
-def _rows(reading: Reading, _: Stated) -> str:
-    colour, depth = reading.colour_rows_up, reading.depth_rows_up
-    if colour == depth:
-        return "bottom row first" if colour else "top row first"
-    return f"{'colour' if colour else 'depth'} bottom row first"
-
-
-def _late(reading: Reading, stated: Stated) -> str:
-    when = "before" if reading.late_s > 0 else "after"
-    frames = abs(reading.late_s) / (stated.interval_s or math.inf)
-    return f"{abs(reading.late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture"
-
-
-def _focal(reading: Reading, stated: Stated) -> str:
-    height, width = stated.frames[0].depth.shape
-    stated_px = stated.frames[0].view.fov.intrinsics((width, height))[:2]
-    return "focal lengths {:.4g}, {:.4g} pixels, in place of {:.4g}, {:.4g}".format(
-        *(length / wide for length, wide in zip(stated_px, (reading.wide_x, reading.wide_y), strict=True)), *stated_px
-    )
-
-
-def _centre(reading: Reading, _: Stated) -> str:
-    return f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} pixels to the right and down of where it is stated"
+    """Return what a reading takes one convention for, in words."""
+    if CONVENTIONS[name].plain and name not in differences(reading):
+        return CONVENTIONS[name].plain
+    if name == SCALE:
+        return " of what is stated".join(_scale_of(reading.factor))
+    if name == ENCODING and reading.kind == METRES:
+        return "reversed depth, converted as if it were not"
+    if name == ENCODING:
+        low, near, far, is_reversed = _planes(reading, stated)
+        planes = f"near {near:.3g} m, far {'infinite' if math.isinf(far) else f'{far:.3g} m'}"
+        return f"{'reversed ' if is_reversed else ''}depth buffer of {low:g} to 1, {planes}"
+    colour_up, late_s, (height, width) = reading.colour_rows_up, reading.late_s, stated.frames[0].depth.shape
+    rows = "bottom row first" if colour_up or reading.depth_rows_up else "top row first"
+    which = ("colour " if colour_up else "depth ") if colour_up != reading.depth_rows_up else ""
+    frames, when = abs(late_s) / (stated.interval_s or math.inf), "before" if late_s > 0 else "after"
+    x_px, y_px = stated.frames[0].view.fov.intrinsics((width, height))[:2]
+    true_px = f"{x_px / reading.wide_x:.4g}, {y_px / reading.wide_y:.4g}"
+    return {
+        ORDER: " ".join(reading.order),
+        DIRECTION: "eye from world",
+        AXES: f"{reading.axes}, {'left' if np.linalg.det(eye_axes(reading.axes)) < 0 else 'right'}-handed",
+        ROWS: which + rows,
+        EYES: "left and right swapped",
+        RAY: "the ray",
+        PLANES: f"inverse depth off by {reading.offset:+.3g} /m: another near or far plane",
+        FOCAL: f"focal lengths {true_px} pixels, in place of {x_px:.4g}, {y_px:.4g}",
+        CENTRE: f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} pixels to the right and down of where it is stated",
+        PIXEL: f"{reading.pixel_x:+.2f}, {reading.pixel_y:+.2f} pixels to the right and down",
+        TIME: f"{abs(late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture",
+    }[name]
 
 
 def _scale_of(factor: float) -> tuple[str, str]:
@@ -112,78 +112,27 @@ def _planes(reading: Reading, stated: Stated) -> tuple[float, float, float, bool
     return low, 1 / near, 1 / far if far > 0.005 else math.inf, is_reversed
 
 
-def _encoding(reading: Reading, stated: Stated) -> str:
-    if reading.kind == METRES:
-        return "reversed depth, converted as if it were not"
-    low, near, far, is_reversed = _planes(reading, stated)
-    planes = f"near {near:.3g} m, far {'infinite' if math.isinf(far) else f'{far:.3g} m'}"
-    return f"{'reversed ' if is_reversed else ''}depth buffer of {low:g} to 1, {planes}"
-
-
 _POSES_DIFFER = "frames that are turned and moved against each other"
 _APART = "frames from places farther apart"
 _DEPTH = ("kind", "factor", "end", "offset")
 _WIDE, _PIXELS = ("wide_x", "wide_y"), ("pixel_x", "pixel_y")
+_ROWS = "frames that look up or down, roll or rise against each other"
+_EYES = "pairs of eyes at several places of the head: give two folders, the left eye's first"
+_TIME = "five or more frames with times, close together, while the head changes its speed"
 CONVENTIONS = {
-    ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), lambda one, _: " ".join(one.order), plain=""),
-    DIRECTION: Convention("pose", _POSES_DIFFER, ("inverse",), lambda _, __: "eye from world", plain="world from eye"),
-    AXES: Convention(
-        "axes",
-        _POSES_DIFFER,
-        ("axes",),
-        lambda one, _: f"{one.axes}, {'left' if np.linalg.det(eye_axes(one.axes)) < 0 else 'right'}-handed",
-        plain="",
-    ),
-    ROWS: Convention(
-        "rows",
-        "frames that look up or down, roll or rise against each other",
-        ("colour_rows_up", "depth_rows_up"),
-        _rows,
-        plain="",
-    ),
-    EYES: Convention(
-        "eyes",
-        "pairs of eyes at several places of the head: give two folders, the left eye's first",
-        ("eyes_swapped",),
-        lambda _, __: "left and right swapped",
-        plain="as named",
-    ),
-    RAY: Convention(
-        "depth along", f"{_APART}, or a wider view", ("along",), lambda _, __: "the ray", ("along",), 0.2, "-z"
-    ),
-    ENCODING: Convention("depth encoding", _APART, _DEPTH, _encoding, plain="distance"),
-    PLANES: Convention(
-        "near and far",
-        f"{_APART}, with things near and far",
-        ("offset",),
-        lambda one, _: f"inverse depth off by {one.offset:+.3g} /m: another near or far plane",
-        ("factor", "offset"),
-        0.1,
-    ),
-    SCALE: Convention(
-        "depth scale", _APART, _DEPTH, lambda one, _: " of what is stated".join(_scale_of(one.factor)), ("factor",), 0.1
-    ),
-    FOCAL: Convention(
-        "field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _focal, _WIDE, 0.05
-    ),
-    CENTRE: Convention("principal point", "frames that roll, or approach something", _PIXELS, _centre, _PIXELS, 5.0),
-    PIXEL: Convention(
-        "pixel centres",
-        "frames that roll or approach",
-        _PIXELS,
-        lambda one, _: f"{one.pixel_x:+.2f}, {one.pixel_y:+.2f} pixels to the right and down",
-        _PIXELS,
-        0.15,
-    ),
-    TIME: Convention(
-        "time of the pose",
-        "five or more frames with times, close together, while the head changes its speed",
-        ("late_s",),
-        _late,
-        ("late_s",),
-        0.15,
-        "that of the picture",
-    ),
+    ORDER: Convention("quaternion order", _POSES_DIFFER, ("order",), plain=""),
+    DIRECTION: Convention("pose", _POSES_DIFFER, ("inverse",), plain="world from eye"),
+    AXES: Convention("axes", _POSES_DIFFER, ("axes",), plain=""),
+    ROWS: Convention("rows", _ROWS, ("colour_rows_up", "depth_rows_up"), plain=""),
+    EYES: Convention("eyes", _EYES, ("eyes_swapped",), plain="as named"),
+    RAY: Convention("depth along", f"{_APART}, or a wider view", ("along",), ("along",), 0.2, "-z"),
+    ENCODING: Convention("depth encoding", _APART, _DEPTH, plain="distance"),
+    PLANES: Convention("near and far", f"{_APART}, with things near and far", ("offset",), ("factor", "offset"), 0.1),
+    SCALE: Convention("depth scale", _APART, _DEPTH, ("factor",), 0.1),
+    FOCAL: Convention("field of view", "a head that turns far, both ways, and moves ahead or back", _WIDE, _WIDE, 0.05),
+    CENTRE: Convention("principal point", "frames that roll, or approach something", _PIXELS, _PIXELS, 5.0),
+    PIXEL: Convention("pixel centres", "frames that roll or approach", _PIXELS, _PIXELS, 0.15),
+    TIME: Convention("time of the pose", _TIME, ("late_s",), ("late_s",), 0.15, "that of the picture"),
 }
 
 

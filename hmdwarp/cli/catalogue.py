@@ -57,7 +57,7 @@ def entries(kind: str) -> list[Row]:
     if kind != "warps":
         return rows
     from ..client.variants import every_baseline, parse_warp
-    from ..run.combinations import OUTSIDE, missing
+    from ..run.measuring import OUTSIDE, missing
 
     own = {row["name"]: row for row in rows}
     for text, system in every_baseline().items():

@@ -10,38 +10,14 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import scenes
 from ..frames import Frame
 from ..frames.layers import Inbox
 from ..frames.layers.scene_parts import Delivery
 from ..geometry import View
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Owner, allocate, drawing_into
-from ..scenes import (
-    ArrivedState,
-    Pieces,
-    Scene,
-    only_emission,
-    partial_scene,
-    pieces_of,
-    reduced,
-    unlit,
-    with_lamps_stopped,
-)
-from ..sources.server import (
-    ArrivingLight,
-    ConvergedLight,
-    Framebuffers,
-    Lighting,
-    Multisampled,
-    Renderer,
-    SceneBuffers,
-    ScenePasses,
-    SceneTextures,
-    Server,
-    Target,
-    clear_depth,
-    moving_parts,
-)
+from ..sources import server as drawing
 from .inputs import ShownPicture
 
 Size = tuple[int, int]
@@ -55,8 +31,7 @@ class Store(Owner):
     None where there is one only.
     """
 
-    # The frame layer whose updates it receives, see receiver_of; "" for none.
-    layer: ClassVar[str] = ""
+    layer: ClassVar[str] = ""  # The frame layer whose updates it receives, see receiver_of; "" for none.
 
     def __init__(self, client: ClientScene, wanted: Any) -> None:
         self.client, self.wanted = client, wanted
@@ -102,7 +77,7 @@ class ClientScene:
     the server's scene knows of its own motion, where that comes with the frames.
     """
 
-    def __init__(self, server: Renderer, arrived: ArrivedState | None = None) -> None:
+    def __init__(self, server: drawing.Renderer, arrived: scenes.ArrivedState | None = None) -> None:
         self.server, self.gpu, self.scene = server, server.gpu, server.scene
         self._arrived = arrived
         self._stores: dict[tuple[type[Store], Hashable], Store] = {}
@@ -153,7 +128,7 @@ class ClientScene:
         self._stores.clear()
 
 
-Light = TypeVar("Light", bound=Lighting)
+Light = TypeVar("Light", bound=drawing.Lighting)
 
 
 class Surfaces(Owner):
@@ -163,19 +138,19 @@ class Surfaces(Owner):
     colour is their mean, inverse depth that of the pixel's centre.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, *kinds: type[Lighting], samples: int = 1) -> None:
+    def __init__(self, gpu: Gpu, scene: scenes.Scene, *kinds: type[drawing.Lighting], samples: int = 1) -> None:
         self.scene, self._gpu = scene, gpu
-        self._several = self.own(Multisampled(gpu, samples)) if samples > 1 else None
+        self._several = self.own(drawing.Multisampled(gpu, samples)) if samples > 1 else None
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
-        textures = self.own(SceneTextures(gpu, scene))
-        self._buffers = self.own(SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], textures))
-        self._moving = [self.own(part) for part in moving_parts(gpu, scene, textures)]
-        self._framebuffers = self.own(Framebuffers(gpu.gl))
+        textures = self.own(drawing.SceneTextures(gpu, scene))
+        self._buffers = self.own(drawing.SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], textures))
+        self._moving = [self.own(part) for part in drawing.moving_parts(gpu, scene, textures)]
+        self._framebuffers = self.own(drawing.Framebuffers(gpu.gl))
         self._passes = {kind: self._passes_of(colour=True, light=kind) for kind in kinds}
-        self._depth: ScenePasses | None = None
+        self._depth: drawing.ScenePasses | None = None
 
-    def _passes_of(self, **how: Any) -> ScenePasses:
-        return self.own(ScenePasses(self._gpu, self.scene, self._buffers, moving=self._moving, **how))
+    def _passes_of(self, **how: Any) -> drawing.ScenePasses:
+        return self.own(drawing.ScenePasses(self._gpu, self.scene, self._buffers, moving=self._moving, **how))
 
     def reserve(self, size: Size) -> None:
         """Allocate what pictures of that size need."""
@@ -185,7 +160,9 @@ class Surfaces(Owner):
         """Return the light of the passes of that kind; None without lamps."""
         return cast("Light | None", self._passes[kind].lighting)
 
-    def draw(self, view: View, into: ShownPicture, time_ns: int, kind: type[Lighting] = ConvergedLight) -> None:
+    def draw(
+        self, view: View, into: ShownPicture, time_ns: int, kind: type[drawing.Lighting] = drawing.ConvergedLight
+    ) -> None:
         """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0).
 
         What is read as data, not seen, has one sample a pixel: a mean of normals is none.
@@ -213,18 +190,18 @@ class ReducedModel(Store):
 
     def __init__(self, client: ClientScene, wanted: tuple[float, float]) -> None:
         super().__init__(client, wanted)
-        self._scene = reduced(with_lamps_stopped(client.scene), wanted[0], texture=wanted[1])
+        self._scene = scenes.reduced(scenes.with_lamps_stopped(client.scene), wanted[0], texture=wanted[1])
         self._drawn: dict[bool | None, DrawnModel] = {}
 
     def drawn(self, *, lit: bool) -> DrawnModel:
         """Return the model with baked light, else with light of 1 everywhere (albedo)."""
         if lit not in self._drawn:
-            self._drawn[lit] = self.own(DrawnModel(self.client, self._scene if lit else unlit(self._scene)))
+            self._drawn[lit] = self.own(DrawnModel(self.client, self._scene if lit else scenes.unlit(self._scene)))
         return self._drawn[lit]
 
     def shining(self) -> DrawnModel | None:
         """Return the model with what its textures emit alone, black elsewhere; None without any."""
-        if None not in self._drawn and (scene := only_emission(self._scene)) is not None:
+        if None not in self._drawn and (scene := scenes.only_emission(self._scene)) is not None:
             self._drawn[None] = self.own(DrawnModel(self.client, scene))
         return self._drawn.get(None)
 
@@ -237,8 +214,8 @@ class ReducedModel(Store):
 class DrawnModel(Surfaces):
     """A model that can also be drawn into holes alone, then with one sample a pixel."""
 
-    def __init__(self, client: ClientScene, scene: Scene) -> None:
-        super().__init__(client.gpu, scene, ConvergedLight, samples=client.server.samples)
+    def __init__(self, client: ClientScene, scene: scenes.Scene) -> None:
+        super().__init__(client.gpu, scene, drawing.ConvergedLight, samples=client.server.samples)
         gpu, self._gl = client.gpu, client.gpu.gl
         self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
         self._empty = self.own(gpu.gl.vertex_array(self._cover.program, []))
@@ -250,14 +227,14 @@ class DrawnModel(Surfaces):
         Covered pixels get the nearest value in the depth buffer, so that only holes are shaded.
         """
         framebuffer, gl = self._over(into), self._gl
-        clear_depth(gl, framebuffer)
+        drawing.clear_depth(gl, framebuffer)
         picture.colour.texture.use(0)
         (picture.inverse_depth if picture.inverse_depth is not None else self._no_depth).use(1)
         self._cover.uniforms.set(warped=0, warped_inverse_depth=1)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
         gl.polygon_offset = 0.0, 2.0  # surfaces at the near plane must stay behind covered pixels
-        self._passes[ConvergedLight].draw_into(view, framebuffer, None, time_ns)
+        self._passes[drawing.ConvergedLight].draw_into(view, framebuffer, None, time_ns)
         gl.polygon_offset = 0.0, 0.0
 
 
@@ -271,30 +248,32 @@ class WholeScene(Store):
 
     def __init__(self, client: ClientScene, wanted: Any) -> None:
         super().__init__(client, wanted)
-        self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
+        self.scene = scenes.partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
         is_own = self.scene is not client.scene
         self._renderer = self.own(server_of(client.server, self.scene)) if is_own else client.server
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the whole picture."""
-        target = Target(into.colour.texture, into.depth)
+        target = drawing.Target(into.colour.texture, into.depth)
         self._renderer.draw(view, target.size, target, time_ns)
 
     def weights(self) -> list[dict[str, Any]]:
         return [whole_weight(self.scene, self.wanted.share, self.wanted.texture)]
 
 
-def server_of(server: Renderer, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
+def server_of(
+    server: drawing.Renderer, scene: scenes.Scene, lighting: drawing.Lighting | None = None, *, changes: bool = False
+) -> drawing.Server:
     """Return a server of another scene, which draws as `server` does where that draws.
 
     changes: whether its textures will.
     """
-    if isinstance(server, Server):
+    if isinstance(server, drawing.Server):
         return server.of_another(scene, lighting, changes=changes)
-    return Server(server.gpu, scene, lighting=lighting, changes=changes)
+    return drawing.Server(server.gpu, scene, lighting=lighting, changes=changes)
 
 
-def weight_of(scene: Scene) -> dict[str, int]:
+def weight_of(scene: scenes.Scene) -> dict[str, int]:
     """Return `triangles`, `geometry_bytes` and `texture_bytes` of a scene, uncompressed.
 
     Vertices are a position, a place on the texture and a light in float32; triangles three 32-bit
@@ -309,12 +288,12 @@ def weight_of(scene: Scene) -> dict[str, int]:
     }
 
 
-def whole_weight(scene: Scene, share: float = 1.0, texture: float = 1.0) -> dict[str, Any]:
+def whole_weight(scene: scenes.Scene, share: float = 1.0, texture: float = 1.0) -> dict[str, Any]:
     """Return the weight of a scene that is drawn instead of a picture, with what crosses of it.
 
     It crosses once, packed: at the start, so until the first whole picture, and in all.
     """
-    packed = dict.fromkeys(("start_up_bytes", "first_picture_bytes", "arrived_bytes"), Pieces(scene).whole_bytes)
+    packed = dict.fromkeys(("start_up_bytes", "first_picture_bytes", "arrived_bytes"), scenes.Pieces(scene).whole_bytes)
     return {"share": share, "texture": texture, **weight_of(scene), **packed}
 
 
@@ -330,11 +309,13 @@ class ArrivingScene(Store):
 
     def __init__(self, client: ClientScene, wanted: Delivery) -> None:
         super().__init__(client, wanted)
-        pieces = pieces_of(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
+        pieces = scenes.pieces_of(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
         self._pieces, self._inbox = pieces, Inbox()
         blank, gpu = pieces.blank(), client.gpu
         light = pieces.light
-        self._light = self.own(ArrivingLight(gpu, blank, light, pieces.most_blockers)) if light is not None else None
+        self._light = (
+            self.own(drawing.ArrivingLight(gpu, blank, light, pieces.most_blockers)) if light is not None else None
+        )
         self._renderer = self.own(server_of(client.server, blank, self._light, changes=True))
         self._first = set(pieces.first)
         self._here: set[int] = set()  # the meshes that have come
@@ -376,7 +357,7 @@ class ArrivingScene(Store):
         self._unpack_ms, self._worst_ms = self._unpack_ms + took_ms, max(self._worst_ms, took_ms)
 
     def _draw_what_is_here(self) -> None:
-        drawn: dict[SceneBuffers, list[int]] = {buffers: [] for buffers in self._renderer.surfaces()}
+        drawn: dict[drawing.SceneBuffers, list[int]] = {buffers: [] for buffers in self._renderer.surfaces()}
         for (index, stands_in), (buffers, number) in self._places.items():
             if stands_in != (index in self._here):
                 drawn[buffers].append(number)
@@ -389,7 +370,7 @@ class ArrivingScene(Store):
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the whole picture: holes alone before the stand-ins have come."""
-        target = Target(into.colour.texture, into.depth)
+        target = drawing.Target(into.colour.texture, into.depth)
         if self._first:
             self._renderer.clear(target)
         else:
@@ -414,7 +395,9 @@ class ArrivingScene(Store):
         return [weight]
 
 
-def _places(renderer: Server, blank: Scene, pieces: Pieces) -> dict[tuple[int, bool], tuple[SceneBuffers, int]]:
+def _places(
+    renderer: drawing.Server, blank: scenes.Scene, pieces: scenes.Pieces
+) -> dict[tuple[int, bool], tuple[drawing.SceneBuffers, int]]:
     """Return where each piece is drawn from, and (True) each stand-in."""
     found = {id(mesh): (buffers, k) for buffers in renderer.surfaces() for k, mesh in enumerate(buffers.meshes)}
     own = iter(blank.meshes)

@@ -15,8 +15,7 @@ from ..gpu.textures import SCALAR, Canvas, Owner, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
-from .effects import RenderedPass, ShownPass, Tools
-from .effects._base import ExpandPass
+from .effects import ExpandPass, RenderedPass, ShownPass, Tools
 from .effects.text import HeldPanel, PanelsPass, held_panels
 from .inputs import PassInputs, ShownPicture
 from .lens import LensPass, SeenPanel
@@ -34,20 +33,14 @@ class EyeResult:
     belong to the compensator, which overwrites them at the next frame of that eye.
     """
 
-    # The shown view, at the middle of the scan-out if the display has one.
-    view: View
-    # After the warp, with the coverage before the fill.
-    warped: Canvas | None
-    # Before the lens.
-    shown: Canvas | None
-    # The picture for the display.
-    panel: Canvas
-    # After each fill of the chain, by its name.
-    filled: tuple[tuple[str, Canvas], ...] = ()
+    view: View  # The shown view, at the middle of the scan-out if the display has one.
+    warped: Canvas | None  # After the warp, with the coverage before the fill.
+    shown: Canvas | None  # Before the lens.
+    panel: Canvas  # The picture for the display.
+    filled: tuple[tuple[str, Canvas], ...] = ()  # After each fill of the chain, by its name.
     # r32f, of `shown`, -1 where it is unknown; None unless the plan makes it.
     inverse_depth: moderngl.Texture | None = None
-    # Those that the display composes, the farthest first.
-    panels: tuple[HeldPanel, ...] = ()
+    panels: tuple[HeldPanel, ...] = ()  # Those that the display composes, the farthest first.
 
 
 @attrs.frozen(eq=False)

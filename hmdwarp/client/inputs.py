@@ -18,20 +18,17 @@ class PassInputs:
     """One eye's rendered picture and the view to show it in."""
 
     rendered: EyeImage
-    # The view when the first row lights up.
-    shown: View
+    shown: View  # The view when the first row lights up.
     eye: int = 0
     # Other rendered pictures of the scene with their own views: the other eye's, then those that
     # the server chose for this one, then this eye's older ones, newest first.
     others: tuple[EyeImage, ...] = ()
-    # This eye's frames straight before the rendered one, newest first.
-    recent: tuple[EyeImage, ...] = ()
+    recent: tuple[EyeImage, ...] = ()  # This eye's frames straight before the rendered one, newest first.
     # The view when the last row lights up, None for a display that lights up at once.
     shown_last: View | None = None
     # r32f of the shown size: the client's own depth in the shown view, -1 where nothing is.
     client_inverse_depth: moderngl.Texture | None = None
-    # When the first row is seen.
-    shown_ns: int = 0
+    shown_ns: int = 0  # When the first row is seen.
     # The rendered picture as it arrived, None where no pass has changed `rendered` since.
     drawn: EyeImage | None = None
 
@@ -77,8 +74,7 @@ def as_image(image: EyeImage, surface: Surface) -> EyeImage:
 class ShownPicture:
     """The shown picture."""
 
-    # rgba16f, linear, coverage in alpha.
-    colour: Canvas
+    colour: Canvas  # rgba16f, linear, coverage in alpha.
     # r32f of the same size, 1/m in the shown view, -1 where unknown (a hole, or a filled pixel
     # without depth); None where no pass of the plan reads it.
     inverse_depth: moderngl.Texture | None = None

@@ -17,8 +17,7 @@ from ..frames.layers import PICTURE, layers, readable, readable_names
 from ..geometry import Fovea
 from ..options import Choice
 from ..scenes import CONVERGED
-from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
-from .effects._base import EXPANDED, ExpandPass
+from .effects import EXPANDED, Effect, EffectPass, ExpandPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
 from .variants import fill_text, lit_by, parse_fills, parse_warp
@@ -37,11 +36,9 @@ STEP_SHOWN_DEPTH = "shown depth"
 class Step:
     """One pass of the plan."""
 
-    # The stage of gpu.timer that its time counts to.
-    stage: str
+    stage: str  # The stage of gpu.timer that its time counts to.
     name: str
-    # The reason for it.
-    reason: str
+    reason: str  # The reason for it.
     reads: tuple[str, ...]
     writes: tuple[str, ...]
 
@@ -73,30 +70,22 @@ class PlannedEffect:
 class Plan:
     """The ordered passes, and those left out with their reasons."""
 
-    # Names of the compensated effects, in the order of effect_passes.
-    effects: tuple[str, ...]
-    # The warp with its settings, and the chain of fills with theirs.
-    choice: Choice[Warp]
-    fills: tuple[Choice[Fill], ...]
+    effects: tuple[str, ...]  # Names of the compensated effects, in the order of effect_passes.
+    choice: Choice[Warp]  # The warp with its settings.
+    fills: tuple[Choice[Fill], ...]  # The chain of fills with theirs.
     lens: type[LensPass]
-    # Whether the warp applies the lens itself.
-    fused: bool
+    fused: bool  # Whether the warp applies the lens itself.
     # Whether the warp gives every row a view of its own: of the panel if it is fused, else of the
     # shown view, as if the lens kept rows where they are (on the DK1 that is off by 2 % of the
     # scan-out on average, 15 % in a corner).
     scanout: bool
-    # In the order they run.
-    effect_passes: tuple[PlannedEffect, ...]
+    effect_passes: tuple[PlannedEffect, ...]  # In the order they run.
     steps: tuple[Step, ...]
-    # Names and reasons.
-    left_out: tuple[tuple[str, str], ...]
-    # Whether the display reads the depth of what is shown.
-    hands_depth_on: bool = False
-    # Whether the display composes panels, and what it compensates alone.
-    hands_panels_on: bool = False
-    handed_on: tuple[PlannedEffect, ...] = ()
-    # The layers that say how the server lights the pictures.
-    lit: Needs = Needs()
+    left_out: tuple[tuple[str, str], ...]  # Names and reasons.
+    hands_depth_on: bool = False  # Whether the display reads the depth of what is shown.
+    hands_panels_on: bool = False  # Whether the display composes panels.
+    handed_on: tuple[PlannedEffect, ...] = ()  # What it compensates alone.
+    lit: Needs = Needs()  # The layers that say how the server lights the pictures.
     # The layers that come in place of pictures, coarser away from where the eye looks.
     foveated: Needs = Needs()
 

@@ -1,11 +1,38 @@
-"""Settings of warps and fills that have limits."""
+"""What warps, fills, effects and lenses declare: settings with limits, and words in a table."""
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import Any
+import tomllib
+from pathlib import Path
+from typing import Any, TypeVar
 
 import attrs
+
+from ..registry import Registry
+
+T = TypeVar("T")
+E = TypeVar("E")
+
+
+class DescribedRegistry(Registry[T]):
+    """A registry whose table `_table.toml`, beside its entries, has what they say of themselves.
+
+    An entry of another package says it in its class.
+    """
+
+    @functools.cached_property
+    def table(self) -> dict[str, dict[str, Any]]:
+        """What is said, by the name of the entry."""
+        path = Path(__file__).with_name(self.package.rpartition(".")[2]) / "_table.toml"
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+
+    def register(self, entry: E) -> E:
+        """Add an entry, with its words. See Registry.register."""
+        for key, said in self.table.get(entry.name, {}).items():  # type: ignore[attr-defined]
+            setattr(entry, key, said)
+        return super().register(entry)
 
 
 def limited(default: float, least: float = 0.0, most: float = math.inf, of: str = "", *, above: bool = False) -> Any:

@@ -1,6 +1,6 @@
 """Kinds of warps, for those of other packages: base classes, and what they share."""
 
-from .warps._base import ArrayWarp
+from .warps import ArrayWarp
 from .warps.forward import OrderedScatter, ScatterWarp, check_room
 from .warps.gather import (
     DEPTH_FLOOR,

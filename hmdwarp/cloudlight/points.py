@@ -36,9 +36,9 @@ from ..sources.server.parts import (
     Sending,
     boxes_at,
     distances,
-    may_be_seen,
     parts,
 )
+from ..sources.server.passes import may_be_seen
 from .photons import octahedral
 from .radiosity import OFF_M, direct_light, of_atlas, transport_of
 

@@ -20,8 +20,7 @@ class Face:
     name: str
     column: int  # where it lies in the picture
     row: int  # 0 is the bottom row
-    # how it is turned against the eye, quaternion xyzw
-    eye_from_face: tuple[float, float, float, float]
+    eye_from_face: tuple[float, float, float, float]  # how it is turned against the eye, quaternion xyzw
 
 
 FACES = (

@@ -25,10 +25,8 @@ MOST_RIM = 16
 class Fovea:
     """How large the sharp rectangle is, and how coarse the rim. Errors: InputError."""
 
-    # Angle across, as if seen around the view's axis.
-    degrees: float = 40.0
-    # Pixels of the picture on each axis that one of the rim holds.
-    rim: int = 4
+    degrees: float = 40.0  # Angle across, as if seen around the view's axis.
+    rim: int = 4  # Pixels of the picture on each axis that one of the rim holds.
 
     def __attrs_post_init__(self) -> None:
         if not 0 < self.degrees < 180:
@@ -92,11 +90,9 @@ def looking(views: Sequence[View], gaze: tuple[float, float, float] | None) -> S
 class FoveaGrid:
     """Which columns and rows of a picture each column and row of the coarser one holds."""
 
-    # (w, h) of the picture.
-    size: Size
+    size: Size  # (w, h) of the picture.
     rim: int
-    # Columns of the rim at the left, rows below; and at the right, above.
-    before: tuple[int, int]
+    before: tuple[int, int]  # Columns of the rim at the left, rows below; and at the right, above.
     after: tuple[int, int]
 
     @property

@@ -29,8 +29,7 @@ class GuardBand:
 
     x: float = 1.0
     y: float = 1.0
-    # (w, h) of the rendered picture; decides instead of the factors.
-    size: Size | None = None
+    size: Size | None = None  # (w, h) of the rendered picture; decides instead of the factors.
 
     def __attrs_post_init__(self) -> None:
         if not all(factor >= 1 and math.isfinite(factor) for factor in (self.x, self.y)):
@@ -262,10 +261,8 @@ class Hidden:
     mesh leave cracks of a pixel between them, which are closed.
     """
 
-    # In tangents.
-    polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)
-    # The view without a guard band.
-    fov: Fov = attrs.field(validator=is_a(Fov))
+    polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)  # In tangents.
+    fov: Fov = attrs.field(validator=is_a(Fov))  # The view without a guard band.
     # By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
     margins: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False, eq=False)

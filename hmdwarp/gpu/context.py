@@ -92,8 +92,7 @@ class _Lent:
     thing: moderngl.Texture
     source: object
     users: int = 0
-    # The Gpu that used it last.
-    last: Gpu | None = None
+    last: Gpu | None = None  # The Gpu that used it last.
 
 
 @attrs.frozen(eq=False)

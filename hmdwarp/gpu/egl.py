@@ -142,10 +142,8 @@ class Device:
     """One device that EGL knows."""
 
     index: int
-    # The kernel's file of a GPU, such as /dev/dri/card0; "" for a software renderer.
-    file: str
-    # EGL's pointer.
-    handle: int = attrs.field(repr=False)
+    file: str  # The kernel's file of a GPU, such as /dev/dri/card0; "" for a software renderer.
+    handle: int = attrs.field(repr=False)  # EGL's pointer.
 
 
 class _Egl:

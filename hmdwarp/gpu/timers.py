@@ -39,8 +39,7 @@ def has_real_gpu_timer(gl: moderngl.Context) -> bool:
             framebuffer.clear(0.5, 0.5, 0.5, 0.5)
 
     measures_draws = _agrees_with_the_wall(gl, clear, _LEAST_SHARE)
-    framebuffer.release()
-    texture.release()
+    release_all(framebuffer, texture)
     if not measures_draws:
         return False
     with _copying(gl, _PROBE_BYTES) as run:
@@ -90,11 +89,8 @@ def check_clocks(gl: moderngl.Context, clock: str, rounds: int = 5) -> ClockChec
     if clock == "wall":
         told = f"({gpu_ms:.3g} ms for a pass of {wall_ms:.2f} ms)"
         return ClockCheck("wall", wall_ms, None, f"wall clock: this driver's GPU timers are unusable {told}")
-    apart = (wall_ms - gpu_ms) / gpu_ms
-    note = (
-        f"GPU timers; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by wall clock ({apart:+.1%}: launching and "
-        "waiting)"
-    )
+    apart = f"({(wall_ms - gpu_ms) / gpu_ms:+.1%}: launching and waiting)"
+    note = f"GPU timers; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by wall clock {apart}"
     return ClockCheck("gpu", wall_ms, gpu_ms, note)
 
 
@@ -110,10 +106,7 @@ class Lap:
     _free: list[moderngl.Query]
 
     def read(self) -> Stages:
-        """Return the times of all stages; waits for the GPU if it has not finished.
-
-        May be called again.
-        """
+        """Return the times of all stages; waits for the GPU. May be called again."""
         for name, query in self._pending:
             self._done.append((name, query.elapsed * 1e-6))
             self._free.append(query)
@@ -129,7 +122,6 @@ class Laps(Lap):
         self._laps = laps
 
     def read(self) -> Stages:
-        """Return the times of all stages of all laps; see Lap.read."""
         return tuple(stage for lap in self._laps for stage in lap.read())
 
 
@@ -174,99 +166,76 @@ class StageTimer:
             (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
             self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
 
-    def stage(self, name: str, *, barrier: bool = False) -> GpuStage | WallStage:
+    def stage(self, name: str, *, barrier: bool = False) -> Stage:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 
         Blocks that raise do not count. What it returns can be entered any number of times, one
         after the other. barrier: make what is stored inside visible to all that follows.
         """
-        return GpuStage(self, name, barrier) if self.clock == "gpu" else WallStage(self, name, barrier)
+        return Stage(self, name, barrier)
 
-    def cpu_stage(self, name: str) -> WallStage:
+    def cpu_stage(self, name: str) -> Stage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
-        return WallStage(self, name, of_cpu=True)
+        return Stage(self, name, of_cpu=True)
 
     def add(self, name: str, milliseconds: float) -> None:
         """Count work done elsewhere than in GL, timed by the caller, as a stage of this lap."""
         self._done.append((name, milliseconds))
 
     def lap(self) -> Lap:
-        """Return every stage since the last lap, in order.
-
-        A lap that is never read costs its queries.
-        """
+        """Return every stage since the last lap; one that is never read costs its queries."""
         lap = Lap(self._pending, self._done, self._free)
         self._pending, self._done = [], []
         self._lap_started_ns = time.perf_counter_ns()
         return lap
 
     def collect(self) -> list[tuple[str, float]]:
-        """Return (stage, ms) of every stage since the last lap.
-
-        Waits for the GPU if it has not finished.
-        """
+        """Return (stage, ms) of every stage since the last lap; waits for the GPU."""
         return list(self.lap().read())
 
 
-class GpuStage:
-    """A stage timed by a query.
+class Stage:
+    """A stage timed by a query, or by the wall clock between two instants at which the GPU is idle.
 
-    A class, because contextlib's generators cost 3 us each and a refresh has ten.
+    Inside StageTimer.without_waiting it is not idle, and only stages of the CPU have a wall clock's
+    time. A class, because contextlib's generators cost 3 us each and a refresh has ten.
     """
 
-    __slots__ = ("_barrier", "_name", "_query", "_timer")
-
-    def __init__(self, timer: StageTimer, name: str, barrier: bool) -> None:
-        self._timer, self._name, self._barrier = timer, name, barrier
-
-    def __enter__(self) -> None:
-        timer = self._timer
-        self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
-        self._query.__enter__()
-
-    def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
-        if self._barrier and error is None:
-            self._timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-        self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
-        if error is None:
-            self._timer._pending.append((self._name, self._query))
-        else:
-            self._timer._free.append(self._query)
-
-
-class WallStage:
-    """A stage timed by the wall clock, between two instants at which the GPU is idle.
-
-    Inside StageTimer.without_waiting it is not idle, and only stages of the CPU are timed.
-    """
-
-    __slots__ = ("_barrier", "_name", "_of_cpu", "_started_ns", "_timer")
+    __slots__ = ("_barrier", "_by_query", "_name", "_of_cpu", "_query", "_started_ns", "_timer")
 
     def __init__(self, timer: StageTimer, name: str, barrier: bool = False, of_cpu: bool = False) -> None:
         self._timer, self._name, self._barrier, self._of_cpu = timer, name, barrier, of_cpu
+        self._by_query = timer.clock == "gpu" and not of_cpu
 
     def __enter__(self) -> None:
-        if self._timer._waits:
-            self._timer._gl.finish()
-        self._started_ns = time.perf_counter_ns()
-
-    def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
-        if error is not None:
-            return
         timer = self._timer
-        if self._barrier:
-            timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        if self._by_query:
+            self._query = timer._free.pop() if timer._free else timer._gl.query(time=True)
+            self._query.__enter__()
+            return
         if timer._waits:
             timer._gl.finish()
-        if timer._waits or self._of_cpu:
-            timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
+        self._started_ns = time.perf_counter_ns()
+
+    def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
+        timer = self._timer
+        if self._barrier and error is None:
+            timer._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        if self._by_query:
+            self._query.__exit__(error, *rest)  # type: ignore[arg-type]  # moderngl types each argument as a tuple
+            if error is None:
+                timer._pending.append((self._name, self._query))
+            else:
+                timer._free.append(self._query)
+        elif error is None:
+            if timer._waits:
+                timer._gl.finish()
+            if timer._waits or self._of_cpu:
+                timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
 
 
 def both_clocks(gl: moderngl.Context, run: Callable[[], object]) -> tuple[float, float]:
-    """Return (wall_ms, gpu_ms) of one run.
-
-    Wall clock until the GPU has finished, and a timer query, real or not.
-    """
+    """Return (wall_ms, gpu_ms) of one run: until the GPU has finished; by a query, real or not."""
     query = gl.query(time=True)
     gl.finish()
     started = time.perf_counter_ns()

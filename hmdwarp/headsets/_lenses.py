@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Self
 
 import attrs
 import numpy as np
@@ -21,26 +21,6 @@ Array = NDArray[np.float64]
 Pair = tuple[float, float]
 
 
-class Lens(Protocol):
-    """A lens in front of one eye's panel."""
-
-    model: ClassVar[str]  # the pass that corrects it, in client/lens
-
-    @property
-    def axis_from_centre_m(self) -> Pair:
-        """Where its axis meets the panel, from the panel's middle."""
-
-    @property
-    def unit_m(self) -> float:
-        """The unit of the radius."""
-
-    def mirrored(self) -> Lens:
-        """Return the other eye's lens."""
-
-    def tangents(self, colour: str, on_lens: Array) -> Array:
-        """Return the tangents (..., 2) of places (..., 2) in units; NaN where it shows nothing."""
-
-
 def refuse_unless_positive(**values: float) -> None:
     """Raise InputError for a value that is no number above 0."""
     for name, value in values.items():
@@ -56,11 +36,11 @@ class _Round:
         return 0.0, 0.0
 
     def scales(self, colour: str, r: Array) -> Array:
-        """Return the tangent that the lens shows at radius r from its axis, over r."""
+        """Return the tangent that it shows at radius r from the colour's axis, over r, or NaN."""
         raise NotImplementedError
 
     def tangents(self, colour: str, on_lens: Array) -> Array:
-        """Return the tangents of places on it."""
+        """Return the tangents (..., 2) of places (..., 2) in units; NaN where it shows nothing."""
         from_centre = on_lens - self.centre(colour)
         return np.asarray(from_centre * self.scales(colour, np.hypot(*np.moveaxis(from_centre, -1, 0)))[..., None])
 
@@ -69,9 +49,8 @@ class _Round:
 class _OneAxis(_Round):
     """A lens with one axis for all colours."""
 
-    # where it meets the eye's panel, from the panel's centre
-    axis_from_centre_m: Pair
-    unit_m: float
+    axis_from_centre_m: Pair  # where it meets the eye's panel, from the panel's middle
+    unit_m: float  # of the radius
 
     def mirrored(self) -> Self:
         """Return the other eye's lens."""
@@ -104,7 +83,6 @@ class RadialLens(_OneAxis):
         return cls(axis, unit_m, per_unit, coefficients, reach_m / unit_m if unit_m else 0.0)
 
     def scales(self, colour: str, r: Array) -> Array:
-        """Return the tangent that the lens shows at radius r, over r."""
         return np.asarray(self.tangent_per_unit * polynomial.polyval(r * r, np.array(self.coefficients[colour])))
 
     def __attrs_post_init__(self) -> None:
@@ -173,8 +151,7 @@ class TableLens(_OneAxis):
     @classmethod
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> TableLens:
         """Return the lens of a file's table: one `distance`, or one for each colour."""
-        keys = dict.fromkeys(COLOURS, "distance") if "distance" in data else {colour: colour for colour in COLOURS}
-        distances = {colour: data.numbers(key) for colour, key in keys.items()}
+        distances = {colour: data.numbers("distance" if "distance" in data else colour) for colour in COLOURS}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
 
     @property
@@ -183,7 +160,6 @@ class TableLens(_OneAxis):
         return max(values[-1] for values in self.distances.values())
 
     def scales(self, colour: str, r: Array) -> Array:
-        """Return the tangent that the lens shows at radius r, over r; NaN beyond the table."""
         from scipy.interpolate import PchipInterpolator
 
         spline = PchipInterpolator(self.distances[colour], np.radians(self.angle_deg), extrapolate=False)
@@ -224,15 +200,12 @@ class ViveLens(_Round):
                 )
 
     def centre(self, colour: str) -> Pair:
-        """Return the colour's own centre."""
         return self.centres[colour]
 
     def mirrored(self) -> ViveLens:
-        """Return the other eye's lens."""
         return attrs.evolve(self, centres={colour: (-x, y) for colour, (x, y) in self.centres.items()})
 
     def scales(self, colour: str, r: Array) -> Array:
-        """Return the tangent that the lens shows at radius r from the colour's centre, over r."""
         k1, k2, k3, k4 = self.coefficients[colour]
         return np.asarray((1 / polynomial.polyval(r * r, [1, k1, k2, k3]) + k4) / self.focal)
 
@@ -257,12 +230,11 @@ class MeshLens:
     def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> MeshLens:
         """Return the lens of a file's table: one `uv` of the eye's view, or one for each colour."""
         columns, rows = (data.whole(side, 2, MOST_POINTS) for side in ("columns", "rows"))
-        keys = dict.fromkeys(COLOURS, "uv") if "uv" in data else {colour: colour for colour in COLOURS}
         low, high = fov.tangents[::2], fov.tangents[1::2]
         points = {}
-        for colour, key in keys.items():
-            uv = np.reshape(data.numbers(key, 2 * columns * rows), (rows, columns, 2))
-            points[colour] = _as_tuples(low + uv * (high - low))
+        for colour in COLOURS:
+            numbers = data.numbers("uv" if "uv" in data else colour, 2 * columns * rows)
+            points[colour] = _as_tuples(low + np.reshape(numbers, (rows, columns, 2)) * (high - low))
         return cls(panel_m, points)
 
     def __attrs_post_init__(self) -> None:
@@ -282,7 +254,6 @@ class MeshLens:
                         )
 
     def mirrored(self) -> MeshLens:
-        """Return the other eye's lens."""
         turned = {colour: np.array(points)[:, ::-1] * (-1, 1) for colour, points in self.points.items()}
         return MeshLens(self.panel_m, {colour: _as_tuples(grid) for colour, grid in turned.items()})
 
@@ -300,6 +271,9 @@ def _as_tuples(grid: Array) -> tuple[tuple[Pair, ...], ...]:
     return tuple(tuple((float(x), float(y)) for x, y in row) for row in grid)
 
 
+# Each has a model, the name of the pass that corrects it in client/lens; the axis and the unit of
+# places on it; mirrored(), the other eye's; and tangents() of places.
+Lens = RadialLens | TableLens | ViveLens | MeshLens
 # By what a file calls them.
 MODELS: dict[str, type[RadialLens] | type[TableLens] | type[MeshLens]] = {
     "radial": RadialLens,

@@ -45,8 +45,7 @@ class HeadsetEye:
     fov: Fov
     panel_m: tuple[float, float] | None = None  # (w, h); None where it is not known
     lens: Lens | None = None
-    # Parts of the view that cannot be seen, as polygons of tangents.
-    hidden: tuple[Polygon, ...] = ()
+    hidden: tuple[Polygon, ...] = ()  # Parts of the view that cannot be seen, as polygons of tangents.
 
     def __attrs_post_init__(self) -> None:
         if self.panel_m is not None:

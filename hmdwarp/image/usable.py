@@ -23,7 +23,7 @@ from ..gpu.textures import Canvas
 from ..options import AUTO
 from ..pipeline.governor import AdaptiveCompensator, Change, Governor
 from ..pipeline.levels import QualityLevel, best_within, check_budget, front, levels_from, read_rows
-from .layer_arrays import KNOWN
+from .picture_textures import KNOWN
 
 # What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
 AVAILABLE = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, KNOWN))

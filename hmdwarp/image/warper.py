@@ -41,7 +41,6 @@ from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .layer_arrays import CallerLayers, with_panel_effects, with_panels
 from .picture_arrays import (
     RawPicture,
     about_corners,
@@ -53,7 +52,7 @@ from .picture_arrays import (
     raw_picture,
     without_hidden,
 )
-from .picture_textures import INVERSE, ForeignTextures, HeldPicture
+from .picture_textures import INVERSE, CallerLayers, ForeignTextures, HeldPicture, with_panel_effects, with_panels
 from .usable import AutoCompensator, plan_of, plans_of_levels
 
 _MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits

@@ -16,7 +16,6 @@ from .metric import LEAST_STEP as LEAST_STEP
 from .metric import PRIMARY as PRIMARY
 from .metric import REGIONS as REGIONS
 from .metric import RELATIVE_STEP as RELATIVE_STEP
-from .metric import Compared as Compared
 from .metric import Figure as Figure
 from .metric import Input as Input
 from .metric import Metric as Metric
@@ -30,12 +29,13 @@ from .metric import near_discontinuity as near_discontinuity
 from .metric import pooled as pooled
 from .metric import region_of as region_of
 from .metric import region_sums as region_sums
-from .pair_pass import PairPass as PairPass
 from .picture_pairs import BLOCKS as BLOCKS
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
 from .picture_pairs import Alike as Alike
+from .picture_pairs import Compared as Compared
 from .picture_pairs import Mismatch as Mismatch
+from .picture_pairs import PairPass as PairPass
 from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
 from .picture_pairs import blocks_apart as blocks_apart
@@ -46,7 +46,7 @@ from .picture_pairs import pixel_centres as pixel_centres
 from .pool import Kept as Kept
 from .pool import MeasuringProcesses as MeasuringProcesses
 from .pool import QualityPool as QualityPool
-from .pool import WorstKeeper as WorstKeeper
+from .pool import keep_worst as keep_worst
 from .pool import worker_count as worker_count
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
 from .summary import LEVEL as LEVEL

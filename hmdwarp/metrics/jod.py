@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from ..errors import MachineError
 from ..resources import import_extra, missing_extra
-from .metric import Compared, Figure
+from .metric import Figure
+from .picture_pairs import Compared
 from .pool import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}

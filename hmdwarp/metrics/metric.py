@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 from ..registry import Registry
-from .picture_pairs import Alike, check_pair, db_of, error_image, row_blocks
+from .picture_pairs import Alike, Compared, check_pair, db_of, row_blocks
 
 
 class Input(enum.Flag):
@@ -28,23 +28,6 @@ class Input(enum.Flag):
     RENDERED = enum.auto()  # the view the late frame was rendered for
     PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
     ALIKE = enum.auto()  # what a PairPass has found
-
-
-@attrs.frozen(eq=False)
-class Compared:
-    """What the eye was shown and what it should have seen."""
-
-    shown: NDArray[Any]  # both are sRGB pictures, (h, w, 3), top row first
-    truth: NDArray[Any]
-    view: View
-
-    def __attrs_post_init__(self) -> None:
-        check_pair(self.shown, self.truth)
-
-    @property
-    def error(self) -> NDArray[np.float32]:
-        """The signed error image."""
-        return error_image(self.shown, self.truth)
 
 
 def _covered(coverage: Any) -> Any:

@@ -161,30 +161,16 @@ class Kept:
         return self.result.values[PRIMARY] or 0.0, self.key
 
 
-class WorstKeeper:
-    """The `count` pictures with the largest FLIP error, at most one from each bucket.
+def keep_worst(best: dict[Hashable, Kept], kept: Kept, bucket: Hashable, count: int) -> None:
+    """Keep a picture among the `count` worst, at most one from each bucket; None is never kept.
 
-    A bucket is a second of the trace, say; a picture whose bucket is None is never kept. The order
-    in which pictures are offered does not matter: a bucket's worst is dropped only when `count`
-    others are worse still, and those can only get worse.
+    A bucket is a second of the trace, say. The order in which pictures come does not matter: a
+    bucket's worst is dropped only when `count` others are worse still, which can only get worse.
     """
-
-    def __init__(self, count: int, bucket: Callable[[Any], Hashable]) -> None:
-        self.count, self._bucket = count, bucket
-        self._best: dict[Hashable, Kept] = {}
-
-    def offer(self, kept: Kept) -> None:
-        """Keep a picture if it is among the worst so far."""
-        bucket = self._bucket(kept.key) if self.count else None
-        if bucket is None or (bucket in self._best and self._best[bucket].rank >= kept.rank):
-            return
-        self._best[bucket] = kept
-        if len(self._best) > self.count:
-            del self._best[min(self._best, key=lambda b: self._best[b].rank)]
-
-    def kept(self) -> list[Kept]:
-        """Return the kept pictures, the worst first."""
-        return sorted(self._best.values(), key=lambda k: k.rank, reverse=True)
+    if bucket is not None and not (bucket in best and best[bucket].rank >= kept.rank):
+        best[bucket] = kept
+        if len(best) > count:
+            del best[min(best, key=lambda one: best[one].rank)]
 
 
 MOST_WORKERS = 8  # each takes 250 MB, more for larger pictures
@@ -209,14 +195,15 @@ class QualityPool:
     def __init__(
         self, processes: MeasuringProcesses, *, worst: int = 0, bucket: Callable[[Any], Hashable] = lambda key: key
     ) -> None:
-        self._processes, self._keeper = processes, WorstKeeper(worst, bucket)
+        self._processes, self._count, self._bucket = processes, worst, bucket
+        self._worst: dict[Hashable, Kept] = {}
         self._pending: dict[Future[QualityResult], tuple[Any, QualityJob, bool]] = {}
         self._measured: dict[Any, QualityResult] = {}
         self._kept: dict[Any, Kept] = {}
 
     def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
         """Submit a job under a sortable key; block while each worker has a job waiting."""
-        if keep or self._keeper.count:
+        if keep or self._count:
             job = attrs.evolve(job, error_map=True)
         # One waiting job per worker keeps them busy; more would only hold pictures in memory.
         while len(self._pending) >= max(1, 2 * self._processes.count):
@@ -253,7 +240,7 @@ class QualityPool:
     @property
     def worst(self) -> list[Kept]:
         """The worst pictures measured so far, the worst first."""
-        return self._keeper.kept()
+        return sorted(self._worst.values(), key=lambda kept: kept.rank, reverse=True)
 
     def _collect(self, until: str) -> None:
         done = wait(self._pending, return_when=until).done
@@ -269,7 +256,7 @@ class QualityPool:
             kept = Kept(key, shown, result)
             if keep:
                 self._kept[key] = kept
-            self._keeper.offer(kept)
+            keep_worst(self._worst, kept, self._bucket(key), self._count)
 
     def _failed(self, key: Any, error: Exception) -> HmdwarpError:
         error = self._processes.explained(error)

@@ -403,11 +403,6 @@ def parse_guard(text: str) -> Guard | str:
     return (x, y[0]) if y and y[0] != x else x
 
 
-def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | str) -> None:
-    if not isinstance(value, str) or value != AUTO:
-        Number(least=1.0)(instance, field, value)
-
-
 def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
     # The guard band of recorded frames is what the display leaves of their own pixels.
     is_recorded = getattr(instance, "frames", None) is not None
@@ -420,10 +415,15 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
 
     default: a factor, or an attrs.Factory, which `more` explains: added to the help that all share.
     """
+
+    def check(instance: object, field: attrs.Attribute[Any], value: Guard | str) -> None:
+        if not isinstance(value, str) or value != AUTO:
+            Number(least=1.0)(instance, field, value)
+
     # No default on the command line, to tell a guard that was set from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
     said = f" [default: {default:g}]" if isinstance(default, float) else ""
-    return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
+    return option(default, f"{_HELP}{more}{said}", valid=check, **about)
 
 
 def rendered_size_field(heading: str = "") -> Any:

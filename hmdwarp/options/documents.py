@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import attrs
 
 from ..errors import InputError, listed
+from .declared import Number
 from .named_files import FACTS, TABLE, FileKind, content_of, text_in
 
 MOST_DEPTH = 100  # of lists and tables in each other; what is read by recursion stays far from Python's 1000
@@ -218,12 +219,12 @@ class Table:
         """Return a number from least to most; above: greater than least."""
         value = self.number(key, default)
         if value is not default and not (least <= value <= most and (value > least or not above)):
-            raise self.fault(key, f"is {value:g}: expected a number {_range(least, most, above)}")
+            raise self.fault(key, f"is {value:g}: expected a number {Number(least, most, above).words()}")
         return value
 
     def whole(self, key: str, least: int, most: int, default: Any = _NEEDED) -> int:
         """Return a whole number from least to most."""
-        wanted = f"a whole number {_range(least, most)}"
+        wanted = f"a whole number {Number(least, most).words()}"
         return self._checked(int, key, default, lambda value: least <= value <= most, wanted)
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
@@ -322,11 +323,6 @@ def _named(path: KeyPath) -> str:
 
 def _shortened(text: str) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _range(least: float, most: float, above: bool = False) -> str:
-    lower = f"{'above' if above else 'of at least'} {least:g}"
-    return f"{lower} and at most {most:g}" if math.isfinite(most) else lower
 
 
 def _is_number(value: object) -> bool:

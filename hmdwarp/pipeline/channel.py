@@ -24,27 +24,8 @@ from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov, View, WarpMap
 from ..gpu.textures import download, upload
-from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
-from ..link.codec import (
-    DEPTH_VIDEOS,
-    EXACT,
-    STEP,
-    Coding,
-    Decoder,
-    DepthDecoder,
-    DepthEncoder,
-    DepthVideoDecoder,
-    DepthVideoEncoder,
-    Encoder,
-    Packet,
-    Undecodable,
-    VectorDecoder,
-    VectorEncoder,
-    codecs,
-    depth_step,
-    pack,
-    unpack,
-)
+from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats, codec
+from ..link.codec import Coding, Packet, Undecodable
 from ..metrics import psnr
 from ..scenes import Mesh, Scene
 from ..sources.feed.message import request_bytes
@@ -164,7 +145,7 @@ class Coder:
     @classmethod
     def of(cls, coding: Coding, rate_hz: float, age_ns: int) -> Self | None:
         """Return what codes frames that are seen at that age; None where they go as they are."""
-        return None if codecs.get(coding.codec).is_none else cls(coding, rate_hz, age_ns * 1e-9)
+        return None if codec.codecs.get(coding.codec).is_none else cls(coding, rate_hz, age_ns * 1e-9)
 
     def encode(self, frame: Frame, reads: Reads, beside: Reads | None = None, *, wants_key: bool) -> CodedFrame:
         """Encode what is read of a frame; its time is entered in the frame's timings.
@@ -175,10 +156,10 @@ class Coder:
         parts = _parts(frame, reads | beside if beside is not None else reads)
         drawn = {key: into if isinstance(into, np.ndarray) else download(into) for key, (into, _) in parts.items()}
         pixels = {key: drawn[key].size if coding in _VIDEOS else 0 for key, (_, coding) in parts.items()}
-        size, step = frame.eyes[0].size, STEP
+        size, step = frame.eyes[0].size, codec.STEP
         streams = self._streams.setdefault(size, {})
-        if self._coding.depth != EXACT:
-            step = depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
+        if self._coding.depth != codec.EXACT:
+            step = codec.depth_step(pixels_per_tangent((eye.view.fov, eye.size) for eye in frame.eyes), self._age_s)
         for key in parts.keys() - streams.keys():
             of_eye = sum(count for other, count in pixels.items() if other[0] == key[0])
             streams[key] = self._stream(drawn[key], parts[key][1], pixels[key] / max(of_eye, 1), step)
@@ -195,7 +176,7 @@ class Coder:
         before = {key: picture_from_linear(drawn[key]) for key in looked_at if pixels[key]}
         self._encoded += 1
         # Half a step, and as video for 98 % of pixels two.
-        error = 2 * step if self._coding.depth in DEPTH_VIDEOS else step / 2
+        error = 2 * step if self._coding.depth in codec.DEPTH_VIDEOS else step / 2
         frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, depth_error=error) for eye in frame.eyes))
         return CodedFrame(frame, packets, counted, {key: into for key, (into, _) in parts.items()}, before)
 
@@ -235,20 +216,20 @@ class Coder:
     def _stream(self, drawn: Content, coding: str, share: float, step: float) -> _Stream:
         """Return a new stream. share: of its eye's bit rate."""
         size, asked = drawn.shape[1::-1], self._coding
-        if coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
-            video = DepthVideoEncoder(size, self._rate_hz, step, how)
-            return _Stream(video.encode, DepthVideoDecoder(size, how).decode)
+        if coding == DEPTH and (how := codec.DEPTH_VIDEOS.get(asked.depth)) is not None:
+            video = codec.DepthVideoEncoder(size, self._rate_hz, step, how)
+            return _Stream(video.encode, codec.DepthVideoDecoder(size, how).decode)
         if coding == DEPTH:
-            return _Stream.of_each(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
+            return _Stream.of_each(codec.DepthEncoder(size, step).encode, codec.DepthDecoder(size).decode)
         if coding == VECTORS:
-            channels = drawn.shape[2]
-            return _Stream.of_each(VectorEncoder(size, channels).encode, VectorDecoder(size, channels).decode)
+            how_large = size, drawn.shape[2]
+            return _Stream.of_each(codec.VectorEncoder(*how_large).encode, codec.VectorDecoder(*how_large).decode)
         if coding not in _VIDEOS:
-            return _Stream.of_each(pack, unpack)
+            return _Stream.of_each(codec.pack, codec.unpack)
         rate = None if asked.bitrate_mbit is None else max(_LEAST_MBIT, share * asked.bitrate_mbit)
-        beyond = coding == BRIGHT_VIDEO
-        encoder = Encoder(asked.codec, size, self._rate_hz, crf=asked.crf, bitrate_mbit=rate, keeps_beyond_1=beyond)
-        return _Stream(encoder.encode, Decoder(asked.codec, size).decode)
+        quality = {"crf": asked.crf, "bitrate_mbit": rate}
+        encoder = codec.Encoder(asked.codec, size, self._rate_hz, **quality, keeps_beyond_1=coding == BRIGHT_VIDEO)
+        return _Stream(encoder.encode, codec.Decoder(asked.codec, size).decode)
 
 
 def _parts(frame: Frame, reads: Reads) -> dict[Key, tuple[moderngl.Texture | Content, str]]:
@@ -277,13 +258,6 @@ _NEAREST_M = 0.01
 Points = NDArray[np.float64]
 
 
-@attrs.frozen(eq=False)
-class _Sent:
-    # One for each eye, and the largest inverse depth in its layers.
-    eyes: tuple[tuple[EyeImage, float], ...]
-    drawn_ns: int
-
-
 class Changes:
     """Bound how far anything has moved on the screen since the last frame that was sent.
 
@@ -303,25 +277,31 @@ class Changes:
             _corners(scene, number, moving) for number in dict.fromkeys(mesh.body for mesh in moving) if number
         ]
         self._movers += [_vertices(mesh, scene.origin_m) for mesh in moving if mesh.deformation is not None]
-        self._sent: _Sent | None = None
+        # Each eye with the largest inverse depth in its layers, and when that was drawn.
+        self._sent: list[tuple[EyeImage, float]] = []
+        self._drawn_ns = 0
 
     def sent(self, frame: Frame) -> None:
         """Compare with this frame from now on; waits until it has been drawn."""
-        self._sent = _Sent(tuple((eye, _nearest(eye)) for eye in frame.eyes), frame.drawn_ns)
+        self._sent, self._drawn_ns = [], frame.drawn_ns
+        for eye in frame.eyes:
+            depths = [texture for texture in eye.textures() if (texture.components, texture.dtype) == (1, "f4")]
+            nearest = max(0.0, *(float(np.nanmax(download(texture))) for texture in depths))
+            self._sent.append((eye, nearest))
 
     def moved_px(self, views: Sequence[View], now_ns: int) -> float:
         """Return a bound for a frame drawn now for these views; infinite before the first.
 
         In pixels of the frame that was sent.
         """
-        if self._sent is None or len(views) != len(self._sent.eyes):
+        if len(views) != len(self._sent):
             return math.inf
-        then_ns = self._sent.drawn_ns
+        then_ns = self._drawn_ns
         seen = (self._content, self.light_at, lambda time_ns: [each.showing(time_ns) for each in self._scene.panels])
         if any(at(then_ns) != at(now_ns) for at in seen):
             return math.inf
         moved = 0.0
-        for (eye, nearest), view in zip(self._sent.eyes, views, strict=True):
+        for (eye, nearest), view in zip(self._sent, views, strict=True):
             places = (eye.view.pose.position_m, view.pose.position_m)
             angles = (_moved_rad(points(then_ns), points(now_ns), places) for points in self._movers)
             left, right, down, up = eye.view.fov.tangents
@@ -382,12 +362,6 @@ def _by_head(eye: EyeImage, view: View, nearest: float) -> float:
     ends = [moved.apply(pixels, np.full(pixels.shape[:2], depth))[0] for depth in (0.0, nearest)]
     far = max(float(np.linalg.norm(end - pixels, axis=-1).max()) for end in ends)
     return far if math.isfinite(far) else math.inf
-
-
-def _nearest(eye: EyeImage) -> float:
-    """Return the largest inverse depth of any layer, 0 where all is infinitely far."""
-    depths = (texture for texture in eye.textures() if (texture.components, texture.dtype) == (1, "f4"))
-    return max(0.0, *(float(np.nanmax(download(texture))) for texture in depths))
 
 
 @attrs.frozen(eq=False)

@@ -17,30 +17,8 @@ from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
 from ..frames.layers.pictures import FOVEATED
 from ..geometry import Fov, Fovea, FoveaGrid, Pose, View, grid_of
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
-from ..link.codec import (
-    AS_VIDEO,
-    AS_VIDEO8,
-    DEPTH_VIDEOS,
-    EXACT,
-    STEP,
-    STOPS,
-    VIDEOS,
-    Coding,
-    ColourDecoder,
-    ColourEncoder,
-    DepthDecoder,
-    DepthEncoder,
-    DepthVideoDecoder,
-    DepthVideoEncoder,
-    Packet,
-    Undecodable,
-    bytes_from_light,
-    check_codec,
-    codecs,
-    depth_step,
-    light_from_bytes,
-    stops_of,
-)
+from ..link import codec
+from ..link.codec import Coding, Packet, Undecodable
 from ..sources.array_passes import LINEAR, SRGB8, Arrays
 from ..sources.feed import bounds, message
 from ..sources.feed.message import Ask, DepthCodes, FrameMessage, Picture, Wish
@@ -365,8 +343,8 @@ _BYTES = (
     {message.DEPTH_VIDEO: 65, message.DEPTH_VIDEO8: 65, message.DEPTH_EXACT: 40},
 )
 _FORMATS = {name: number for number, name in _CODECS.items()}
-_DEPTHS = {AS_VIDEO: message.DEPTH_VIDEO, AS_VIDEO8: message.DEPTH_VIDEO8}
-_VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
+_DEPTHS = {codec.AS_VIDEO: message.DEPTH_VIDEO, codec.AS_VIDEO8: message.DEPTH_VIDEO8}
+_VIDEOS = {number: codec.DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
 def wish_of(
@@ -377,9 +355,13 @@ def wish_of(
     raw: how they come without a codec. views, size: of the display; a guard band leaves the pixels
     as dense.
     """
-    if codecs.get(coding.codec).is_none:
+    if codec.codecs.get(coding.codec).is_none:
         return attrs.evolve(raw, rate_hz=rate_hz)
-    step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
+    step = (
+        codec.STEP
+        if coding.depth == codec.EXACT
+        else codec.depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
+    )
     return Wish(
         _FORMATS[coding.codec],
         _DEPTHS.get(coding.depth, message.DEPTH_EXACT),
@@ -456,9 +438,9 @@ def check_work(ask: Ask) -> None:
 def videos_for_browsers() -> dict[str, int]:
     """Return what this machine encodes, the best first; of each what a pixel counts, with depth."""
     found = {}
-    for name in VIDEOS:
+    for name in codec.VIDEOS:
         with suppress(MachineError):
-            check_codec(name)
+            codec.check_codec(name)
             found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][message.DEPTH_VIDEO8]
     return found
 
@@ -508,16 +490,16 @@ class FeedEncoder:
 
 class _EyeEncoder:
     def __init__(self, wish: Wish, size: tuple[int, int]) -> None:
-        self._colour: ColourEncoder | None = None
-        self._depth: DepthVideoEncoder | DepthEncoder | None = None
+        self._colour: codec.ColourEncoder | None = None
+        self._depth: codec.DepthVideoEncoder | codec.DepthEncoder | None = None
         if wish.colour in _CODECS:
-            codec, mbit = codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
-            self._colour = ColourEncoder(codec, size, wish.rate_hz, wish.crf, mbit)
-        step = wish.depth_step or STEP
+            how, mbit = codec.codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
+            self._colour = codec.ColourEncoder(how, size, wish.rate_hz, wish.crf, mbit)
+        step = wish.depth_step or codec.STEP
         if wish.depth in _VIDEOS:
-            self._depth = DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
+            self._depth = codec.DepthVideoEncoder(size, wish.rate_hz, step, _VIDEOS[wish.depth])
         elif wish.depth == message.DEPTH_EXACT:
-            self._depth = DepthEncoder(size, step)
+            self._depth = codec.DepthEncoder(size, step)
         # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
         self.stops = 0
 
@@ -525,8 +507,8 @@ class _EyeEncoder:
         if self._colour is not None:
             if colour.dtype == np.float16:
                 light = np.ascontiguousarray(colour[..., :3])
-                self.stops = max(stops_of(light), self.stops)
-                colour = bytes_from_light(light, self.stops)
+                self.stops = max(codec.stops_of(light), self.stops)
+                colour = codec.bytes_from_light(light, self.stops)
             colour, _ = self._colour.encode(colour[..., :3], key)
         if self._depth is not None:
             coded = self._depth.encode(depth)
@@ -559,9 +541,9 @@ class FeedDecoder:
             stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
             if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
                 continue
-            if len(stops) != 1 or stops[0] not in STOPS:
-                raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
-            light = light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0]))
+            if len(stops) != 1 or stops[0] not in codec.STOPS:
+                raise Undecodable(f"light that reaches 2^{stops}: expected one of {codec.STOPS}")
+            light = codec.light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0]))
             colours[eye] = np.concatenate([light, (colour[..., 3:] > 0).astype(np.float16)], axis=-1)
         return attrs.evolve(found, colours=tuple(colours))
 
@@ -583,9 +565,13 @@ class FeedDecoder:
 
 class _EyeDecoder:
     def __init__(self, frame: FrameMessage) -> None:
-        self._colour = ColourDecoder(codecs.get(_CODECS[frame.colour]), frame.size) if frame.colour in _CODECS else None
-        self._video = DepthVideoDecoder(frame.size, _VIDEOS[frame.depth]) if frame.depth in _VIDEOS else None
-        self._depth = DepthDecoder(frame.size)
+        self._colour = (
+            codec.ColourDecoder(codec.codecs.get(_CODECS[frame.colour]), frame.size)
+            if frame.colour in _CODECS
+            else None
+        )
+        self._video = codec.DepthVideoDecoder(frame.size, _VIDEOS[frame.depth]) if frame.depth in _VIDEOS else None
+        self._depth = codec.DepthDecoder(frame.size)
 
     def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:
         if self._video is not None:

@@ -129,14 +129,20 @@ class Loop:
         if frame is None:
             return None
         head = self._requested.source.head_at(shown_ns)
-        inputs = self._inputs(frame, head, shown_ns)
-        eyes, laps = [], []
+        views, needs = self._eyes.views(head.pose), self.compensator.plan.needs
+        last_views: tuple[View | None, ...] = (None,) * len(views)
+        if scanout_ns := self._requested.scanout_ns:
+            last_views = self._eyes.views(self._requested.source.head_at(shown_ns + scanout_ns).pose)
+        inputs, eyes, laps = [], [], []
+        for eye, (view, end) in enumerate(zip(views, last_views, strict=True)):
+            rendered, others, recent = self._pictures(frame, eye, needs)
+            inputs.append(PassInputs(rendered, view, eye, others, recent, end, shown_ns=shown_ns))
         for eye_inputs in inputs:
             eyes.append(self.compensator.run(eye_inputs))
             laps.append(self.compensator.gpu.timer.lap())
         plan, transit = self.compensator.plan, self._channel.transit
         assert transit is not None  # a frame has arrived
-        self._last = Refresh(shown_ns, head, frame, plan, inputs, tuple(eyes), transit, tuple(laps))
+        self._last = Refresh(shown_ns, head, frame, plan, tuple(inputs), tuple(eyes), transit, tuple(laps))
         return self._last
 
     def inputs(self, refresh: Refresh, needs: Needs) -> tuple[PassInputs, ...]:
@@ -148,17 +154,6 @@ class Loop:
         for before in refresh.inputs:
             rendered, others, recent = self._pictures(refresh.frame, before.eye, needs)
             found.append(attrs.evolve(before, rendered=rendered, others=others, recent=recent))
-        return tuple(found)
-
-    def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
-        asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs
-        last: tuple[View | None, ...] = (None,) * len(first)
-        if asked.scanout_ns:
-            last = self._eyes.views(asked.source.head_at(shown_ns + asked.scanout_ns).pose)
-        found = []
-        for eye, (shown, end) in enumerate(zip(first, last, strict=True)):
-            rendered, others, recent = self._pictures(frame, eye, needs)
-            found.append(PassInputs(rendered, shown, eye, others, recent, end, shown_ns=shown_ns))
         return tuple(found)
 
     def _pictures(self, frame: Frame, eye: int, needs: Needs) -> tuple[EyeImage, Several, Several]:

@@ -29,21 +29,12 @@ from ..poses.predictors import predictors
 from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
+from . import sizes
 from .channel import Channel, ChannelSetup, Coder
 from .loop import Loop, Refresh
 from .options import PROXY, RECORDING, REMOTE, PipelineOptions
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
-from .sizes import (
-    check_held,
-    expected_age_ns,
-    eye_sizes,
-    guarded_size,
-    latency_ns,
-    proxy_plan_for,
-    refreshes_of,
-    rendered_entry,
-)
 from .source import FrameSource, PoseRequest, ServerFrames, Source, Target, client_scene, joined
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
@@ -121,7 +112,8 @@ class Proxy(FrameSource):
         framebuffer.release()
         # What it showed for the last head; None before the server's first frame.
         self.shown: Refresh | None = None
-        self._recorded = True
+        # The same, until its times are noted.
+        self._last: Refresh | None = None
         self._stage_ms: defaultdict[str, deque[float]] = defaultdict(lambda: deque(maxlen=_KEPT))
         self._age_ms: deque[float] = deque(maxlen=_KEPT)
 
@@ -138,10 +130,9 @@ class Proxy(FrameSource):
         self._record_last()
         self._known.head = head
         self._loop.draw(now_ns)
-        self.shown = refresh = self._loop.show(now_ns)
+        self.shown = self._last = refresh = self._loop.show(now_ns)
         if refresh is None:
             return None
-        self._recorded = False
         eyes, timer = [], self._gpu.timer
         with timer.stage("copy"):  # the loop overwrites its pictures at its next refresh
             for eye in refresh.eyes:
@@ -164,11 +155,11 @@ class Proxy(FrameSource):
 
     def _record_last(self) -> None:
         """Note the times of the last refresh, which the GPU has finished by now."""
-        if self.shown is None or self._recorded:
+        last, self._last = self._last, None
+        if last is None:
             return
-        self._recorded = True
-        self._age_ms.append(self.shown.age_ns * 1e-6)
-        for stages in self.shown.stage_ms:
+        self._age_ms.append(last.age_ns * 1e-6)
+        for stages in last.stage_ms:
             took: defaultdict[str, float] = defaultdict(float)
             for name, milliseconds in stages:
                 took[name] += milliseconds
@@ -214,17 +205,20 @@ class ProxySource(Source):
         Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
         """
         way, gpu, rate_hz = options.to_proxy(), target.gpu, target.rate_hz
-        plan, eyes = proxy_plan_for(options, server.scene), GuardedEyes(target.eyes, requested.guard, requested.size)
+        plan, eyes = (
+            sizes.proxy_plan_for(options, server.scene),
+            GuardedEyes(target.eyes, requested.guard, requested.size),
+        )
         if plan.needs.others.other_eye and len(eyes.views(Pose())) < 2:
             raise InputError(f"--proxy-warp {way.warp} looks into the other eye's picture, and there is one eye")
-        made = eye_sizes(way.guard_band, eyes, guarded_size(requested.guard, target.eyes, requested.size))
-        check_held(gpu, way, plan.needs, made, rate_hz)
-        refresh_ns = refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
-        link_ns = latency_ns(way)
+        made = sizes.eye_sizes(way.guard_band, eyes, sizes.guarded_size(requested.guard, target.eyes, requested.size))
+        sizes.check_held(gpu, way, plan.needs, made, rate_hz)
+        refresh_ns = sizes.refreshes_of(options.proxy.longest_ms(options.network), rate_hz) * 1e9 / rate_hz
+        link_ns = sizes.latency_ns(way)
         if way.network.is_plain:
             # At most the time between two refreshes so far apart, which are rounded to whole ns.
             link_ns = min(link_ns, max(0, round(refresh_ns) - 2))
-        age_ns = expected_age_ns(way, round(refresh_ns), rate_hz)
+        age_ns = sizes.expected_age_ns(way, round(refresh_ns), rate_hz)
         geometry = client_scene(options, server.scene, server, stack)
         # What it shows is for the requested head; what the server draws is seen later.
         guard = options.proxy.guard
@@ -236,7 +230,7 @@ class ProxySource(Source):
             "warp": way.warp,
             "fill": way.fill,
             "effects": list(plan.effects),
-            "rendered": rendered_entry(guard, made, plan.needs),
+            "rendered": sizes.rendered_entry(guard, made, plan.needs),
         }
         link = (way.network, link_ns, rate_hz, coder)
         return Proxy(frames, geometry, request, plan, eyes, made.rendered, link, about, stack)

@@ -51,7 +51,6 @@ _TELL_NS = 1_500_000_000
 _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
-_MS = 1e6
 NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
@@ -349,7 +348,11 @@ class Remote:
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
-            found.append(Answer(pending, arrival, took_ns, _bytes_of(frame)))
+            pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
+            sizes = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+            for of_eye in frame.layers:
+                sizes.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
+            found.append(Answer(pending, arrival, took_ns, +sizes))
             if found[-1].is_key:  # until it turns out that it is damaged
                 self._decoder.wants_anew = False
         return found
@@ -421,14 +424,6 @@ class Remote:
     def close(self) -> None:
         """End the session."""
         self._caller.close()
-
-
-def _bytes_of(frame: FrameMessage) -> Counter[str]:
-    pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-    found = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
-    for of_eye in frame.layers:
-        found.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-    return +found
 
 
 # Degrees, metres and share of the field of view that equal views may differ by: a renderer's single

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
+from .. import scenes
 from ..client.client_scene import ClientScene
 from ..client.inputs import History
 from ..client.plan import Plan
@@ -29,19 +30,7 @@ from ..link import LinkOptions, scaled_size
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
-from ..scenes import (
-    EXTRAPOLATED,
-    FORESEEN,
-    KNOWS,
-    ArrivedState,
-    InputEvent,
-    InputLog,
-    Scene,
-    as_arrived,
-    load_scene,
-    moves,
-    scenes,
-)
+from ..scenes import InputEvent, InputLog, Scene
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Coder, Reads
 from .options import SCENE, PipelineOptions, SourceKind
@@ -203,9 +192,9 @@ def client_scene(options: PipelineOptions, scene: Scene, server: Renderer, stack
     It is drawn by the server's own renderer, unless its motion has to arrive.
     """
     arrived = None
-    if options.client_motion != FORESEEN and moves(scene):
-        arrived = ArrivedState(options.client_motion == EXTRAPOLATED)
-        server = Server(server.gpu, as_arrived(scene, arrived), options.mirrors, samples=options.samples)
+    if options.client_motion != scenes.FORESEEN and scenes.moves(scene):
+        arrived = scenes.ArrivedState(options.client_motion == scenes.EXTRAPOLATED)
+        server = Server(server.gpu, scenes.as_arrived(scene, arrived), options.mirrors, samples=options.samples)
         stack.callback(server.close)
     geometry = ClientScene(server, arrived=arrived)
     stack.callback(geometry.close)
@@ -214,10 +203,10 @@ def client_scene(options: PipelineOptions, scene: Scene, server: Renderer, stack
 
 def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str]:
     """Say how a client that draws knows of what moves; nothing where neither is so."""
-    if not (plan.draws_scene and moves(scene)):
+    if not (plan.draws_scene and scenes.moves(scene)):
         return []
-    known = f"What moves in scene '{scene.name}' {KNOWS[options.client_motion]} (--client-motion)"
-    if scene.inputs is not None and options.client_motion == FORESEEN:
+    known = f"What moves in scene '{scene.name}' {scenes.KNOWS[options.client_motion]} (--client-motion)"
+    if scene.inputs is not None and options.client_motion == scenes.FORESEEN:
         known += ": it knows what people will do, as no client can"
     return [f"{known}."]
 
@@ -250,7 +239,7 @@ class Source:
     def scene(self) -> Scene:
         """What there is to draw; without anything in it where it is not here."""
         options = self._options
-        return self._scene if self._scene is not None else load_scene(options.scene, options.scene_options)
+        return self._scene if self._scene is not None else scenes.load_scene(options.scene, options.scene_options)
 
     @cached_property
     def headset(self) -> Headset:
@@ -297,7 +286,7 @@ class Source:
     def inputs(self) -> InputLog:
         """What people do in the scene. Errors: InputError for one that does not react."""
         if self.scene.inputs is None:
-            able = ", ".join(name for name in scenes.names() if scenes.get(name).reacts is not None)
+            able = ", ".join(name for name in scenes.scenes.names() if scenes.scenes.get(name).reacts is not None)
             raise InputError(f"{self.title} does not react to what people do: expected {able}")
         return self.scene.inputs
 

@@ -120,5 +120,4 @@ class Layout:
 
     @property
     def order(self) -> str:
-        """Order of the quaternion's columns in the file, such as wxyz."""
         return "".join(part for _, part in sorted(zip(self.orientation, "xyzw", strict=True)))

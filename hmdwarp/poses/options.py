@@ -34,7 +34,6 @@ class Euler:
     signs: tuple[int, ...] = (1, 1, 1)  # of the turns
 
     def words(self) -> str:
-        """Return it as `parse_euler` takes it."""
         turns = self.order
         if turns not in (VECTOR, AXIS_ANGLE):
             turns = "".join("-" * (sign < 0) + axis for axis, sign in zip(turns.upper(), self.signs, strict=True))

@@ -55,7 +55,6 @@ def _in_world(track: PoseTrack, time_ns: int) -> Array | None:
 
 
 def _speeds(gaze: Array, time_ns: NDArray[np.int64]) -> Array:
-    """Return degrees a second from each direction to the next, (n - 1,); NaN where not known."""
     turned = np.arccos(np.clip(np.einsum("ij,ij->i", gaze[1:], gaze[:-1]), -1, 1))
     return np.asarray(np.degrees(turned) / (np.diff(time_ns) * 1e-9))
 
@@ -262,6 +261,12 @@ def _percentiles(values: Array, wanted: tuple[float, ...]) -> tuple[float, ...]:
 
 def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
     """Return what `trace info --json` prints; percentiles are keys such as p95."""
+    rows = []
+    for row in figures.errors:
+        rows.append({"latency_ms": row.latency_ms})
+        for name, one in row.errors.items():
+            found = {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES), "lead_share": one.lead_share}
+            rows[-1][name] = found | {"lead_p95": one.lead, "lag_p95": one.lag}
     rates = ("samples", "repeated_share", "duration_s", "rate_hz", "mean_rate_hz")
     return {
         **{"trace": str(loaded.path), "format": loaded.format, "origin": loaded.track.origin},
@@ -272,16 +277,11 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
-        "errors_deg": [
-            {"latency_ms": row.latency_ms} | {
-                name: {"mean": one.mean, **_by_name(one.percentiles, ERROR_PERCENTILES), "lead_share": one.lead_share}
-                | {"lead_p95": one.lead, "lag_p95": one.lag} for name, one in row.errors.items()
-            } for row in figures.errors
-        ],
+        "errors_deg": rows,
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
         "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
-    }  # fmt: skip
+    }
 
 
 def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:

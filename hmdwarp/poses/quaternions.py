@@ -25,7 +25,6 @@ def multiply(a: Array, b: Array) -> Array:
 
 
 def conjugate(q: Array) -> Array:
-    """Return the inverse rotation."""
     return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 

@@ -253,7 +253,6 @@ class Glide:
         return self.speed * (eased(out_s) - eased(out_s - self.amplitude / self.speed))
 
     def motion(self, t: Array) -> Motion:
-        """Return it at the seconds t, of a head that turns about its eyes."""
         still, way = np.zeros_like(t), self.way(t)
         place = np.outer(way, self.direction or (0.0, 0.0, 0.0)) + np.array(_START)
         return Motion(way if self.direction is None else still, still, still, place, neck_to_eyes_m=np.zeros(3))

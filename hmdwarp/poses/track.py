@@ -109,23 +109,43 @@ class PoseTrack:
     """world_from_head over time, OpenXR axes, metres.
 
     Nothing is interpolated across a gap or a jump unless requested: there the last pose is HELD.
-    Errors: TraceError naming the first sample that breaks a rule.
+
+    Parameters
+    ----------
+    time_ns : (n,) array_like of int
+        Strictly increasing.
+    position_m : (n, 3) array_like
+    orientation_xyzw : (n, 4) array_like
+        Normalised here and made continuous in sign; off length 1 by at most 0.01.
+    name, origin, axes : str
+        `origin` says where the motion comes from, `axes` what a file's were, who says so, and what
+        the motion shows; "" without a file.
+    notes : iterable of str
+    epoch_ns : int
+        The file's own time at time 0 of this track.
+    max_gap_ns : int
+        Longer steps are gaps; by default 100 ms, or four median steps if that is more.
+    jumps : iterable of int
+        Indices i with a teleport between samples i and i + 1.
+    gaze : (n, 3) array_like, optional
+        Unit directions in the head's axes in which the eyes look, NaN where that is not known.
+
+    Raises
+    ------
+    TraceError
+        Naming the first sample that breaks a rule.
     """
 
-    time_ns: NDArray[np.int64] = attrs.field(converter=_times)  # (n,) int64, strictly increasing
-    position_m: NDArray[np.float64] = attrs.field(converter=_floats)  # (n, 3)
-    # (n, 4), normalised here (a norm off by more than 1e-2 is refused) and made continuous in sign
+    time_ns: NDArray[np.int64] = attrs.field(converter=_times)
+    position_m: NDArray[np.float64] = attrs.field(converter=_floats)
     orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
     name: str = ""
-    origin: str = ""  # where the motion comes from, in words
-    axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
-    epoch_ns: int = 0  # the file's own time at time 0 of this track
-    # longer steps are gaps
+    origin: str = ""
+    axes: str = ""
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)
+    epoch_ns: int = 0
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
-    # indices i with a teleport between samples i and i + 1
     jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
-    # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
     gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)

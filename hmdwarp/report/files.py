@@ -194,12 +194,11 @@ def _json_parts(value: Any) -> Iterator[str]:
         return
     for number, (name, one) in enumerate(value.items()):
         yield f"{',' if number else '{'}\n  {_json(name)}: "
-        if not _is_long(one):
+        if _is_long(one):
+            yield from (f"{',' if at else '['}\n    {_json(part, '    ')}" for at, part in enumerate(one))
+            yield "\n  ]" if len(one) else "[]"
+        else:
             yield _json(one, "  ")
-            continue
-        for at, part in enumerate(one):
-            yield f"{',' if at else '['}\n    {_json(part, '    ')}"
-        yield "\n  ]" if len(one) else "[]"
     yield "\n}"
 
 
@@ -277,8 +276,7 @@ def magma(error_map: NDArray[Any]) -> Pixels:
     levels = np.asarray(error_map)
     if levels.dtype != np.uint8:
         levels = np.rint(np.clip(levels, 0, 1) * 255).astype(np.uint8)
-    coloured: Pixels = _magma_table()[levels]
-    return coloured
+    return np.asarray(_magma_table()[levels])
 
 
 @functools.cache

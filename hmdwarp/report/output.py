@@ -164,20 +164,18 @@ class OutputFolder:
 
     def _refuse_others(self, paths: Iterable[Path]) -> None:
         """Refuse to overwrite what another program wrote. Errors: InputError naming the first."""
-        if self._may_replace or self._is_ours():
+        if self._may_replace:
             return
+        with suppress(InputError):
+            data = json_in(self.folder / self._last, RESULTS)
+            if isinstance(data, dict) and MARK in data:
+                return
         for path in paths:
             if os.path.lexists(path) and not path.is_dir():
                 raise InputError(
                     f"{path} exists, in a folder without results of this command: choose another folder, or overwrite "
                     "it with --force"
                 )
-
-    def _is_ours(self) -> bool:
-        with suppress(InputError):
-            data = json_in(self.folder / self._last, RESULTS)
-            return isinstance(data, dict) and MARK in data
-        return False
 
     def _remove_staging(self) -> None:
         shutil.rmtree(self._staging, ignore_errors=True)
@@ -312,17 +310,12 @@ def _is_text(value: Any) -> bool:
     return isinstance(value, str) and value != ""
 
 
-def _is_guard(value: Any) -> bool:
-    if isinstance(value, str):
-        return re.fullmatch(r"[1-9][0-9]*(\.[0-9]+)?x[1-9][0-9]*(\.[0-9]+)?", value) is not None
-    return _is_number(value) and value >= 1
-
-
 def _is_size(value: Any) -> bool:
     sides = value if isinstance(value, list | tuple) else ()
     return len(sides) == 2 and all(_is_count(side, 1) and side <= _MOST_PIXELS for side in sides)
 
 
+_FACTOR = r"[1-9][0-9]*(\.[0-9]+)?"
 _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     ("schema", str(SCHEMA), lambda v: _is_count(v) and v == SCHEMA),
     *((key, "a text", _is_text) for key in _TEXTS),
@@ -339,7 +332,11 @@ _CHECKS: tuple[tuple[str, str, Callable[[Any], bool]], ...] = (
     # Optional, but read where they are.
     ("rate_hz", "a number above 0", lambda v: _is_number(v) and v > 0),
     ("server_rate_hz", "a number above 0, or null", lambda v: v is None or (_is_number(v) and v > 0)),
-    ("guard", "a number from 1, or a text like 1.25x1.125", _is_guard),
+    (
+        "guard",
+        "a number from 1, or a text like 1.25x1.125",
+        lambda v: (_is_number(v) and v >= 1) or bool(isinstance(v, str) and re.fullmatch(f"{_FACTOR}x{_FACTOR}", v)),
+    ),
     ("predict", "a text", _is_text),
     ("strategy", "a text", _is_text),
 )

@@ -174,9 +174,9 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
     response = run_texts.response_rows(summary)
     if not response:
         return None
-    tables = [("Response time, means over the refreshes", response), ("Frames", run_texts.frame_rows(summary))]
-    tables += [("Size", run_texts.coding_rows(summary)), *more]
-    pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
+    tables: dict[str, Sequence[tuple[str, str]]] = {"Response time, means over the refreshes": response}
+    tables |= {"Frames": run_texts.frame_rows(summary), "Size": run_texts.coding_rows(summary), **dict(more)}
+    pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables.items() if rows]
     frames = (summary.get("link") or {}).get("timeline") or ()
     ways = {tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}
     timeline = timeline_svg(frames) if len(ways) > 1 else ""

@@ -1,8 +1,4 @@
-"""Choose warp, fill and guard band for a budget.
-
-From a benchmark file, or from a short bench on the run's own frames. What is chosen is then run as
-if it had been named.
-"""
+"""Choose warp, fill and guard band for a budget, by a benchmark or a short bench of its own."""
 
 from __future__ import annotations
 
@@ -36,10 +32,9 @@ from ..platforms import memory_bytes
 from ..poses import PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
-from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from .measuring import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, Comparison, batches, instants_of, refreshes
 from .options import RunOptions
-from .replay_setup import ReplayRun, Schedule, schedule_of, set_up_replay
-from .side_by_side import Comparison, refreshes
+from .run import ReplayRun, Schedule, schedule_of, set_up_replay
 
 QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and
@@ -52,41 +47,17 @@ _STEP = 100  # factors are rounded up to a hundredth
 Array = NDArray[np.float64]
 
 
-@attrs.frozen
-class Guard:
-    """The chosen guard band.
-
-    factor: to draw with. wanted: the quantile over the refreshes; infinite where the head turns a
-    side behind the eye.
-    """
-
-    factor: float
-    wanted: float
-
-    def __str__(self) -> str:
-        flat = math.isfinite(self.wanted)
-        needed = (
-            f"a picture {self.wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
-        )
-        told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {needed}"
-        if self.wanted <= MOST:
-            return f"{told}; {self.factor:g} is drawn."
-        return f"{told}; {MOST:g} is drawn, auto's most. A second wide view (--wide) reaches farther and costs less."
-
-
-def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
+def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> tuple[float, str]:
     """Return the factor that holds the middles of the pictures' sides in 95 of 100 refreshes.
 
-    All four sides of both eyes count, for scenery from 1 m to infinity. The server draws for its
-    predicted or current pose, as in the run; the display shows the pose of the trace. The latency
-    is that of the run, for a link with jitter the typical one.
+    And what there is to know of it. All four sides of both eyes count, for scenery from 1 m to
+    infinity. The server draws for its predicted or current pose, as in the run; the display shows
+    the pose of the trace. The latency is that of the run, for a link with jitter the typical one.
     """
     age_ns = expected_age_ns(options, schedule.age_ns, schedule.rate_hz)
     stride = -(-schedule.count // MOST_INSTANTS)
-    shown_ns = np.array(
-        [schedule.first_ns + round(k * 1e9 / schedule.rate_hz) for k in range(0, schedule.count, stride)],
-        dtype=np.int64,
-    )
+    every = range(0, schedule.count, stride)
+    shown_ns = np.array([schedule.first_ns + round(k * 1e9 / schedule.rate_hz) for k in every], dtype=np.int64)
     shown = track.sample_many(shown_ns)
     drawn = [
         track.at(t - age_ns)
@@ -99,9 +70,14 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
         (np.array([pose.pose.position_m for pose in drawn]), np.array([pose.pose.orientation_xyzw for pose in drawn])),
         (shown.position_m, shown.orientation_xyzw),
     )
+    # Infinite where the head turns a side behind the eye.
     wanted = float(np.quantile(needed, QUANTILE, method="higher"))
-    factor = min(MOST, math.ceil(max(wanted, 1) * _STEP - 1e-6) / _STEP) if math.isfinite(wanted) else MOST
-    return Guard(factor, wanted)
+    flat = math.isfinite(wanted)
+    factor = min(MOST, math.ceil(max(wanted, 1) * _STEP - 1e-6) / _STEP) if flat else MOST
+    size = f"a picture {wanted:.2f} times as large in tangents" if flat else "more than any flat picture holds"
+    told = f"Guard auto: to lose nothing at {QUANTILE:.0%} of the refreshes takes {size}; {factor:g} is drawn"
+    beyond = ", auto's most. A second wide view (--wide) reaches farther and costs less"
+    return factor, f"{told}{'' if wanted <= MOST else beyond}."
 
 
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
@@ -152,14 +128,13 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
     for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
         try:
             plan = build_plan_for(options.with_pair(warp, fill), headset, None)
-            usable += [_on_device(row, plan, device) for row in rows if (row["warp"], row["fill"]) == (warp, fill)]
+            ours = (row for row in rows if (row["warp"], row["fill"]) == (warp, fill))
+            usable += [_timed_for(options, row, plan, device) for row in ours]
         except InputError as error:
             notes.append(f"{name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
     if not usable:
         raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here; {notes[-1]}")
-    if options.lens == "none":
-        usable = [row if device else _without_lens(row) for row in usable]
-    elif {row["lens"] for row in usable} == {"none"}:
+    if options.lens != "none" and {row["lens"] for row in usable} == {"none"}:
         notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
     differing = []  # that nothing corrects
     of_run = {"guard": options.guard_band.factors(size).entry, "latency_ms": options.latency_ms, "scene": options.scene}
@@ -169,7 +144,8 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
             values = ", ".join(map(str, theirs))
             unit = " ms" if key == "latency_ms" else ""
             differing.append(f"{key.removesuffix('_ms')} {values}{unit} (this run: {mine}{unit})")
-    notes += [f"{name} was measured with {'; '.join(differing)}."] if differing else []
+    if differing:
+        notes.append(f"{name} was measured with {'; '.join(differing)}.")
     same = [row for row in usable if tuple(row["size"]) == size]
     try:
         levels = levels_from(same or usable)
@@ -184,19 +160,14 @@ def levels_from_file(path: Path, options: PipelineOptions, device: Client | None
     return LevelSet(levels, tuple(notes))
 
 
-def _on_device(row: Row, plan: Plan, device: Client | None) -> Row:
-    """Return a row with the time of a device, where there is one."""
-    if device is None:
-        return row
-    total = {"median": device_ms(plan, tuple(row["size"]), device)[1], "p95": None}
-    return {**row, "time_ms": {**row["time_ms"], "total": total}}
-
-
-def _without_lens(row: Row) -> Row:
-    times = row["time_ms"]
-    median = times["total"]["median"]
-    total = {"median": None if median is None else median - (times["lens"]["median"] or 0.0), "p95": None}
-    return {**row, "lens": "none", "time_ms": {**times, "total": total}}
+def _timed_for(options: PipelineOptions, row: Row, plan: Plan, device: Client | None) -> Row:
+    """Return a row with the time of a device, or without that of a lens that the run has not."""
+    times, lens, found = row["time_ms"], row["lens"], row["time_ms"]["total"]["median"]
+    if device is not None:
+        found = device_ms(plan, tuple(row["size"]), device)[1]
+    elif options.lens == "none":
+        lens, found = "none", None if found is None else found - (times["lens"]["median"] or 0.0)
+    return {**row, "lens": lens, "time_ms": {**times, "total": {"median": found, "p95": None}}}
 
 
 INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
@@ -251,10 +222,27 @@ class Choice:
 def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     """Return the run with what `auto` stands for: a guard band, a warp and a fill.
 
-    They are the most accurate that take at most options.budget_ms for one eye: by options.bench, or
-    by a short bench on a few instants of this run. say: called with a sentence before that starts.
-    Errors: as load_trace and schedule_of; as levels_from_file; as set_up_replay; InputError if
-    nothing fits the budget.
+    They are the most accurate that take at most `options.budget_ms` for one eye: by
+    `options.bench`, or by a short bench on a few instants of this run.
+
+    Parameters
+    ----------
+    options
+        A run whose warp, guard or both are "auto".
+    say
+        Called with a sentence before a short bench starts.
+
+    Returns
+    -------
+    Choice
+        The options with all of it named, and why.
+
+    Raises
+    ------
+    InputError
+        For wrong options, a file that is no benchmark, and where nothing fits the budget.
+    MachineError
+        For missing hardware or software.
     """
     source = source_of(options)
     notes: tuple[str, ...] = ()
@@ -262,8 +250,8 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
     if options.guard == AUTO:
         track = load_trace(options.trace, options.trace_options).track
         schedule = schedule_of(track, options, options.rate_hz or source.headset.refresh_hz)
-        guard = guard_for(source.headset, track, schedule, options)
-        options, notes = attrs.evolve(options, guard=guard.factor), (str(guard),)
+        factor, note = guard_for(source.headset, track, schedule, options)
+        options, notes = attrs.evolve(options, guard=factor), (note,)
     if options.warp != AUTO:
         return Choice(options, None, (), notes)
     client = load_client(options.client_name)
@@ -286,10 +274,7 @@ def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
 
 
 def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
-    """Return every warp and variant with each of FILLS, except those that this run cannot use.
-
-    Errors: as build_plan_for.
-    """
+    """Return every warp and variant with each of FILLS, except those that this run cannot use."""
     headset, scene = source.headset, source.scene
     found = []
     build_plan_for(options.with_pair("none", "none"), headset, scene)
@@ -312,64 +297,58 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say, device:
         f"trying {len(combinations)} combinations of warp and fill at {INSTANTS} instants of this run first; --bench "
         "FILE saves that"
     )
-    alone = [c for c in combinations if not c.plan.fills]
     size = drawn = options.size or source.headset.eye_size_px
-    times = {} if device is None else {c.warp: device_ms(c.plan, size, device)[1] for c in alone}
     if device is not None and math.prod(size) > MOST_PIXELS:
         drawn = (round(size[0] / 3), round(size[1] / 3))
-    for batch in [] if times else _batches(options, source.headset, alone):
-        with _frames_for(batch, options, source) as setup:
-            (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
-            for combination in batch:
-                compensator = setup.compensator(combination.plan)
-                inputs = setup.loop.inputs(refresh, combination.plan.needs)
-                for _ in range(2):  # the first warms up
-                    for eye_inputs in inputs:
-                        compensator.run(eye_inputs)
-                    stages = setup.target.gpu.timer.collect()
-                times[combination.warp] = sum(milliseconds for _, milliseconds in stages) / 2
+    # Frames for all alike; their network only delays.
+    network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
+    alone = attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
+
+    def frames_for(
+        chosen: Sequence[Combination], size: tuple[int, int]
+    ) -> Iterator[tuple[list[Combination], ReplayRun]]:
+        rendered = guarded_size(options.guard_band, source.headset, size)
+        most = min(GPU_BATCH_BYTES, MEMORY_PART * memory_bytes())
+        for batch in batches(chosen, rendered, size, most):
+            needs = needs_of(c.plan for c in batch)
+            with set_up_replay(attrs.evolve(alone, size=size), needs, source=source) as setup:
+                yield batch, setup
+
+    plain = [c for c in combinations if not c.plan.fills]
+    times = {} if device is None else {c.warp: device_ms(c.plan, size, device)[1] for c in plain}
+    for batch, setup in [] if times else frames_for(plain, size):
+        (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
+        for combination in batch:
+            compensator = setup.compensator(combination.plan)
+            inputs = setup.loop.inputs(refresh, combination.plan.needs)
+            for _ in range(2):  # the first warms up
+                for eye_inputs in inputs:
+                    compensator.run(eye_inputs)
+                stages = setup.target.gpu.timer.collect()
+            times[combination.warp] = sum(milliseconds for _, milliseconds in stages) / 2
     within = [warp for warp, ms in times.items() if ms <= REACH * budget_ms] or [min(times, key=times.__getitem__)]
     kept = [c for c in combinations if c.warp in within]
-    rows = _rows(attrs.evolve(options, size=drawn), source, kept)
-    levels = levels_from(_on_device({**row, "size": size}, plan, device) for plan, row in rows)
+    case, rows = Case(options.scene, options.trace, options.latency_ms, drawn), []
+    with MeasuringProcesses(worker_count(options.workers)) as processes:
+        pool = QualityPool(processes)
+        for batch, setup in frames_for(kept, drawn):
+            comparison = Comparison(setup, case, batch, pool, ROUNDS)
+            comparison.run(INSTANTS, lambda: None)
+            pool.wait()
+            for made in comparison.measured:
+                figures, plan = [pool.results[key] for key in made.keys], made.combination.plan
+                both = ("flip", "psnr_db")
+                means = {name: {"mean": fmean(each[name] or 0.0 for each in figures)} for name in both}
+                total = median(row["total_ms"] for row in made.times)
+                time_ms = {"total": {"median": total if device is None else device_ms(plan, size, device)[1]}}
+                pair = {"warp": made.combination.warp, "fill": made.combination.fill}
+                rows.append({**pair, "size": size, "time_ms": time_ms, "quality": means})
     note = f"Warp 'auto' tried {len(kept)} combinations of warp and fill at {INSTANTS} instants of this run"
     if drawn != size:
         note += f", for errors at {drawn[0]}x{drawn[1]}, a third of its size each way"
     if left_out := ", ".join(sorted(set(times) - set(within))):
         note += f"; {left_out} took more than {REACH:g} times the budget, so their pictures were not measured"
-    return LevelSet(levels, (f"{note}.",))
-
-
-def _frames_for(combinations: Sequence[Combination], options: RunOptions, source: Source) -> ReplayRun:
-    """Return a set-up of the run whose frames suit the combinations; its network only delays."""
-    network = LinkOptions(server_rate_hz=options.network.server_rate_hz)
-    alone = attrs.evolve(options.with_pair("none", "none"), lens="none", against="", network=network)
-    return set_up_replay(alone, needs_of(c.plan for c in combinations), source=source)
-
-
-def _rows(options: RunOptions, source: Source, combinations: Sequence[Combination]) -> Iterator[tuple[Plan, Row]]:
-    """Yield the plan and keys of a bench.json row that levels_from reads, for each combination."""
-    headset, size = source.headset, options.size or source.headset.eye_size_px
-    case = Case(options.scene, options.trace, options.latency_ms, size)
-    with MeasuringProcesses(worker_count(options.workers)) as processes:
-        pool = QualityPool(processes)
-        for batch in _batches(options, headset, combinations):
-            with _frames_for(batch, options, source) as setup:
-                comparison = Comparison(setup, case, batch, pool, ROUNDS)
-                comparison.run(INSTANTS, lambda: None)
-            pool.wait()
-            for made in comparison.measured:
-                figures = [pool.results[key] for key in made.keys]
-                means = {name: {"mean": fmean(each[name] or 0.0 for each in figures)} for name in ("flip", "psnr_db")}
-                times = {"total": {"median": median(row["total_ms"] for row in made.times)}}
-                pair = {"warp": made.combination.warp, "fill": made.combination.fill}
-                yield made.combination.plan, {**pair, "size": size, "time_ms": times, "quality": means}
-
-
-def _batches(options: RunOptions, headset: Headset, combinations: Sequence[Combination]) -> list[list[Combination]]:
-    size = options.size or headset.eye_size_px
-    most = min(GPU_BATCH_BYTES, MEMORY_PART * memory_bytes())
-    return batches(combinations, guarded_size(options.guard_band, headset, size), size, most)
+    return LevelSet(levels_from(rows), (f"{note}.",))
 
 
 _MEASURED = tomllib.loads(Path(__file__).with_name("measured_passes.toml").read_text(encoding="utf-8"))

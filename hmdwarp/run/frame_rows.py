@@ -6,7 +6,7 @@ import functools
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from ..link import ResponseTime, TransitStats
 from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
-from ..poses import Origin, PoseSample, PoseTrack, quaternions
+from ..poses import PoseSample, PoseTrack, quaternions
 from ..report import FRAME_COLUMNS, POSE_PARTS
 from ..scenes import INPUT_COLUMNS, InputEvent
 
@@ -31,22 +31,8 @@ def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
     return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
 
 
-class Shown(Protocol):
-    """What figures over time need of a refresh."""
-
-    @property
-    def shown_ns(self) -> int: ...
-    @property
-    def head(self) -> PoseSample: ...
-    @property
-    def transit(self) -> TransitStats: ...
-
-
-def speeds_between(before: Shown | None, now: Shown) -> Speeds:
-    """Return both speeds over the time between two pictures.
-
-    None for the first picture and after a break.
-    """
+def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
+    """Return both speeds between two pictures; None for the first picture and after a break."""
     if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
         return None, None
     seconds = (now.shown_ns - before.shown_ns) * 1e-9
@@ -64,25 +50,19 @@ def angle_between(a: Sequence[float], b: Sequence[float]) -> float:
 MOST_FRAMES = 12
 
 
-@attrs.define(eq=False)
-class _Shown:
-    transit: TransitStats
-    first_ns: int
-    last_ns: int
-
-
 class Timeline:
     """Keep how the last MOST_FRAMES frames that were shown came there, and when they were seen."""
 
     def __init__(self) -> None:
-        self._kept: deque[_Shown] = deque(maxlen=MOST_FRAMES)
+        # How each came, and the first and the last instant when it was seen.
+        self._kept: deque[tuple[TransitStats, int, int]] = deque(maxlen=MOST_FRAMES)
 
-    def add(self, refresh: Shown) -> None:
+    def add(self, refresh: Refresh) -> None:
         """Add a refresh; it may show the frame of the one before."""
-        if self._kept and self._kept[-1].transit is refresh.transit:
-            self._kept[-1].last_ns = refresh.shown_ns
-        else:
-            self._kept.append(_Shown(refresh.transit, refresh.shown_ns, refresh.shown_ns))
+        first_ns = refresh.shown_ns
+        if self._kept and self._kept[-1][0] is refresh.transit:
+            _, first_ns, _ = self._kept.pop()
+        self._kept.append((refresh.transit, first_ns, refresh.shown_ns))
 
     def as_list(self) -> list[dict[str, Any]]:
         """Return the `timeline` of summary.json, in ms since the first of its frames was drawn.
@@ -91,16 +71,16 @@ class Timeline:
         """
         if not self._kept:
             return []
-        start_ns = self._kept[0].transit.sent_ns
+        start_ns = self._kept[0][0].sent_ns
         return [
             {
-                "frame": shown.transit.number,
-                "drawn": (shown.transit.sent_ns - start_ns) * 1e-6,
-                "parts": {name: part_ns * 1e-6 for name, part_ns in shown.transit.parts_ns().items()},
-                "shown": (shown.first_ns - start_ns) * 1e-6,
-                "until": (shown.last_ns - start_ns) * 1e-6,
+                "frame": transit.number,
+                "drawn": (transit.sent_ns - start_ns) * 1e-6,
+                "parts": {name: part_ns * 1e-6 for name, part_ns in transit.parts_ns().items()},
+                "shown": (first_ns - start_ns) * 1e-6,
+                "until": (last_ns - start_ns) * 1e-6,
             }
-            for shown in self._kept
+            for transit, first_ns, last_ns in self._kept
         ]
 
 
@@ -109,37 +89,24 @@ Stages = Iterable[tuple[str, float]]
 HEADER = ",".join(FRAME_COLUMNS) + "\n"
 STAGE_COLUMNS = ("warp_ms", "fill_ms", "effects_ms", "lens_ms", "total_ms")
 NOT_KNOWN = (None,) * len(STAGE_COLUMNS)
-_ORIGINS = {origin: origin.name.lower() for origin in Origin}
 # The columns that differ between the eyes of a refresh, by index.
 _EYE, _HOLES, _FIRST = (FRAME_COLUMNS.index(name) for name in ("eye", "hole_share", STAGE_COLUMNS[0]))
 _STAGES = slice(_FIRST, _FIRST + len(STAGE_COLUMNS))
 assert FRAME_COLUMNS[_STAGES] == STAGE_COLUMNS
 
 
-@attrs.define(eq=False)
+@attrs.frozen(eq=False)
 class Moment:
-    """One refresh, except for the times of each eye's passes.
+    """One refresh, except for the times of each eye's passes."""
 
-    None: not known, or not defined for the first picture.
-    """
-
-    frame: int
-    # Since the start of the trace or the first picture.
-    time_s: float
-    shown_ns: int
-    drawn_ns: int
+    # The columns that figures and charts use, by name; None: not known, or not defined for the
+    # first picture.
+    figures: Row
     # See Frame.
     shows_ns: int
-    age_ms: float
-    # From reading the head pose to submitting the picture.
-    pose_age_ms: float | None
-    # Angular in deg/s, linear in m/s.
-    speeds: Speeds
+    # The head as it was shown, and that which the frame was drawn for.
     shown: PoseSample
-    # The head pose that the frame was drawn for.
     drawn: PoseSample | None
-    warp: str
-    fill: str
     # How many eyes were shown.
     eyes: int
 
@@ -152,55 +119,38 @@ class Moment:
         start_ns: the origin of time. submitted_ns: when the picture was submitted to a display.
         """
         head, frame, plan = refresh.head, refresh.frame, refresh.plan
-        read = submitted_ns is not None and head.read_ns is not None
-        return cls(
-            number,
-            (refresh.shown_ns - start_ns) * 1e-9,
-            refresh.shown_ns,
-            frame.drawn_ns,
-            frame.shows_ns,
-            refresh.age_ns * 1e-6,
-            (submitted_ns - head.read_ns) * 1e-6 if read else None,  # type: ignore[operator]
-            speeds,
-            head,
-            frame.head,
-            str(plan.choice),
-            plan.fill,
-            len(refresh.eyes),
-        )
-
-    def figures(self) -> Row:
-        """Return the columns that figures and charts use, by name."""
-        turning, moving = self.speeds
-        return {
-            "frame": self.frame,
-            "time_s": self.time_s,
-            "shown_ns": self.shown_ns,
-            "drawn_ns": self.drawn_ns,
-            "age_ms": self.age_ms,
-            "pose_age_ms": self.pose_age_ms,
-            "pose_origin": _ORIGINS[self.shown.origin],
-            "angular_speed_deg_s": turning,
-            "linear_speed_m_s": moving,
-            "warp": self.warp,
-            "fill": self.fill,
+        figures = {
+            "frame": number,
+            "time_s": (refresh.shown_ns - start_ns) * 1e-9,
+            "shown_ns": refresh.shown_ns,
+            "drawn_ns": frame.drawn_ns,
+            "age_ms": refresh.age_ns * 1e-6,
+            # From reading the head pose to submitting the picture.
+            "pose_age_ms": None
+            if submitted_ns is None or head.read_ns is None
+            else (submitted_ns - head.read_ns) * 1e-6,
+            "pose_origin": head.origin.name.lower(),
+            "angular_speed_deg_s": speeds[0],
+            "linear_speed_m_s": speeds[1],
+            "warp": str(plan.choice),
+            "fill": plan.fill,
         }
+        return cls(figures, frame.shows_ns, head, frame.head, len(refresh.eyes))
 
     def poses(self) -> Row:
         """Return the columns of both poses, by name."""
-        columns = _pose_columns("shown", self.shown)
-        if self.drawn is not None:
-            columns |= {"drawn_origin": _ORIGINS[self.drawn.origin], **_pose_columns("drawn", self.drawn)}
-        return columns
+        columns: Row = {}
+        for which, head in (("shown", self.shown), ("drawn", self.drawn)):
+            if head is not None:
+                values = (*head.pose.position_m.tolist(), *head.pose.orientation_xyzw.tolist())
+                columns |= dict(zip(_NAMES[which], values, strict=True))
+        return columns if self.drawn is None else {**columns, "drawn_origin": self.drawn.origin.name.lower()}
 
 
 def stage_columns(stages: Stages) -> Row:
-    """Return times by the columns of frames.csv; 0 for a stage that is not in the plan.
-
-    The time of the client's own depth is added to that of the warp that reads it.
-    """
+    """Return times by the columns of frames.csv; 0 for a stage that is not in the plan."""
     columns = dict.fromkeys(STAGE_COLUMNS[:-1], 0.0)
-    for name, milliseconds in stages:
+    for name, milliseconds in stages:  # the client's own depth is for the warp, which reads it
         columns["warp_ms" if name == "client_depth" else f"{name}_ms"] += milliseconds
     return {**columns, "total_ms": sum(columns.values())}
 
@@ -210,7 +160,7 @@ def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: S
 
     stages: of each eye, in the order of STAGE_COLUMNS; holes: the share of each eye's pixels.
     """
-    columns = {**moment.figures(), **moment.poses()}
+    columns = {**moment.figures, **moment.poses()}
     fields = [_text(columns.get(name)) for name in FRAME_COLUMNS]
     lines = []
     for eye in range(moment.eyes):
@@ -220,11 +170,6 @@ def rows_text(moment: Moment, stages: Sequence[Sequence[float | None]], holes: S
         lines.append(",".join(fields))
     lines.append("")
     return "\n".join(lines)
-
-
-def _pose_columns(prefix: str, head: PoseSample) -> Row:
-    values = (*head.pose.position_m.tolist(), *head.pose.orientation_xyzw.tolist())
-    return dict(zip(_NAMES[prefix], values, strict=True))
 
 
 _NAMES = {prefix: tuple(f"{prefix}_{part}" for part in POSE_PARTS) for prefix in ("shown", "drawn")}
@@ -271,9 +216,8 @@ class ReplayLog:
         self.moments.append(moment)
         self.responses.append(refresh.response)
         self.timeline.add(refresh)
-        figures = moment.figures()
         for eye, stages in enumerate(refresh.stage_ms):
-            self.rows.append({**figures, "eye": eye, **stage_columns(stages)})
+            self.rows.append({**moment.figures, "eye": eye, **stage_columns(stages)})
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
         """Add the figures of the measured refreshes, by (frame, eye)."""
@@ -281,10 +225,7 @@ class ReplayLog:
             row.update(figures.get((row["frame"], row["eye"]), _NOT_MEASURED))
 
     def compared(self, times: Mapping[tuple[int, int], Stages], figures: Mapping[tuple[int, int], Row]) -> list[Row]:
-        """Return rows of the comparison warp, which ran along with this one on some refreshes.
-
-        They have its own times and figures, and the same head poses.
-        """
+        """Return rows of a comparison on some refreshes: own times and figures, the same heads."""
         return [
             {**row, **stage_columns(times[key]), **figures.get(key, _NOT_MEASURED)}
             for row in self.rows
@@ -292,10 +233,7 @@ class ReplayLog:
         ]
 
     def frames_csv(self) -> Iterator[Row]:
-        """Yield the rows with the columns of report.FRAME_COLUMNS.
-
-        Both eyes share the poses.
-        """
+        """Yield the rows with the columns of report.FRAME_COLUMNS; both eyes share the poses."""
         for row in self.rows:
             yield {**row, **self.moments[row["frame"]].poses()}
 
@@ -326,13 +264,10 @@ class Answers:
         while self._waiting and self._waiting[0].time_ns <= shows_ns:
             self._answered.append((self._waiting.popleft(), shown_ns))
 
-    @property
-    def _ms(self) -> list[float]:
-        return [(shown_ns - event.time_ns) * 1e-6 for event, shown_ns in self._answered]
-
     def entry(self) -> dict[str, Any]:
         """Return the `input` of summary.json: of inputs until the last picture."""
-        found, waiting = self._ms, sum(event.time_ns <= self._last_ns for event in self._waiting)
+        found = [(shown_ns - event.time_ns) * 1e-6 for event, shown_ns in self._answered]
+        waiting = sum(event.time_ns <= self._last_ns for event in self._waiting)
         count = len(found) + waiting
         if not found:
             return {"count": count, "answered": 0}
@@ -353,7 +288,7 @@ class Answers:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield the rows of inputs.csv, which --input takes."""
         rows: list[tuple[InputEvent, float | None]] = [(event, None) for event in self._early]
-        rows += [(event, ms) for (event, _), ms in zip(self._answered, self._ms, strict=True)]
+        rows += [(event, (shown_ns - event.time_ns) * 1e-6) for event, shown_ns in self._answered]
         rows += [(event, None) for event in self._waiting]
         for event, ms in rows:
             values = (event.time_ns + self.epoch_ns, event.action, event.target, *event.origin_m, *event.direction, ms)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -55,6 +56,8 @@ _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
 MEASURING = "Measuring"  # heading of options in help
+_measuring = functools.partial(option, heading=MEASURING)
+_of_display = functools.partial(option, study=DISPLAY, heading=DISPLAYED)
 
 
 @attrs.frozen(kw_only=True)
@@ -96,24 +99,17 @@ class RunOptions(PipelineOptions):
         "is; '' for no comparison.",
         may_be_empty=True,
     )
-    metrics_every: int = option(
-        10,
-        "Measure one in n refreshes, unevenly spread, so that nothing periodic is missed.",
-        valid=Number(least=1),
-        heading=MEASURING,
+    metrics_every: int = _measuring(
+        10, "Measure one in n refreshes, unevenly spread, so that nothing periodic is missed.", valid=Number(least=1)
     )
     # 0 for not at all.
-    jod_s: float = option(
+    jod_s: float = _measuring(
         0.0,
         "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install '.[jod]'); slow.",
         valid=Number(most=60),
-        heading=MEASURING,
     )
-    workers: int | None = option(
-        None,
-        "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",
-        valid=Number(most=256),
-        heading=MEASURING,
+    workers: int | None = _measuring(
+        None, "Measuring processes; 0 measures in the loop; by default one per core, at most 8.", valid=Number(most=256)
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
@@ -177,22 +173,13 @@ class LiveOptions(PipelineOptions):
     view: str = option(
         BOTH, "In the window: both eyes as the panel gets them, or one flat view.", valid=one_of(*VIEWS), study=DISPLAY
     )
-    full_screen: bool = option(False, "Open the window over the full screen.", study=DISPLAY, heading=DISPLAYED)
-    vsync: bool = option(True, "Wait for the screen's refresh.", off="--no-vsync", study=DISPLAY, heading=DISPLAYED)
+    full_screen: bool = _of_display(False, "Open the window over the full screen.")
+    vsync: bool = _of_display(True, "Wait for the screen's refresh.", off="--no-vsync")
     # Needs its optional package.
     panel: bool = option(
-        True,
-        "Show controls and plots (pip install '.[panel]').",
-        off="--no-panel",
-        study="a study shows no controls",
+        True, "Show controls and plots (pip install '.[panel]').", off="--no-panel", study="a study shows no controls"
     )
-    depth_layer: bool = option(
-        True,
-        "Hand the warped depth to a runtime that takes it.",
-        off="--no-depth-layer",
-        study=DISPLAY,
-        heading=DISPLAYED,
-    )
+    depth_layer: bool = _of_display(True, "Hand the warped depth to a runtime that takes it.", off="--no-depth-layer")
     seconds: float | None = option(
         None, "Stop after this long; by default never.", unit="s", valid=Number(above=True), study=_SECONDS
     )
@@ -216,25 +203,10 @@ class LiveOptions(PipelineOptions):
         valid=Number(),
         study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
     )
-    reconnect_s: float = option(
-        60.0, "Seconds to wait for a runtime that went away.", valid=Number(), study=DISPLAY, heading=DISPLAYED
-    )
-    hang_s: float = option(
-        5.0,
-        "Seconds of silence after which a runtime is given up.",
-        valid=Number(least=0.1),
-        study=DISPLAY,
-        heading=DISPLAYED,
-    )
+    reconnect_s: float = _of_display(60.0, "Seconds to wait for a runtime that went away.", valid=Number())
+    hang_s: float = _of_display(5.0, "Seconds of silence after which a runtime is given up.", valid=Number(least=0.1))
     # Whether to collect garbage between pictures instead of whenever Python decides.
-    collect: bool = option(
-        True,
-        "Collect garbage only between frames.",
-        name="gc_between",
-        off="--gc-anywhere",
-        study=DISPLAY,
-        heading=DISPLAYED,
-    )
+    collect: bool = _of_display(True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere")
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
     command: str = ""

@@ -6,7 +6,7 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -65,10 +65,7 @@ class Lines:
             )
 
     def flush(self, patience_s: float = PATIENCE_S) -> bool:
-        """Write the waiting lines now; from any thread.
-
-        Return False if the disk does not answer in time.
-        """
+        """Write the waiting lines now, from any thread; return whether the disk answers in time."""
         if not self._writing.acquire(timeout=patience_s):
             return False
         try:
@@ -83,10 +80,7 @@ class Lines:
         return self._error is not None
 
     def close(self) -> None:
-        """Write the waiting lines, and close the file.
-
-        Safe to call twice. Errors: as add, for lines that could not be written.
-        """
+        """Write the waiting lines, and close the file; safe to call twice. Errors: as add."""
         if self._file < 0:
             return
         self._ending.set()
@@ -143,11 +137,10 @@ _TAIL = 4096  # bytes: longer than any row
 class Recorder:
     """A native trace whose poses are on the disk half a second after they arrive.
 
-    Use as a context manager.
-
-    The file is created at once, so that a path that cannot be written fails at the start. Poses
-    held while tracking is lost are left out, which leaves a gap; so are those whose time does not
-    increase. With fewer than two poses the file is removed again.
+    Use as a context manager. The file is created at once, so that a path that cannot be written
+    fails at the start. Poses held while tracking is lost are left out, which leaves a gap; so are
+    those whose time does not increase. With fewer than two poses the file is removed again. path: a
+    new file, unless forced. say: called with a sentence at the end, and where a clock jumps.
     Errors: InputError for an existing file or a path that cannot be written; MachineError, from add
     and at the end, for a full disk: the lines written before stay, whole.
     """
@@ -160,11 +153,6 @@ class Recorder:
         *,
         force: bool = False,
     ) -> None:
-        """Create the file.
-
-        path: a new file, unless forced. say: called with a sentence at the end, and where a clock
-        jumps.
-        """
         self.path, self._say, self._by = path, say, by
         self.count = self.held = self.behind = 0
         self._first_ns = self._last_ns = 0
@@ -176,16 +164,8 @@ class Recorder:
         refuse_existing(self.inputs_path, force=force)
         self._lines = Lines(path, synced=True, force=force)
 
-    @property
-    def seconds(self) -> float:
-        """Time from the first pose to the last."""
-        return (self._last_ns - self._first_ns) * 1e-9
-
     def begin(self, about: Mapping[str, str], rate_hz: float) -> None:
-        """Write the header.
-
-        about: the recorded display, by name; rate_hz: of the poses.
-        """
+        """Write the header. about: the recorded display, by name; rate_hz: of the poses."""
         self._begun = True
         self.inputs_path.unlink(missing_ok=True)  # of a recording that is overwritten
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
@@ -237,18 +217,8 @@ class Recorder:
         answered = min([lines.flush() for lines in self._files])
         if not self._is_worth_keeping():
             return ""
-        return f"the recording until then is in {self.path}" + (
-            "" if answered else ", but for its end: the disk does not answer"
-        )
-
-    def _end(self) -> None:
-        try:
-            for lines in self._files:
-                lines.close()
-        finally:
-            self._is_worth_keeping()
-            if self._begun:
-                self._say(self.describe())
+        late = "" if answered else ", but for its end: the disk does not answer"
+        return f"the recording until then is in {self.path}{late}"
 
     @property
     def kept(self) -> int:
@@ -277,7 +247,7 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
-        seconds = self.seconds
+        seconds = (self._last_ns - self._first_ns) * 1e-9
         if self.kept != self.count:  # from the first pose to the last on the disk
             with self.path.open("rb") as file:
                 file.seek(-min(_TAIL, file.seek(0, os.SEEK_END)), os.SEEK_END)
@@ -290,11 +260,14 @@ class Recorder:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self._end()
-            return
-        with suppress(Exception):  # the exception that ended the run matters more
-            self._end()
+        with nullcontext() if kind is None else suppress(Exception):  # the exception that ended the run matters more
+            try:
+                for lines in self._files:
+                    lines.close()
+            finally:
+                self._is_worth_keeping()
+                if self._begun:
+                    self._say(self.describe())
 
 
 def origin_of(by: str, about: Mapping[str, str]) -> str:

@@ -19,7 +19,6 @@ from ..link.options import ALL, DROP
 from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.options import SERVER_SCENE
-from ..pipeline.proxy import source_of
 from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames
@@ -28,7 +27,7 @@ from ..sources.server import Server
 from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
-from .replay_setup import ReplayRun, set_up_replay
+from .run import ReplayRun, set_up_replay
 from .run_summary import OWNED, Judge, ReplayResult, result_of, write_results
 
 WORST_FRAMES = 6
@@ -44,28 +43,44 @@ def replay(
     say: Callable[[str], None] = lambda text: None,
     judge: Judge | None = None,
 ) -> ReplayResult:
-    """Run a replay and write options.out; a run that fails or is interrupted leaves nothing there.
+    """Run a replay and write options.out; one that fails or is interrupted leaves nothing there.
 
-    progress(done, total): called after each refresh. say: called with a sentence before each part
-    that takes long and shows no progress. judge: gives the verdict, which is written with the rest.
-    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
-    software.
+    Parameters
+    ----------
+    options
+        The run. `choose` first where its warp or guard is "auto".
+    progress
+        Called with (done, total) after each refresh.
+    say
+        Called with a sentence before each part that takes long and shows no progress.
+    judge
+        Gives the verdict, which is written with the rest.
+
+    Returns
+    -------
+    ReplayResult
+        The summary and the rows of frames.csv.
+
+    Raises
+    ------
+    InputError
+        For wrong options.
+    MachineError
+        For missing hardware or software.
     """
     options = RunOptions.checked(options)
     if AUTO in (options.warp, options.guard):
         raise InputError("warp or guard 'auto': choose(options).options names what it stands for in a run")
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
-        with set_up_replay(options, say=say, alone=True, source=source_of(options)) as setup:
+        with set_up_replay(options, say=say, alone=True) as setup:
 
             def contest(key: tuple[int, int, int]) -> int | None:  # one of each second competes for the worst
                 return int(key[0] / setup.schedule.rate_hz) if key[2] == MAIN else None
 
             with MeasuringProcesses(worker_count(options.workers)) as processes:
                 pool = QualityPool(processes, worst=WORST_FRAMES, bucket=contest)
-                probe = Probe(setup, pool, _keep_every(setup))
+                probe = Probe(setup, pool)
                 log = _run(setup, probe, out, progress)
-                pool.wait()
-                log.measured(_figures(pool, MAIN))
             _write_delays(setup, out)
             found = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
             # None where nothing was measured.
@@ -158,10 +173,8 @@ def measured(
         MeasuringProcesses(worker_count(options.workers)) if processes is None else nullcontext(processes) as lent,
     ):
         pool = QualityPool(lent)
-        probe = Probe(setup, pool, _keep_every(setup))
+        probe = Probe(setup, pool)
         log = _run(setup, probe, None, progress)
-        pool.wait()
-        log.measured(_figures(pool, MAIN))
         summary = result_of(setup, log, [], _rated(setup, probe.clips), probe.without_truth).summary
         return Measured(summary, list(pool.kept), setup.plans[0], setup.sizes, log.rows)
 
@@ -195,26 +208,15 @@ def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Pro
     if not count:
         tally = setup.channel.link.tally.as_dict()
         counts = ", ".join(f"{name.replace('_', ' ')} {number}" for name, number in tally.items() if number)
+        found = result_of(setup, log, [], {"nothing": f"no frame arrived in time ({counts})"})
         raise NothingShown(
             f"no frame has arrived in time to be shown ({counts}): "
             "use less loss, more bandwidth, or a longer part of the trace",
-            Measured(
-                result_of(setup, log, [], {"nothing": f"no frame arrived in time ({counts})"}).summary,
-                [],
-                setup.plans[0],
-                setup.sizes,
-                [],
-            ),
+            Measured(found.summary, [], setup.plans[0], setup.sizes, []),
         )
+    probe.pool.wait()
+    log.measured(_figures(probe.pool, MAIN))
     return log
-
-
-def _keep_every(setup: ReplayRun) -> int | None:
-    """Return n to keep every n-th measured picture, for about options.images of them."""
-    if not setup.options.images:
-        return None
-    measured = -(-setup.schedule.count // setup.options.metrics_every)
-    return max(1, -(-measured // setup.options.images))
 
 
 def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
@@ -234,6 +236,3 @@ def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) ->
 
 def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
     return {(number, eye): values for (number, eye, what), values in pool.results.items() if what == which}
-
-
-__all__ = ["Measured", "NothingShown", "ReplayResult", "measured", "replay"]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+import math
+import operator
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import attrs
+import numpy as np
 
 from ..client import ClientScene
 from ..client.classes import load_client
@@ -14,7 +19,7 @@ from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import PassInputs
 from ..client.plan import Plan, needs_of
 from ..display import Display
-from ..errors import InputError
+from ..errors import InputError, counted
 from ..frames import EyeSizes, Needs, frame_bytes, video_pixels
 from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose
@@ -22,25 +27,36 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
+from ..metrics import Alike, PairPass, QualityJob, QualityPool
 from ..pipeline.channel import Changes, Channel, Coder, Reads
 from ..pipeline.governor import AdaptiveCompensator, Governor
 from ..pipeline.loop import Loop
-from ..pipeline.options import PREDICTED_GAZE, REMOTE, PipelineOptions
-from ..pipeline.sizes import check_held, expected_age_ns, eye_sizes, guarded_size, plans_for
-from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined
-from ..poses import PoseSample, PoseSource, PoseTrack, foreseen_gaze
+from ..pipeline.options import PREDICTED_GAZE, REMOTE, SERVER_SCENE, PipelineOptions
+from ..pipeline.proxy import source_of
+from ..pipeline.sizes import (
+    check_held,
+    expected_age_ns,
+    eye_sizes,
+    guarded_size,
+    latency_ns,
+    plan_against,
+    plans_for,
+    refreshes_of,
+    smaller_size,
+)
+from ..pipeline.source import MomentOf, PoseRequest, Source, Target, client_scene, joined, motion_notes
+from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, RecordedSource, foreseen_gaze, load_trace
 from ..poses.prediction import predict
 from ..poses.track import Gaze, Moment
+from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
+from .options import RunOptions
 
 Options = TypeVar("Options", bound=PipelineOptions)
 
 
 class SizedCompensator(Compensator):
-    """Compensate frames of any size: passes for another than `rendered` are made when one comes.
-
-    What a pass remembers of earlier refreshes is of one size.
-    """
+    """Compensate frames of any size; what a pass remembers of earlier refreshes is of one size."""
 
     def __init__(
         self, gpu: Gpu, plan: Plan, headset: Headset | None, rendered: tuple[int, int], *more: Any, hides: bool = False
@@ -53,7 +69,6 @@ class SizedCompensator(Compensator):
         )
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """Run the plan on a frame of its size; see Compensator.run."""
         size = inputs.rendered.size
         if size == self._full_size:
             return super().run(inputs)
@@ -62,7 +77,6 @@ class SizedCompensator(Compensator):
         return self._others[size].run(inputs)
 
     def close(self) -> None:
-        """Free every texture and buffer of all sizes."""
         super().close()
         for other in self._others.values():
             other.close()
@@ -81,21 +95,16 @@ class EmulatedScreen:
 
     @property
     def size(self) -> tuple[int, int]:
-        """(w, h) of one eye."""
         return self.headset.eye_size_px
 
     @property
     def rate_hz(self) -> float:
-        """Refreshes per second."""
         return self.headset.refresh_hz
 
 
 @attrs.define(eq=False)
 class Run(Generic[Options]):
-    """What a driver runs: `of` checks it, `start` makes it on a GPU, which belongs to the caller.
-
-    Use as a context manager: it frees what it has made.
-    """
+    """What a driver runs: `of` checks it, `start` makes it on a GPU; a context frees it."""
 
     # Its size is that of the display, where none is set; its latency is measured by `measure`.
     options: Options
@@ -134,8 +143,7 @@ class Run(Generic[Options]):
         """Return a run that is checked.
 
         screen: gives size and rate to options that set none. also: needs of further plans.
-        all_pictures: draw pictures even if no plan reads them.
-        Errors: InputError.
+        all_pictures: draw pictures even if no plan reads them. Errors: InputError.
         """
         options = attrs.evolve(options, size=options.size or screen.size)
         beyond = {name: getattr(screen, name) for name in ("distorts", "takes_depth", "takes_panels")}
@@ -148,10 +156,7 @@ class Run(Generic[Options]):
         return cls(options, source, screen, plans, needs, pictures)
 
     def measure(self, head: PoseSample, *, holds: bool, keeps: bool = False, say: Callable[[str], None]) -> None:
-        """Connect, and take the real latency, where frames come from elsewhere.
-
-        Errors: as Source.measured.
-        """
+        """Connect where frames come from elsewhere, for the real latency. Errors: as of source."""
         assert self.screen is not None
         self.options = self.source.measured(
             self.options,
@@ -225,7 +230,12 @@ class Run(Generic[Options]):
             coder = Coder.of(options.coding, rate_hz, age_ns)
             link = (options.client_link, target.link_latency_ns, rate_hz, coder)
             self.channel, history = joined(frames, self.geometry, requested, self.plans, link, self.cleanup)
-            self.cleanup.callback(self._close_passes)
+
+            def close_passes() -> None:
+                for made in self._made:
+                    made.close()
+
+            self.cleanup.callback(close_passes)
             each = [self._compensator(plan) for plan in self.plans]
             if options.levels and options.budget_ms is not None:
                 governor = Governor(options.levels, options.budget_ms)
@@ -265,21 +275,13 @@ class Run(Generic[Options]):
         return made
 
     def exchange(self, plan: Plan) -> None:
-        """Run this plan from now on, and free the one that it replaces.
-
-        Frames must carry its layers.
-        """
+        """Run this plan, whose layers frames carry, in place of the present one."""
         made, before = self._compensator(plan), self.loop.compensator
         self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
         before.close()
         self.plans, self.auto = [plan], None
-
-    def _close_passes(self) -> None:
-        for made in self._made:
-            made.close()
-        self._made.clear()
 
     def close(self) -> None:
         """Free everything; safe to call twice."""
@@ -290,3 +292,248 @@ class Run(Generic[Options]):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+_MANY = 10_000  # refreshes
+# Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
+# methods beside it, on two cores.
+_SECONDS_EACH = 0.05, 0.5
+_DAY_S = 86_400.0
+
+
+@attrs.frozen
+class Schedule:
+    """Refreshes of a display in integer nanoseconds on the trace's clock, mostly evenly spaced."""
+
+    # Time of the first shown refresh.
+    first_ns: int
+    rate_hz: float
+    # Number of shown refreshes.
+    count: int
+    # Number of refreshes between drawing a frame and showing it.
+    age: int
+    # Number of refreshes before that until a proxy has something to draw it from.
+    ahead: int = 0
+    # Of refreshes that are not evenly spaced, those that only draw included; None for even ones.
+    instants_ns: tuple[int, ...] | None = None
+
+    @property
+    def age_ns(self) -> int:
+        """Time from drawing to showing, within 1 ns."""
+        return round(self.age * 1e9 / self.rate_hz)
+
+    def link_latency_ns(self, options: RunOptions) -> int:
+        """Delay of the link, at most the time between refreshes `age` apart, in whole ns."""
+        most_ns = max(0, self.age_ns - 2) if options.client_link.is_plain else latency_ns(options)
+        return min(latency_ns(options), most_ns)
+
+    def numbered(self) -> Iterator[tuple[int, int]]:
+        """Yield (number, time_ns) of every refresh; those before 0 only draw."""
+        if self.instants_ns is not None:
+            yield from enumerate(self.instants_ns, -self.age)
+            return
+        for number in range(-self.age - self.ahead, self.count):
+            yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
+
+
+def schedule_for(options: RunOptions, source: Source, trace: LoadedTrace, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: as schedule_of, or at the instants of recorded frames.
+
+    The truth of those is what was recorded. Errors: InputError if the run would show nothing.
+    """
+    times, place, rate_hz_of_frames = source.instants_ns, trace.path, source.headset.refresh_hz
+    if not times or options.trace or options.rate_hz is not None:
+        return schedule_of(trace.track, options, rate_hz)
+    if len(times) < 2:
+        raise InputError(f"{place}: one frame; expected two or more: one that is late, and what is seen then")
+    age, _ = _refreshes_before(options, rate_hz_of_frames)
+    first = next((i for i, at in enumerate(times) if i >= age and at >= options.start_s * 1e9), len(times))
+    if first == len(times):
+        raise InputError(
+            f"{place}: its {len(times)} frames last {times[-1] * 1e-9:.3f} s: with --latency {options.latency_ms:g} ms "
+            f"and --start {options.start_s:g} s none is left to show; use a shorter latency, an earlier start, or say "
+            "how fast they were taken by --frames-rate"
+        )
+    seconds = math.inf if options.seconds is None else options.seconds
+    end = next((i for i, at in enumerate(times) if at >= times[first] + seconds * 1e9), len(times))
+    instants = tuple(times[first - age : max(end, first + 1)])
+    return Schedule(times[first], rate_hz_of_frames, max(1, end - first), age, instants_ns=instants)
+
+
+def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: as many as fit into the requested seconds, at least one.
+
+    The first is at the requested start, or when the first frame can have arrived if that is later.
+    Errors: InputError if the run would show nothing of the trace.
+    """
+    length_s = track.duration_ns * 1e-9
+    if length_s == 0:
+        raise InputError(f"the trace '{track.name}' has a single sample: expected head motion over time")
+    if options.start_s >= length_s:
+        raise InputError(
+            f"--start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
+        )
+    age, ahead = _refreshes_before(options, rate_hz)
+    first = (age + ahead) / rate_hz
+    if first > length_s:
+        raise InputError(
+            f"--latency {options.total_latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no "
+            "frame would arrive; use a shorter latency or a longer trace; if its length is wrong, state the unit of "
+            "its clock by --time-unit"
+        )
+    start_s = max(options.start_s, first)
+    seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
+    if options.seconds is None and seconds > _DAY_S and rate_hz > 1:
+        raise InputError(
+            f"the trace '{track.name}' has {seconds / _DAY_S:.1f} days to show, {math.floor(seconds * rate_hz)} "
+            "refreshes: expected at most one day unless stated; say how much of it by --seconds"
+        )
+    # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
+    count = max(1, math.floor(seconds * rate_hz + 1e-6))
+    return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, count, age, ahead)
+
+
+def first_shown_s(options: RunOptions, rate_hz: float) -> float:
+    """Return the seconds into a trace after which the first frame has arrived for certain."""
+    return sum(_refreshes_before(options, rate_hz)) / rate_hz
+
+
+def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
+    """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
+    options.client_link.check(latency_ns(options))
+    link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
+    return refreshes_of(link_ms, rate_hz), refreshes_of(options.proxy.longest_ms(options.network), rate_hz)
+
+
+@attrs.define(eq=False)
+class ReplayRun(Run[RunOptions]):
+    """Everything that one replay runs on: it frees the GPU too."""
+
+    trace: LoadedTrace = attrs.field(init=False)
+    # The trace, moved to where the scene can be walked in.
+    track: PoseTrack = attrs.field(init=False)
+    schedule: Schedule = attrs.field(init=False)
+    notes: list[str] = attrs.field(init=False)
+
+    @property
+    def pixels_per_degree(self) -> float:
+        """Resolution of the shown view, for the metrics."""
+        return self.source.headset.eyes[0].fov.pixels_per_degree(self.sizes.shown)
+
+    @functools.cached_property
+    def _pairs(self) -> PairPass:
+        made = PairPass(self.target.gpu, self.sizes.shown, self.pixels_per_degree)
+        self.cleanup.callback(made.close)
+        return made
+
+    def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> Alike:
+        """Submit a picture, with what the GPU finds of it; return that. Errors: as pool.submit."""
+        alike = self._pairs.run(job.now.shown, job.now.truth)
+        if job.previous is not None and (flicker := self._pairs.flicker(job.now, job.previous)) is not None:
+            job = attrs.evolve(job, previous=None)
+            alike = attrs.evolve(alike, flicker=flicker)
+        pool.submit(key, attrs.evolve(job, alike=alike), keep=keep)
+        return alike
+
+
+def set_up_replay(
+    options: RunOptions,
+    also: Needs | None = None,
+    say: Callable[[str], None] = lambda text: None,
+    *,
+    alone: bool = False,
+    source: Source | None = None,
+) -> ReplayRun:
+    """Load, check, then start the GPU.
+
+    also: layers that frames must carry for other plans. say: called with a sentence before what
+    takes seconds. alone: whether these take their inputs from WholePictures; a picture that the
+    run's own plan does not read is not drawn then. source: if it is open; the set-up closes it.
+    Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
+    software.
+    """
+    source = source or source_of(options)
+    options, headset = source.fitted(options), source.headset
+    of_others = [also or Needs(), *(plan_against(options, *pair).needs for pair in options.compared)]
+    trace = source.head(load_trace(options.trace, options.trace_options) if options.trace else None)
+    assert trace is not None, "options without a trace have a source with a head"
+    if options.as_recorded:  # on the trace's own clock
+        own = trace.track
+        own = own.evolve(time_ns=own.time_ns + own.epoch_ns, epoch_ns=0, max_gap_ns=own.max_gap_ns)
+        trace = attrs.evolve(trace, track=own)
+    rate_hz = options.rate_hz or headset.refresh_hz
+    schedule = None if source.kind.is_timed else schedule_for(options, source, trace, rate_hz)
+    if options.scene == SERVER_SCENE and not source.kind.is_timed:
+        raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
+    run = ReplayRun.of(
+        options,
+        source,
+        EmulatedScreen(headset, headset),
+        functools.reduce(operator.or_, of_others),
+        all_pictures=not alone,
+    )
+    track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
+    with ExitStack() as unfinished:
+        unfinished.callback(run.close)
+        run.cleanup.callback(source.close)
+        if options.input:
+            notes.append(_acted(options.input, source, trace.track))
+
+        def say_and_note(text: str) -> None:
+            say(text)
+            notes.append(text)
+
+        run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
+        schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
+        cost = ""
+        if schedule.count >= _MANY:
+            least, most = (schedule.count * each / 3600 for each in _SECONDS_EACH)
+            cost = f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
+        name = track.name or trace.path.stem
+        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'{cost}")
+        gpu = run.cleanup.enter_context(Gpu())
+        if slow := smaller_size(gpu, options, headset.eye_size_px):
+            say(slow)
+        poses = RecordedSource(track)
+        poses.start()
+        run.cleanup.callback(poses.close)
+        run.start(gpu, poses, lambda now_ns: track, schedule.age_ns, schedule.link_latency_ns(run.options))
+        notes[:0] = [*source.notes, *trace.notes, *source.scene.notes]
+        notes.extend([*run.options.notes, *motion_notes(run.options, source.scene, run.plans[0])])
+        run.trace, run.track, run.schedule, run.notes = trace, track, schedule, notes
+        unfinished.pop_all()
+    return run
+
+
+def _acted(spec: str, source: Source, track: PoseTrack) -> str:
+    """Add what people do to the scene, and return what there is to know of it.
+
+    track: the head's, on the clock of a file's inputs. Errors: as Source.inputs, and take_inputs.
+    """
+    try:
+        inputs = source.inputs
+    except InputError as error:
+        raise InputError(f"--input {spec}: {error}") from error
+    lost = take_inputs(inputs, spec, (track.start_ns, track.end_ns), track.epoch_ns)
+    kinds = Counter(f"{event.action} {event.target}" for event in inputs)
+    found = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) or "none"
+    more = f"; {counted(lost, 'input')} meant nothing that takes it" if lost else ""
+    return f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."
+
+
+def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
+    """Return the track moved to where the scene can be walked in, and notes on the move.
+
+    One outside, of another room, is translated so that its mean position is the scene's viewpoint.
+    """
+    low, high = scene.walk_bounds_m
+    if ((track.position_m >= low) & (track.position_m <= high)).all():
+        return track, []
+    shift = scene.viewpoint.position_m - track.position_m.mean(axis=0)
+    moved = track.evolve(position_m=track.position_m + shift)
+    beyond = float(np.maximum(low - moved.position_m, moved.position_m - high).max())
+    by = ", ".join(f"{x:+.2f}" for x in shift)
+    notes = [f"The trace does not fit scene '{scene.name}': its positions were shifted by ({by}) m."]
+    if beyond > 0:
+        notes.append(f"The head still goes up to {beyond:.2f} m outside and may clip through geometry.")
+    return moved, notes

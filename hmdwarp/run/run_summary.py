@@ -1,24 +1,19 @@
-"""Keys of summary.json that a replay, a live run and a row of a bench share.
-
-Includes the entry of warp "auto".
-"""
+"""Keys of summary.json that a replay, a live run and a row of a bench share; files of a replay."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from ..frames import EyeSizes, Needs
-from ..geometry import Pose, View
+from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
-from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import (
@@ -37,9 +32,8 @@ from ..report import (
 )
 from ..resources import __version__, made_with
 from .frame_rows import ANSWER_COLUMNS, Answers, ReplayLog, Row
-from .replay_setup import ReplayRun
 from .requirements import Verdict
-from .run import Run
+from .run import ReplayRun, Run
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
@@ -50,99 +44,50 @@ OWNED = (
 EYES = ("left", "right")
 
 
-@attrs.frozen(eq=False)
-class Facts:
-    """Facts settled when a run begins."""
+def summary_of(
+    run: Run[Any],
+    passes: tuple[str, str, str],
+    trace: str,
+    headset: str,
+    rate_hz: float,
+    trace_axes: str = "",
+    assumptions: Sequence[Assumption] = (),
+) -> dict[str, Any]:
+    """Return the keys of summary.json that are settled when a run begins.
 
-    options: PipelineOptions
-    # Name of the head motion.
-    trace: str
-    scene: str
-    effects: list[str]
-    headset: str
-    sizes: EyeSizes
-    rate_hz: float
-    pixels_per_degree: float
-    machine: dict[str, Any]
-    # "gpu" or "wall".
-    clock: str
-    # What its frames carry, as its plan wants it.
-    needs: Needs = Needs()
-    # Axes in which a recorded trace was read, and who says so; empty for a head that is live.
-    trace_axes: str = ""
-    # Of recorded frames: folder, layout, frames, size, fov_deg and eye_distance_mm.
-    recorded: dict[str, Any] | None = None
-    # Facts by which trace and frames were read, with who says so.
-    assumptions: tuple[Assumption, ...] = ()
-
-    @classmethod
-    def of(
-        cls,
-        run: Run[Any],
-        trace: str,
-        headset: str,
-        rate_hz: float,
-        trace_axes: str = "",
-        assumptions: tuple[Assumption, ...] = (),
-    ) -> Facts:
-        """Return the facts of a run.
-
-        rate_hz: of the display. assumptions: of its trace.
-        """
-        gpu, source, plan = run.target.gpu, run.source, run.loop.compensator.plan
-        (view, *_) = run.target.eyes.views(Pose())
-        return cls(
-            options=run.options,
-            trace=trace,
-            scene=source.scene.name,
-            effects=list(plan.effects),
-            headset=headset,
-            sizes=run.sizes,
-            rate_hz=rate_hz,
-            pixels_per_degree=view.fov.pixels_per_degree(run.sizes.shown),
-            machine=machine_of(gpu),
-            clock=gpu.timer.clock,
-            needs=plan.needs,
-            trace_axes=trace_axes,
-            recorded=source.entry,
-            assumptions=(*assumptions, *source.assumptions),
-        )
-
-    def summary(self, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the keys of summary.json.
-
-        passes: names of warp, fill and lens. frames: number of shown refreshes. figures: `time_ms`,
-        `quality` and any further keys.
-        """
-        options, (warp, fill, lens) = self.options, passes
-        return {
-            "schema": SCHEMA,
-            "hmdwarp": __version__,
-            "trace": self.trace,
-            **({"trace_axes": self.trace_axes} if self.trace_axes else {}),
-            "scene": self.scene,
-            **({"recorded": self.recorded} if self.recorded is not None else {}),
-            **({"assumptions": assumption_rows(self.assumptions)} if self.assumptions else {}),
-            "effects": self.effects,
-            "latency_ms": options.latency_ms,
-            **({"strategy": options.strategy} if options.strategy else {}),
-            "warp": warp,
-            "fill": fill,
-            "lens": lens,
-            "headset": self.headset,
-            "size": list(self.sizes.shown),
-            "frames": frames,
-            "rate_hz": self.rate_hz,
-            "server_rate_hz": options.network.server_rate_hz,
-            "guard": options.guard_band.factors(self.sizes.shown).entry,
-            "rendered": rendered_entry(options.guard_band, self.sizes, self.needs),
-            "predict": options.predict,
-            "pixels_per_degree": self.pixels_per_degree,
-            "machine": self.machine,
-            "clock": self.clock,
-            "made_with": {**made_with(), "options": options.digest()},
-            **figures,
-        }
+    passes: names of warp, fill and lens. trace: name of the head motion. rate_hz: of the display.
+    trace_axes: in which a recorded trace was read, and who says so. assumptions: of its trace.
+    """
+    options, gpu, source, sizes = run.options, run.target.gpu, run.source, run.sizes
+    plan, (view, *_), (warp, fill, lens) = run.loop.compensator.plan, run.target.eyes.views(Pose()), passes
+    assumptions = (*assumptions, *source.assumptions)
+    return {
+        "schema": SCHEMA,
+        "hmdwarp": __version__,
+        "trace": trace,
+        **({"trace_axes": trace_axes} if trace_axes else {}),
+        "scene": source.scene.name,
+        **({"recorded": source.entry} if source.entry is not None else {}),
+        **({"assumptions": assumption_rows(assumptions)} if assumptions else {}),
+        "effects": list(plan.effects),
+        "latency_ms": options.latency_ms,
+        **({"strategy": options.strategy} if options.strategy else {}),
+        "warp": warp,
+        "fill": fill,
+        "lens": lens,
+        "headset": headset,
+        "size": list(sizes.shown),
+        "frames": 0,
+        "rate_hz": rate_hz,
+        "server_rate_hz": options.network.server_rate_hz,
+        "guard": options.guard_band.factors(sizes.shown).entry,
+        "rendered": rendered_entry(options.guard_band, sizes, plan.needs),
+        "predict": options.predict,
+        "pixels_per_degree": view.fov.pixels_per_degree(sizes.shown),
+        "machine": machine_of(gpu),
+        "clock": gpu.timer.clock,
+        "made_with": {**made_with(), "options": options.digest()},
+    }
 
 
 def machine_of(gpu: Gpu) -> dict[str, Any]:
@@ -189,37 +134,30 @@ def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[R
 
     rows: as of frames.csv; those of one frame may be several.
     """
-    name = setup.track.name or setup.trace.path.stem
-    rate_hz, trace = setup.schedule.rate_hz, setup.trace
-    facts = Facts.of(setup, name, setup.source.headset.name, rate_hz, setup.track.axes, trace.assumptions)
-    frames = len({row["frame"] for row in rows})
-    measured = aggregate(rows)
-    hidden, notes = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"]), []
-    if hidden:
-        means = (
-            f"{one.label} {one.text(hidden['hidden']['quality'][one.name])} {one.unit}".strip()
-            for one in (metric.figure for metric in metrics_in_order())
-        )
+    name, headset = setup.track.name or setup.trace.path.stem, setup.source.headset
+    measured, notes = aggregate(rows), []
+    views, size, figures = headset.views(Pose()), setup.sizes.shown, [one.figure for one in metrics_in_order()]
+    hidden: dict[str, Any] = {}
+    if any(view.hidden is not None for view in views):
+        # The share of the shown pixels, and the means if hidden ones, which are black and alike,
+        # counted too.
+        seen = sum(float(view.seen(size).mean()) for view in views) / len(views)
+        means = {one.name: one.of_all(measured["quality"][one.name]["mean"], seen) for one in metrics_in_order()}
+        hidden = {"hidden": {"share": 1 - seen, "quality": means}}
+        told = (f"{one.label} {one.text(means[one.name])} {one.unit}".strip() for one in figures)
         notes = [
-            f"The lens hides {hidden['hidden']['share']:.1%} of each picture: it is neither drawn, warped nor counted. "
-            f"With it, all black, the means are: {', '.join(means)}."
+            f"The lens hides {1 - seen:.1%} of each picture: it is neither drawn, warped nor counted. "
+            f"With it, all black, the means are: {', '.join(told)}."
         ]
-    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *notes]})
-
-
-def hidden_entry(
-    views: Sequence[View], size: tuple[int, int], quality: Mapping[str, Mapping[str, Any]]
-) -> dict[str, Any]:
-    """Return the `hidden` of summary.json, none where lenses hide nothing.
-
-    share: of the shown pixels. quality: the means if hidden pixels, which are black and alike,
-    counted too.
-    """
-    if all(view.hidden is None for view in views):
-        return {}
-    seen = sum(float(view.seen(size).mean()) for view in views) / len(views)
-    means = {one.name: one.of_all(quality[one.name]["mean"], seen) for one in metrics_in_order()}
-    return {"hidden": {"share": 1 - seen, "quality": means}}
+    trace, rate_hz = setup.trace, setup.schedule.rate_hz
+    about = summary_of(setup, passes, name, headset.name, rate_hz, setup.track.axes, trace.assumptions)
+    return {
+        **about,
+        "frames": len({row["frame"] for row in rows}),
+        **measured,
+        **hidden,
+        "notes": [*setup.notes, *notes],
+    }
 
 
 def result_of(
@@ -236,7 +174,7 @@ def result_of(
         for event in setup.source.scene.inputs:
             log.answers.add(event)
         for moment in log.moments:
-            log.answers.see(moment.shown_ns, moment.shows_ns)
+            log.answers.see(moment.figures["shown_ns"], moment.shows_ns)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -247,7 +185,7 @@ def result_of(
         "timeline": log.timeline.as_list(),
     }
     summary |= more
-    shown = [(moment.shown_ns, moment.shown.pose) for moment in log.moments]
+    shown = [(moment.figures["shown_ns"], moment.shown.pose) for moment in log.moments]
     facts, about = setup.server.truth_facts(shown, without_truth, setup.pixels_per_degree, own_head=not options.trace)
     summary |= facts
     if about:
@@ -276,10 +214,8 @@ def write_results(
     command: str,
     judge: Judge | None,
 ) -> Verdict | None:
-    """Write everything but the video, which is written during the run; return the verdict.
-
-    Pictures are encoded on threads while the page is made: one after the other they took longer.
-    """
+    """Write everything but the video, which is written during the run; return the verdict."""
+    # Pictures are encoded on threads while the page is made: one after the other they took longer.
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
 
         def write_strip(kept: Kept) -> tuple[str, list[Panel]]:

@@ -40,32 +40,19 @@ from ..poses.track import folded
 from ..resources import import_extra, recording_names
 from ..scenes import InputBook, load_scene
 from ..sources import sequences
-from ..sources.feed import bounds
+from ..sources.feed import bounds, message
 from ..sources.feed.listener import Asked, Listener, listening
-from ..sources.feed.message import (
-    ANY,
-    BYTES,
-    DEPTH_CODES,
-    MOST_FATES,
-    NONE,
-    RGBA8,
-    Ask,
-    DepthCodes,
-    FrameMessage,
-    Picture,
-    Session,
-)
 from ..sources.feed.options import KeyPair
 from ..sources.feed.parts import Layers
 from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer, Server
 from .browser_log import SessionLog
 from .options import ServeOptions
-from .replay_setup import placed
+from .run import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
-_MOST_UNTOLD = 2 * MOST_FATES  # frames of a client that never tells
+_MOST_UNTOLD = 2 * message.MOST_FATES  # frames of a client that never tells
 _NO_CONTENT = np.zeros(0, np.uint8)
 AS_RECORDED = "as-recorded"  # the head of recorded frames: where the camera was
 _WAIT_MS = 200  # between looks at whether to stop
@@ -102,11 +89,18 @@ Draw = Callable[[Asked, Needs], Frame]
 
 def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callable[[], bool]) -> None:
     """Answer requests until goes_on() says no."""
-    coders, sessions = _Coders(listener), _Sessions(listener, server, draw)
+    answers = _Answers(listener, server, draw)
     while goes_on():
         asked = listener.next(_WAIT_MS)
         if asked is not None:
-            _answer_or_refuse(sessions, coders, asked)
+            try:
+                answers.answer(asked)
+            except (InputError, MachineError, bounds.OutOfBounds) as error:
+                listener.refuse(asked, str(error))
+            except Exception as error:  # whatever it is, the next client has its turn
+                file, line, *_ = traceback.extract_tb(error.__traceback__)[-1]
+                why = f"{type(error).__name__} at {Path(file).name}:{line}: {error}"
+                listener.refuse(asked, f"an internal error, please report it ({why})")
             server.take_back()
         if asked is not None or not listener.clients:  # what was drawn for those who have left is freed
             server.trim()
@@ -125,9 +119,10 @@ def _door(
         check_codec(options.codec)
     scene, is_recorded = source.scene, isinstance(source, RecordingSource)
     start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
-    viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
-    about: dict[str, Any] = {"scene": scene.name, "viewpoint": viewpoint, "traces": names}
-    about |= {
+    about: dict[str, Any] = {
+        "scene": scene.name,
+        "viewpoint": {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()},
+        "traces": names,
         "head": names[0] if is_recorded else "hand",
         "videos": videos_for_browsers(),
         "codec": options.codec,
@@ -166,7 +161,7 @@ class _Coders:
         self._listener = listener
         self._of: dict[bytes, FeedEncoder] = {}
 
-    def coded(self, asked: Asked, frame: FrameMessage) -> FrameMessage:
+    def coded(self, asked: Asked, frame: message.FrameMessage) -> message.FrameMessage:
         """Return the frame as its client would have it. Errors: MachineError without the codec."""
         for gone in [who for who in self._of if who not in self._listener.clients]:
             del self._of[gone]
@@ -195,111 +190,101 @@ class _Session:
     # Whether the log says that nothing reacts to it.
     is_told: bool = False
 
-
-class _Sessions:
-    """The sessions of the clients, as long as they are connected."""
-
-    def __init__(self, listener: Listener, server: Renderer, draw: Draw) -> None:
-        self.listener, self.server, self.draw = listener, server, draw
-        self._of: dict[bytes, _Session] = {}
-
-    def of(self, asked: Asked) -> _Session:
-        """Return the session of a request, once what it tells of earlier frames is known."""
-        for gone in [who for who in self._of if who not in self.listener.clients]:
-            self.server.forget(gone)
-            del self._of[gone]
-        told, found = asked.ask.session or Session(0), self._of.get(asked.client)
-        if found is None or found.number != told.number:
-            self.server.begin_anew(asked.client)
-            changes = Changes(self.server.scene, self.server.content) if told.only_changes else None
-            found = self._of[asked.client] = _Session(told.number, asked.ask.number, changes)
-        if (log := self.server.scene.inputs) is not None:  # the scene turns to the session's history
-            bounds.KEPT_INPUTS.check(len(found.book) + len(asked.ask.inputs))
-            log.book = found.book
-            for event in asked.ask.inputs:
-                log.add(event)
-        for fate in told.fates:
-            if fate.number in found.sent:
-                self.server.heard_of(asked.client, found.sent.pop(fate.number), fate.arrived, fate.heard_ns)
-        return found
-
-    def is_unchanged(self, asked: Asked, session: _Session) -> bool:
-        """Return whether a frame would show nothing new."""
-        ask, changes = asked.ask, session.changes
-        if changes is None or ask.anew or self.server.has_more(ask.time_ns, asked.client):
-            return False
-        return changes.moved_px(ask.views, ask.time_ns) <= SEEN_PX
-
-    def drawn(self, asked: Asked, session: _Session, frame: Frame) -> None:
-        """Remember a frame that is about to be sent."""
-        if session.changes is not None:
-            session.changes.sent(frame)
+    def remember(self, number: int, frame: Frame) -> None:
+        """Remember a frame that is about to be sent, without its content."""
         light = {
             layer.name: {each: attrs.evolve(update, content=_NO_CONTENT) for each, update in data.items()}
             for layer, data in frame.eyes[0].contents()
             if issubclass(layer, Delivered)
         }
         if light:
-            session.sent[asked.ask.number] = light
-        while len(session.sent) > _MOST_UNTOLD:
-            del session.sent[next(iter(session.sent))]
+            self.sent[number] = light
+        while len(self.sent) > _MOST_UNTOLD:
+            del self.sent[next(iter(self.sent))]
 
 
-def _answer_or_refuse(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
-    listener = sessions.listener
-    try:
-        _answer(sessions, coders, asked)
-    except (InputError, MachineError, bounds.OutOfBounds) as error:
-        listener.refuse(asked, str(error))
-    except Exception as error:  # whatever it is, the next client has its turn
-        file, line, *_ = traceback.extract_tb(error.__traceback__)[-1]
-        where = f"{Path(file).name}:{line}"
-        listener.refuse(asked, f"an internal error, please report it ({type(error).__name__} at {where}: {error})")
+class _Answers:
+    """Frames for the clients, each with its session as long as it is connected."""
+
+    def __init__(self, listener: Listener, server: Renderer, draw: Draw) -> None:
+        self._listener, self._server, self._draw, self._coders = listener, server, draw, _Coders(listener)
+        self._sessions: dict[bytes, _Session] = {}
+
+    def _session(self, asked: Asked) -> _Session:
+        """Return the session of a request, once what it tells of earlier frames is known."""
+        server, sessions = self._server, self._sessions
+        for gone in [who for who in sessions if who not in self._listener.clients]:
+            server.forget(gone)
+            del sessions[gone]
+        told, found = asked.ask.session or message.Session(0), sessions.get(asked.client)
+        if found is None or found.number != told.number:
+            server.begin_anew(asked.client)
+            changes = Changes(server.scene, server.content) if told.only_changes else None
+            found = sessions[asked.client] = _Session(told.number, asked.ask.number, changes)
+        if (log := server.scene.inputs) is not None:  # the scene turns to the session's history
+            bounds.KEPT_INPUTS.check(len(found.book) + len(asked.ask.inputs))
+            log.book = found.book
+            for event in asked.ask.inputs:
+                log.add(event)
+        for fate in told.fates:
+            if fate.number in found.sent:
+                server.heard_of(asked.client, found.sent.pop(fate.number), fate.arrived, fate.heard_ns)
+        return found
+
+    def answer(self, asked: Asked) -> None:
+        """Draw and send, unless it would show nothing new.
+
+        Errors: whatever drawing for this client alone may raise.
+        """
+        server, listener, ask = self._server, self._listener, asked.ask
+        most = server.gpu.max_texture_size
+        begun_ns = time.monotonic_ns()
+        is_recorded = isinstance(server, RecordedRenderer)
+        needs = needs_of_client(None if is_recorded else ask.wanted)
+        fovea = None if is_recorded else ask.fovea
+        if max(ask.size) > most:
+            size = f"{ask.size[0]}x{ask.size[1]}"
+            raise InputError(f"a picture of {size}: the server's GPU has at most {most} pixels a side")
+        _check_bytes(ask, needs, is_software=server.gpu.is_software)
+        check_work(ask)
+        session = self._session(asked)
+        changes = session.changes
+        may_stay = changes is not None and not ask.anew and not server.has_more(ask.time_ns, asked.client)
+        if changes is not None and may_stay and changes.moved_px(ask.views, ask.time_ns) <= SEEN_PX:
+            listener.leave_out(asked)
+            return
+        look = Needs() if fovea is None else Needs(foveated=fovea, foveated_depth=fovea)
+        frame = self._draw(asked, needs | look)
+        if changes is not None:
+            changes.sent(frame)
+        session.remember(ask.number, frame)
+        if ask.inputs and not session.is_told and not server.reacts_to(asked.client):
+            session.is_told = True
+            listener.tell(asked, f"its inputs are left out: {server.scene.name} does not react to what people do")
+        server.gpu.wait()
+        packs = not {ask.wish.colour, ask.wish.depth} <= {message.ANY, message.NONE, message.RGBA8, message.DEPTH_CODES}
+        further = parts_of(frame, needs, packs=packs) if needs else ()
+        sent = frame
+        if fovea is not None:
+            sent, grids, ask = _coarser(frame, ask)
+            further = tuple(
+                {**of_eye, **grid} for of_eye, grid in zip(further or ({},) * len(grids), grids, strict=True)
+            )
+        pictures = list(_pictures(server, sent, ask))
+        views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
+        server.recycle(frame)
+        colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
+        times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, frame.shows_ns)
+        takes: dict[str, Any] = dict.fromkeys(("takes_hidden", "takes_session"), True)
+        takes |= {"takes_fovea": not is_recorded, "takes_inputs": server.reacts_to(asked.client)}
+        began = session.began & 0xFFFF
+        drawn = message.FrameMessage(*times, views, colours, depths, layers=further, began=began, **takes)
+        coded = self._coders.coded(attrs.evolve(asked, ask=ask), drawn)
+        sent_ns = time.monotonic_ns()
+        listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
 
-def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
-    """Draw and send. Errors: whatever drawing for this client alone may raise."""
-    server, listener, ask = sessions.server, sessions.listener, asked.ask
-    most = server.gpu.max_texture_size
-    begun_ns = time.monotonic_ns()
-    is_recorded = isinstance(server, RecordedRenderer)
-    needs = needs_of_client(None if is_recorded else ask.wanted)
-    fovea = None if is_recorded else ask.fovea
-    if max(ask.size) > most:
-        raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
-    _check_bytes(ask, needs, is_software=server.gpu.is_software)
-    check_work(ask)
-    session = sessions.of(asked)
-    if sessions.is_unchanged(asked, session):
-        listener.leave_out(asked)
-        return
-    look = Needs() if fovea is None else Needs(foveated=fovea, foveated_depth=fovea)
-    frame = sessions.draw(asked, needs | look)
-    sessions.drawn(asked, session, frame)
-    if ask.inputs and not session.is_told and not server.reacts_to(asked.client):
-        session.is_told = True
-        listener.tell(asked, f"its inputs are left out: {server.scene.name} does not react to what people do")
-    server.gpu.wait()
-    sent, grids, ask = (frame, (), ask) if fovea is None else _coarser(frame, ask)
-    pictures = list(_pictures(server, sent, ask))
-    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
-    further = parts_of(frame, needs, packs=packs) if needs else ()
-    if grids:
-        further = tuple({**of_eye, **grid} for of_eye, grid in zip(further or ({},) * len(grids), grids, strict=True))
-    views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
-    server.recycle(frame)
-    colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
-    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, frame.shows_ns)
-    drawn = FrameMessage(*times, views, colours, depths, layers=further)
-    drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
-    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded)
-    drawn = attrs.evolve(drawn, takes_inputs=server.reacts_to(asked.client))
-    coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
-    sent_ns = time.monotonic_ns()
-    listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
-
-
-def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
+def _check_bytes(ask: message.Ask, needs: Needs, *, is_software: bool) -> None:
     """Check what a frame will weigh. Errors: InputError, bounds.OutOfBounds."""
     of_eye = 13 * ask.size[0] * ask.size[1]
     if ask.wanted is not None:
@@ -319,7 +304,7 @@ def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
 
 def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     ask = asked.ask
-    reads = {ask.wish.colour, ask.wish.depth} != {NONE} or any(not layers.get(name).per_frame for name in needs)
+    reads = {ask.wish.colour, ask.wish.depth} != {message.NONE} or any(not layers.get(name).per_frame for name in needs)
     if ask.wanted is None or not isinstance(server, Server):
         return server.draw_frame(ask.views, ask.time_ns, ask.size, needs=needs, pictures=reads)
     age_ns = ask.session.age_ns if ask.session is not None else 0
@@ -327,7 +312,7 @@ def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, *form, age_ns=age_ns, client=asked.client, pictures=reads)
 
 
-def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
+def _coarser(frame: Frame, ask: message.Ask) -> tuple[Frame, tuple[Layers, ...], message.Ask]:
     """Return a frame whose pictures are the foveated ones, their grids, and a request of that size.
 
     Errors: InputError for eyes that would have pictures of two sizes.
@@ -342,16 +327,16 @@ def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
     return attrs.evolve(frame, eyes=tuple(coarse)), grids, attrs.evolve(ask, size=small)
 
 
-def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+def _pictures(server: Renderer, frame: Frame, ask: message.Ask) -> Iterator[list[message.Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
-        as_bytes = colour in BYTES and LIGHT not in eye  # which keep no light beyond 1
-        half = server.give_codes(eye) if as_bytes or depth == DEPTH_CODES else None
+        as_bytes = colour in message.BYTES and LIGHT not in eye  # which keep no light beyond 1
+        half = server.give_codes(eye) if as_bytes or depth == message.DEPTH_CODES else None
         yield [
-            b"" if colour == NONE else half[0] if half and as_bytes else download(eye.colour),
+            b"" if colour == message.NONE else half[0] if half and as_bytes else download(eye.colour),
             b""
-            if depth == NONE
-            else DepthCodes(*half[1:])
-            if half and depth == DEPTH_CODES
+            if depth == message.NONE
+            else message.DepthCodes(*half[1:])
+            if half and depth == message.DEPTH_CODES
             else download(eye.inverse_depth),
         ]

@@ -142,7 +142,6 @@ class Draft:
 
     @property
     def is_surface(self) -> bool:
-        """Whether it stands in the world and can be bumped into."""
         return not (self.panel or self.look.material.see_through or self.look.material.head_locked)
 
     def as_panel(self, world_from_file: Pose, textures: Sequence[Texture]) -> Panel:

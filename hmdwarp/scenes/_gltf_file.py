@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import importlib.util
 import io
 import struct
 from pathlib import Path
@@ -109,11 +110,9 @@ class GltfFile:
             raise self.error(f"{user} lies in '{uri}', which cannot be read: {error}") from error
 
     def error(self, what: str) -> SceneError:
-        """Return an error that names the file."""
         return SceneError(f"{self.path}: {what}")
 
     def damaged(self, what: str) -> SceneError:
-        """Return an error about what no sound file holds."""
         return self.error(f"{what}; export it again")
 
     def items(self, kind: str) -> list[dict[str, Any]]:
@@ -181,7 +180,6 @@ class GltfFile:
         return rows.copy()
 
     def _replaced(self, rows: NDArray[Any], accessor: dict[str, Any], user: str) -> NDArray[Any]:
-        """Return the rows with those of a sparse accessor in their places."""
         try:
             sparse, count = accessor["sparse"], int(accessor["sparse"]["count"])
             which = self._rows(sparse["indices"], sparse["indices"]["componentType"], (count, 1), user)[:, 0]
@@ -199,12 +197,10 @@ class GltfFile:
         return self.buffers[index]
 
     def view(self, view: dict[str, Any]) -> bytes:
-        """Return the bytes of a buffer view."""
         start, length = view.get("byteOffset", 0), view.get("byteLength", 0)
         return self._buffer_of(view, "a buffer view")[start : start + length]
 
     def image(self, index: object, user: str) -> NDArray[np.uint8]:
-        """Return (h, w, 4) bytes of an image. Errors: SceneError if it cannot be decoded."""
         from PIL import Image
 
         found = self.item("images", index, user)
@@ -224,7 +220,6 @@ def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
 
 
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
-    """Return the JSON of a glTF 2.0 file."""
     if len(text) > GLTF.most_bytes:
         raise SceneError(f"{path}: its JSON has {len(text)} bytes; expected at most {GLTF.most_bytes}; export it again")
     try:
@@ -257,30 +252,19 @@ def check_extensions(file: GltfFile, notes: Notes) -> None:
             raise file.damaged(f"its '{kind}' are not a list of names")
     required, used = map(dict.fromkeys, lists.values())
     missing = [name for name in required if name not in READ]
-    if DRACO in required and not _has_draco():
+    if DRACO in required and importlib.util.find_spec("DracoPy") is None:
         missing.insert(0, DRACO)
     if missing:
-        raise file.error("; ".join(_refusal(file.path, name) for name in missing))
+        own, said = f"{file.path.name} {file.path.stem}-plain.glb", []
+        for name in missing:
+            how = f", which is not read: '{_TOOLS[name]} {own}' removes it" if name in _TOOLS else ""
+            if name == DRACO:
+                how = f": install its decoder ({install_line('draco')}), or remove it with '{_COPY} {own}'"
+            said.append(f"needs {name}{how or ', which is not read: export it without'}")
+        raise file.error("; ".join(said))
     left = [name for name in used if name not in READ | _SILENT]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
-
-
-def _refusal(own: Path, name: str) -> str:
-    if name == DRACO:
-        install = f"install its decoder ({install_line('draco')}), or remove it with "
-        return f"needs {name}: {install}'{_COPY} {own.name} {own.stem}-plain.glb'"
-    if name in _TOOLS:
-        return f"needs {name}, which is not read: '{_TOOLS[name]} {own.name} {own.stem}-plain.glb' removes it"
-    return f"needs {name}, which is not read: export it without"
-
-
-def _has_draco() -> bool:
-    try:
-        import DracoPy  # noqa: F401
-    except ImportError:
-        return False
-    return True
 
 
 def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: Notes) -> None:
@@ -288,7 +272,7 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
     packed = (primitive.get("extensions") or {}).get(DRACO)
     if packed is None:
         return
-    if not _has_draco():  # not required, so there is a plain copy too
+    if importlib.util.find_spec("DracoPy") is None:  # not required, so there is a plain copy too
         notes.add(f"{DRACO} is not unpacked ({install_line('draco')}); the plain copy in the file is used")
         return
     import DracoPy

@@ -179,7 +179,6 @@ class Nodes:
         return placed, change
 
     def _rest_of(self, index: int) -> dict[str, Array] | Array:
-        """Return translation, rotation and scale of a node, or its 4x4 matrix."""
         node = self._nodes[index]
         if "matrix" in node:
             matrix = np.array(node["matrix"], np.float64)
@@ -290,7 +289,6 @@ class NodeMotion:
         return np.linalg.inv(right.T @ flip @ np.diag(sizes) @ right)
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         placed, moving = self.nodes.at(self.node, time_ns)
         rotation = Rotation.from_matrix(placed[:3, :3] @ self._without_turn)
         across = moving[:3, :3] @ np.linalg.inv(placed[:3, :3])
@@ -337,11 +335,9 @@ class Driven:
         return np.asarray(np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3])
 
     def positions(self, time_ns: int) -> Array:
-        """Return (n, 3) metres relative to the scene's origin."""
         return self._blended(time_ns, 0) - self.origin
 
     def velocities(self, time_ns: int) -> Array:
-        """Return (n, 3) m/s in world axes."""
         return self._blended(time_ns, 1)
 
 

@@ -29,13 +29,12 @@ from .options import numbered
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8] | None
+Gltf = dict[str, Any]  # an object of the file's JSON
 _DIELECTRIC = 0.04  # the specular colour of every glTF material that is not a metal
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114])
 
 
-def as_metal(
-    found: dict[str, Any], diffuse_image: Image, specular_image: Image
-) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
+def as_metal(found: Gltf, diffuse_image: Image, specular_image: Image) -> tuple[Gltf, Image]:
     """Return `pbrMetallicRoughness` and the picture of its base colour, None for none.
 
     found: the extension of a material, whose two (h, w, 4) pictures follow.
@@ -47,7 +46,7 @@ def as_metal(
     size = next((image.shape[:2] for image in (diffuse_image, specular_image) if image is not None), (1, 1))
     base, metallic = _base_of(factor[:3] * _linear(diffuse_image, size), specular * _linear(specular_image, size))
     rough = 1 - float(found.get("glossinessFactor", 1.0))
-    surface: dict[str, Any] = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
+    surface: Gltf = {"metallicFactor": float(metallic.mean()), "roughnessFactor": rough}
     if specular_image is not None:
         surface["roughnessFactor"] = max(rough, 0.5)  # rough here and there, so never a mirror
     if diffuse_image is None and specular_image is None:
@@ -58,7 +57,6 @@ def as_metal(
 
 
 def _linear(image: Image, size: tuple[int, int]) -> Array:
-    """Return the linear colours of a picture at that size, (1, 1, 3) of 1 without one."""
     from PIL import Image as Pictures
 
     if image is None:
@@ -69,7 +67,6 @@ def _linear(image: Image, size: tuple[int, int]) -> Array:
 
 
 def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
-    """Return base colour (h, w, 3) and how much is metal (h, w, 1)."""
     diffuse, specular = np.broadcast_arrays(diffuse, specular)
     bright_diffuse, bright = (np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]) for colour in (diffuse, specular))
     left = 1 - specular.max(axis=2, keepdims=True)
@@ -95,15 +92,14 @@ class Looks:
         self._made: dict[tuple[Any, ...], Look | None] = {}
         self.textures: list[Texture] = []
 
-    def look_of(self, primitive: dict[str, Any], head_locked: bool) -> Look | None:
-        """Return the look of a primitive; None if it is wholly cut away."""
+    def look_of(self, primitive: Gltf, head_locked: bool) -> Look | None:
         key = (primitive.get("material"), head_locked)
         if key not in self._made:
             material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
             self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
         return self._made[key]
 
-    def _look(self, gltf: dict[str, Any], name: str, head_locked: bool) -> Look | None:
+    def _look(self, gltf: Gltf, name: str, head_locked: bool) -> Look | None:
         gltf, image = self._surface(gltf, name)
         plain = gltf.get("pbrMetallicRoughness") or {}
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
@@ -142,7 +138,7 @@ class Looks:
         colour = np.clip(factor[:3], 0, None)
         return Look(colour, texture, material, both, coordinates, moved, unlit, glow, mode != "OPAQUE")
 
-    def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
+    def _surface(self, gltf: Gltf, name: str) -> tuple[Gltf, Image]:
         """Return the material by metal and roughness, and the picture of its base colour."""
         found = (gltf.get("extensions") or {}).get(SPECULAR)
         if found is None:
@@ -157,8 +153,8 @@ class Looks:
         return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
 
     def _emission(
-        self, gltf: dict[str, Any], name: str, material: Material, base: dict[str, Any], *, is_pictured: bool
-    ) -> tuple[Array, dict[str, Any], Emission | None]:
+        self, gltf: Gltf, name: str, material: Material, base: Gltf, *, is_pictured: bool
+    ) -> tuple[Array, Gltf, Emission | None]:
         """Return the light of its own (3,), whose place its pictures have, and it as a picture.
 
         Source: Khronos 2022, KHR_materials_emissive_strength.
@@ -183,7 +179,7 @@ class Looks:
             image = _mean_of(image)
         return factor, base, Emission(image, factor, self._repeats(info, name))
 
-    def _material(self, gltf: dict[str, Any], name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
+    def _material(self, gltf: Gltf, name: str, alpha: float, colour: Array, *, see_through: bool) -> Material:
         passes, reflectivity = self._transmission(gltf, name), self._reflectivity(gltf, name, colour)
         if passes > 0 or see_through:
             if reflectivity:
@@ -197,7 +193,7 @@ class Looks:
         scale, curved = float(bumps.get("scale", 1.0)), bool((gltf.get("extras") or {}).get("curved", False))
         return Material(reflectivity=reflectivity, normal_map=normal_map, normal_scale=scale, curved=curved)
 
-    def _transmission(self, gltf: dict[str, Any], name: str) -> float:
+    def _transmission(self, gltf: Gltf, name: str) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
 
         What alpha does not cover passes untouched. Source: Khronos 2021,
@@ -217,7 +213,7 @@ class Looks:
             self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
         return passes * (1 - metal)
 
-    def _reflectivity(self, gltf: dict[str, Any], name: str, colour: Array) -> float:
+    def _reflectivity(self, gltf: Gltf, name: str, colour: Array) -> float:
         """Return `reflectivity` of the extras, else the base colour of a polished metal."""
         share, surface = (gltf.get("extras") or {}).get("reflectivity"), gltf.get("pbrMetallicRoughness") or {}
         if share is None:
@@ -229,7 +225,7 @@ class Looks:
             raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
         return float(share)
 
-    def _image(self, info: dict[str, Any], name: str, channels: int = 4) -> NDArray[np.uint8] | None:
+    def _image(self, info: Gltf, name: str, channels: int = 4) -> Image:
         """Return (h, w, channels) bytes; None, with a note, if the image cannot be decoded."""
         if "index" not in info:
             return None
@@ -246,7 +242,7 @@ class Looks:
             self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
             return None
 
-    def _repeats(self, info: dict[str, Any], name: str) -> bool:
+    def _repeats(self, info: Gltf, name: str) -> bool:
         """Return whether a texture wraps around; else its border is continued."""
         texture = self._file.item("textures", info["index"], name) if "index" in info else {}
         sampler = self._file.item("samplers", texture["sampler"], name) if "sampler" in texture else {}
@@ -255,24 +251,21 @@ class Looks:
             self._notes.add("textures that are mirrored, or wrap on one axis alone, wrap on both", name)
         return ways != {_CLAMP}
 
-    def _add(
-        self, name: str, image: NDArray[np.uint8] | None, *, srgb: bool, repeat: bool, emission: Emission | None = None
-    ) -> int:
+    def _add(self, name: str, image: Image, *, srgb: bool, repeat: bool, emission: Emission | None = None) -> int:
         if image is None and emission is None:
             return -1
         self.textures.append(Texture(name, _WHITE if image is None else image, srgb, repeat, emission))
         return len(self.textures) - 1
 
 
-def _place_of(info: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+def _place_of(info: Gltf) -> tuple[str, Gltf]:
     """Return the attribute with a picture's texture coordinates, and its KHR_texture_transform."""
     transform = (info.get("extensions") or {}).get("KHR_texture_transform") or {}
     number = transform.get("texCoord", info.get("texCoord", 0))
     return f"TEXCOORD_{number}", {key: value for key, value in transform.items() if key != "texCoord"}
 
 
-def _mean_of(image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
-    """Return one pixel: the mean of an sRGB picture in linear light."""
+def _mean_of(image: Image) -> NDArray[np.uint8]:
     assert image is not None
     return srgb8_from_linear(linear_from_srgb(image).mean(axis=(0, 1), keepdims=True))
 
@@ -312,7 +305,6 @@ class GltfContent:
         return found
 
     def camera(self, wanted: str) -> tuple[float, ...]:
-        """Return x, y, z and yaw in degrees of a camera. Errors: InputError if unknown."""
         index = numbered([name for name, _ in self.cameras], wanted, "cameras", "--viewpoint", "X,Y,Z[,YAW]")
         matrix = self._nodes.at(self.cameras[index][1], 0)[0]
         ahead = -matrix[:3, 2]
@@ -335,7 +327,7 @@ class GltfContent:
             found.append(self._lamp(node, known[index]))
         return [lamp for lamp in found if max(lamp.colour) > 0]
 
-    def _lamp(self, node: int, said: dict[str, Any]) -> Lamp:
+    def _lamp(self, node: int, said: Gltf) -> Lamp:
         kind, spot = said.get("type"), said.get("spot") or {}
         cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
         light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
@@ -351,10 +343,9 @@ class GltfContent:
         return Lamp(placed, tuple(light.tolist()), kind == "directional", cone if kind == "spot" else None)
 
     def move(self, world_from_file: Pose) -> None:
-        """Let everything that moves do so where the scene is put."""
         self._nodes.root = world_from_file.matrix() @ self._nodes.root
 
-    def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
+    def _places(self) -> list[tuple[str, int, Gltf]]:
         """Return name, node and primitive of all triangles that the file shows."""
         file, found, hidden, left = self._file, [], 0, MOST_TRIANGLES
         for index in self._shown_nodes:
@@ -380,7 +371,6 @@ class GltfContent:
 
     @cached_property
     def _shown_nodes(self) -> list[int]:
-        """The nodes of the scene that the file shows first; all if it names no scene."""
         file, nodes = self._file, self._nodes
         if not file.items("scenes"):
             return list(range(len(nodes.parents)))
@@ -395,8 +385,7 @@ class GltfContent:
         own = [parent < 0 and index in roots for index, parent in enumerate(nodes.parents)]
         return [index for index, is_shown in enumerate(nodes.inherited(own)) if is_shown]
 
-    def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:
-        """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
+    def _draft(self, name: str, node: int, primitive: Gltf) -> Draft | None:
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
         unpack_draco(file, primitive, user, self.notes)
         rest = file.numbers(attributes["POSITION"], user, 3).astype(np.float64)
@@ -443,7 +432,7 @@ class GltfContent:
         normals = normals_of(positions, triangles)
         return Draft(name, positions, look, triangles, normals, uv, colour, body, driven, panel, occluded)
 
-    def _shaped(self, rest: Array, node: dict[str, Any], primitive: dict[str, Any], user: str) -> Array:
+    def _shaped(self, rest: Array, node: Gltf, primitive: Gltf, user: str) -> Array:
         """Return the positions with the morph targets at the weights that the file gives them."""
         targets = primitive.get("targets", [])
         mesh = self._file.item("meshes", node["mesh"], user)
@@ -459,7 +448,7 @@ class GltfContent:
         return rest
 
     def _placed(
-        self, rest: Array, node: int, skin: int | None, primitive: dict[str, Any], fixed: str
+        self, rest: Array, node: int, skin: int | None, primitive: Gltf, fixed: str
     ) -> tuple[Array, int, Driven | None]:
         """Return vertices where they are at time 0, and what moves them: a body's number, or more.
 
@@ -485,7 +474,7 @@ class GltfContent:
         return positions, self._body_numbers[node], None
 
 
-def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int) -> NDArray[np.uint32]:
+def _triangles(file: GltfFile, primitive: Gltf, user: str, count: int) -> NDArray[np.uint32]:
     listed = "indices" in primitive
     indices = file.numbers(primitive["indices"], user, 1)[:, 0].astype(np.int64) if listed else np.arange(count)
     if len(indices) and (indices.max() >= count or indices.min() < 0):
@@ -502,7 +491,7 @@ def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int)
     return strip.astype(np.uint32)
 
 
-def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count: int) -> Array:
+def _uv(file: GltfFile, attributes: Gltf, look: Look, user: str, count: int) -> Array:
     """Return texture coordinates with their origin bottom left; glTF has it top left."""
     if look.texcoords not in attributes:
         return np.zeros((count, 2))
@@ -516,8 +505,7 @@ def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
 
 
-def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count: int) -> Array:
-    """Return (n, 3) or, with alpha, (n, 4) as they are in the file."""
+def _vertex_colours(file: GltfFile, attributes: Gltf, user: str, count: int) -> Array:
     if "COLOR_0" not in attributes:
         return np.ones((count, 3))
     colours = _as_shares(file.numbers(attributes["COLOR_0"], user))

@@ -102,7 +102,6 @@ class LitInstant:
 
 
 def corners_of(meshes: Sequence[Mesh]) -> Array:
-    """Return (n, 3, 3) of all triangles, in metres."""
     return np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
 
 

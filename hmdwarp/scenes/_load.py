@@ -109,7 +109,6 @@ class ArrivedState:
     newest_ns: int = 0
 
     def take(self, drawn_ns: int) -> None:
-        """Take the state of an instant; an older one than the newest changes nothing."""
         self.newest_ns = max(self.newest_ns, drawn_ns)
 
     def known(self, time_ns: int) -> tuple[int, int]:
@@ -120,8 +119,6 @@ class ArrivedState:
 
 @attrs.frozen(eq=False)
 class _Arrived:
-    """A motion, a brightness or a deformation by what has arrived of it."""
-
     whole: Any
     arrived: ArrivedState
 
@@ -148,7 +145,6 @@ class _Arrived:
 
 
 def moves(scene: Scene) -> bool:
-    """Return whether bodies, lamps or vertices of the scene move."""
     return bool(scene.bodies or scene.lamps or any(mesh.deformation is not None for mesh in scene.meshes))
 
 

@@ -200,12 +200,10 @@ class Mesh:
 
     @property
     def is_surface(self) -> bool:
-        """Whether it stands in the world and hides what is behind it."""
         return not (self.material.see_through or self.material.head_locked)
 
     @property
     def stands_still(self) -> bool:
-        """Whether it belongs to no body and does not deform."""
         return not self.body and self.deformation is None
 
 
@@ -248,7 +246,6 @@ class Quad:
 
     @property
     def normal(self) -> NDArray[np.float64]:
-        """Unit normal of the front."""
         across = np.cross(self.right, self.up)
         return across / np.linalg.norm(across)
 

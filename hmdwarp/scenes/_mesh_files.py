@@ -75,7 +75,6 @@ def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
 
 
 def _parts_of(path: Path, notes: Notes) -> list[Any]:
-    """Return every mesh of the file (trimesh.Trimesh)."""
     trimesh = import_extra("trimesh", "trimesh", "scenes")
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
     beside = _Beside(path.parent)
@@ -149,7 +148,6 @@ def _read_obj(path: Path, text: str, beside: Any, notes: Notes) -> tuple[dict[st
 
 
 def _parts_of_obj(path: Path, text: str, beside: Any, notes: Notes) -> list[Any]:
-    """Return a part for each material. Errors: SceneError."""
     from trimesh import Trimesh
     from trimesh.visual import ColorVisuals, TextureVisuals
     from trimesh.visual.material import SimpleMaterial
@@ -278,7 +276,6 @@ def _cut_polygons_of_ply(part: Any, notes: Notes) -> None:
 
 
 def unreadable(path: Path, error: Exception) -> SceneError:
-    """Return the error for a file on whose contents a reader fell over."""
     reason = " ".join(str(error).split())[:120] or type(error).__name__
     kind = path.suffix.removeprefix(".").upper()
     return SceneError(f"{path}: not a readable {kind} file ({reason}); export it again")
@@ -469,8 +466,6 @@ class _Inflated:
 
 
 class _Looks:
-    """What surfaces look like, each once."""
-
     def __init__(self, folder: Path, named: dict[str, Any], textures: list[Texture], notes: Notes) -> None:
         self._folder, self._named, self._textures, self._notes = folder, named, textures, notes
         self._pictures: dict[str, int] = {}
@@ -496,7 +491,6 @@ class _Looks:
         return None
 
     def _colour(self, surface: ElementTree.Element) -> tuple[Array, int]:
-        """Return linear colour (3,) and the index of its picture, -1 for none."""
         for one in sorted(surface, key=_name):
             if _name(one) not in _COLOURS:
                 continue

@@ -275,15 +275,12 @@ class Pieces:
 
     @property
     def count(self) -> int:
-        """How many things are sent."""
         return 1 + len(self.meshes) + len(self.levels)
 
     def number_of_mesh(self, index: int) -> int:
-        """Return the number of the thing that brings a mesh."""
         return 1 + index
 
     def number_of_level(self, texture: int, scale: float) -> int:
-        """Return the number of the thing that brings a texture at one of SCALES."""
         return self._number_of_level[texture, scale]
 
     @property
@@ -376,13 +373,11 @@ class Pieces:
         return found
 
     def _blank(self, mesh: Mesh) -> Mesh:
-        """Return a mesh of the same sizes and nature without content."""
         vertices, triangles = len(mesh.positions), len(mesh.triangles)
         rows = np.zeros((vertices, 8), np.float32)
         return _with_arrays(mesh, rows, np.zeros((triangles, 3), np.uint32), rows if self.under_lamps(mesh) else None)
 
     def level_in(self, number: int, thing: bytes) -> tuple[int, float, NDArray[np.uint8]]:
-        """Return the texture, its scale and the image that a thing brings."""
         from PIL import Image
 
         with Image.open(io.BytesIO(thing)) as image:
@@ -420,13 +415,11 @@ def _with_arrays(
 
 
 def _grey(texture: Texture) -> Texture:
-    """Return a texture of the same size and nature without content."""
     image = lambda: np.full_like(texture.image, 128)  # noqa: E731
     return Texture(texture.name, image, texture.srgb, texture.repeat, texture.emission)
 
 
 def _png(image: NDArray[np.uint8]) -> bytes:
-    """Return an image as PNG, which loses nothing."""
     from PIL import Image
 
     out = io.BytesIO()

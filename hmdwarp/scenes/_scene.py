@@ -36,7 +36,6 @@ class Lamp:
     brightness: Brightness | None = None  # the share of its colour that it sends; None for all of it
 
     def light(self, time_ns: int) -> Rgb:
-        """Return the colour that it sends at an instant."""
         share = 1.0 if self.brightness is None else self.brightness.share(time_ns)
         red, green, blue = self.colour
         return share * red, share * green, share * blue
@@ -152,7 +151,6 @@ class Background:
 
     @classmethod
     def uniform(cls, colour: Rgb) -> Background:
-        """Return a background of the same linear RGB in every direction."""
         return cls(colour, colour, colour)
 
 
@@ -173,15 +171,32 @@ def _size(value: Any) -> tuple[float, float]:
 
 @attrs.frozen(eq=False)
 class Panel:
-    """A picture in the world or fixed to the head, seen from +z of its pose. Errors: SceneError."""
+    """A picture in the world or fixed to the head, seen from +z of its pose.
 
-    # (h, w, 3 or 4) uint8 sRGB, the top row first; or several, which take turns.
+    Parameters
+    ----------
+    pictures : (h, w, 3 or 4) array_like of uint8, or several, which take turns
+        sRGB, the top row first.
+    pose : Pose
+        Of its middle: world_from_panel, or head_from_panel if it is `head_locked`.
+    size_m : (float, float)
+        Along the pose's x and y, above 0.
+    occluded : bool
+        What is nearer in the picture hides it.
+    seconds : float
+        How long each picture stays, above 0.
+
+    Raises
+    ------
+    SceneError
+    """
+
     pictures: tuple[Texture, ...] = attrs.field(converter=_pictures)
-    pose: Pose = attrs.field(validator=is_a(Pose))  # of its middle: world_from_panel, or head_from_panel
-    size_m: tuple[float, float] = attrs.field(converter=_size)  # along the pose's x and y
+    pose: Pose = attrs.field(validator=is_a(Pose))
+    size_m: tuple[float, float] = attrs.field(converter=_size)
     head_locked: bool = False
-    occluded: bool = False  # what is nearer in the picture hides it
-    seconds: float = attrs.field(default=1.0, converter=real)  # how long each picture stays
+    occluded: bool = False
+    seconds: float = attrs.field(default=1.0, converter=real)
 
     def __attrs_post_init__(self) -> None:
         if not self.pictures or not 0 < self.seconds < np.inf:
@@ -189,7 +204,6 @@ class Panel:
             raise SceneError(f"{found}: expected one or more, and a finite time above 0")
 
     def showing(self, time_ns: int) -> int:
-        """Return which of its pictures it shows at an instant."""
         return int(time_ns // max(1, round(self.seconds * 1e9))) % len(self.pictures)
 
     def eye_from_panel(self, view: View) -> Pose:
@@ -197,12 +211,10 @@ class Panel:
         return self.pose.relative_to(view.head_from_eye if self.head_locked else view.pose)
 
     def away_m(self, view: View) -> float:
-        """Return how far its middle is from an eye."""
         return float(np.linalg.norm(self.eye_from_panel(view).position_m))
 
     @property
     def quad(self) -> Quad:
-        """The rectangle, in the panel's own axes."""
         width, height = self.size_m
         return Quad((0.0, 0.0, 0.0), (width / 2, 0.0, 0.0), (0.0, height / 2, 0.0))
 
@@ -283,7 +295,6 @@ class Scene:
 
     @property
     def lit_moves(self) -> bool:
-        """Whether something moves that lamps light, and that stops their light."""
         return any(mesh.light_uv is not None and mesh.body for mesh in self.meshes)
 
     @property
@@ -294,7 +305,6 @@ class Scene:
 
     @property
     def triangle_count(self) -> int:
-        """Triangles of all meshes together."""
         return sum(len(mesh.triangles) for mesh in self.meshes)
 
 

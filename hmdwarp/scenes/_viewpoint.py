@@ -32,7 +32,6 @@ class Triangles:
 
     @classmethod
     def of(cls, parts: list[tuple[Array, NDArray[Any]]]) -> Triangles:
-        """Return the triangles of several (vertices, faces)."""
         corners = [vertices[faces] for vertices, faces in parts]
         every = np.concatenate(corners) if corners else np.empty((0, 3, 3))
         return cls(every[:, 0], every[:, 1], every[:, 2])
@@ -46,7 +45,6 @@ class Triangles:
         return np.cross(self.b - self.a, self.c - self.a)
 
     def chosen(self, which: NDArray[Any] | slice) -> Triangles:
-        """Return some of them."""
         return Triangles(self.a[which], self.b[which], self.c[which])
 
     def near(self, low: Array, high: Array) -> Triangles:

@@ -12,14 +12,16 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
 from .options import SEED, seed_of
+
+if TYPE_CHECKING:
+    from .motions import Reacting
 
 ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")
 INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
@@ -54,28 +56,15 @@ class InputEvent:
 
     @property
     def ray(self) -> tuple[Triple, Triple]:
-        """Where the hand is, and where it points."""
         return self.origin_m, self.direction
 
     @property
     def row(self) -> str:
-        """Its line in a file, with the newline."""
         numbers = map(repr, map(float, (*self.origin_m, *self.direction)))
         return ",".join([str(self.time_ns), self.action, self.target, *numbers]) + "\n"
 
 
 INPUTS_HEADER = ",".join(INPUT_COLUMNS) + "\n"
-
-
-class Thing(Protocol):
-    """Something in a scene that reacts to inputs that name it."""
-
-    name: str
-    takes: tuple[str, ...]  # actions that it reacts to
-
-    def handle(self, time_ns: int) -> NDArray[np.float64]:
-        """Return the (3,) place in the world that a hand aims at."""
-        ...
 
 
 @attrs.define(eq=False)
@@ -95,12 +84,8 @@ class InputLog:
     """The inputs of one scene, in the order of their instants, however they came."""
 
     def __init__(self) -> None:
-        self.things: dict[str, Thing] = {}
+        self.things: dict[str, Reacting[Any]] = {}  # by the names that inputs have
         self.book = InputBook()  # of whom the scene is drawn for; another one is another history
-
-    def react(self, thing: Thing) -> None:
-        """Let a thing react to inputs that name it."""
-        self.things[thing.name] = thing
 
     def add(self, event: InputEvent) -> InputEvent | None:
         """Add an input; return it with its target, None where its ray means nothing that takes it.
@@ -130,7 +115,6 @@ class InputLog:
         return events, bisect_right(events, time_ns, key=_TIME)
 
     def __iter__(self) -> Iterator[InputEvent]:
-        """Iterate over all inputs, oldest first."""
         return iter(sorted((event for events in self.book.events.values() for event in events), key=_TIME))
 
     def __len__(self) -> int:
@@ -174,7 +158,7 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
     return lost
 
 
-def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
+def _by_seed(seed: int, things: Sequence[Reacting[Any]], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
     """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level."""
     chance, now_s = random.Random(seed), 0.0
     while things:
@@ -187,7 +171,6 @@ def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> 
 
 
 def inputs_beside(trace: Path) -> Path:
-    """Return the file of what somebody did while a head trace was recorded."""
     return trace.with_suffix(".input.csv")
 
 

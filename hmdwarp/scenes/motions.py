@@ -68,7 +68,6 @@ class Still:
     at: Pose
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose, whatever `time_ns`."""
         return RigidState(self.at)
 
 
@@ -86,7 +85,6 @@ class Spinning:
             raise SceneError(f"{found}: expected an axis longer than 0 and a finite speed")
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         from scipy.spatial.transform import Rotation
 
         spin = self.axis / np.linalg.norm(self.axis) * self.rad_s
@@ -105,7 +103,6 @@ class Pendulum:
     heading_rad: float = 0.0  # of the plane, from the x axis about +y
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         pace = 2 * np.pi / self.period_s
         angle = self.swing_rad * np.sin(pace * time_ns * 1e-9)
         speed = self.swing_rad * pace * np.cos(pace * time_ns * 1e-9)
@@ -129,7 +126,6 @@ class Thrown:
     gravity_m_s2: Array = attrs.field(default=GRAVITY_M_S2, converter=_vector)
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         from scipy.spatial.transform import Rotation
 
         flown = np.mod(time_ns * 1e-9, self.period_s)
@@ -169,7 +165,6 @@ class Track:
 
     @cached_property
     def _path(self) -> Any:
-        """Piecewise polynomial of SciPy: position at a time in s; a second argument derives it."""
         from scipy.interpolate import CubicSpline, PPoly
 
         if not self.smooth:
@@ -187,7 +182,6 @@ class Track:
         return None if self.turns is None else Slerp(self.times_s, self.turns)
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         from scipy.spatial.transform import Rotation
 
         first, last = self.times_s[0], self.times_s[-1]
@@ -240,23 +234,19 @@ class Waving:
             raise SceneError(f"waving: length {self.length_m:g} m, period {self.period_s:g} s: expected both above 0")
 
     def _swing(self, time_ns: int, quarter: int) -> Array:
-        """Return the share of the full swing; quarter: 1 for a quarter of a period later."""
         phase = time_ns * 1e-9 / self.period_s - self.away / self.length_m - self.lag + 0.25 * quarter
         return np.sin(2 * np.pi * phase)
 
     def positions(self, time_ns: int) -> Array:
-        """Return (n, 3) metres relative to the scene's origin."""
         return self.rest + (self.height_m * self.away * self._swing(time_ns, 0))[:, None] * self.out
 
     def velocities(self, time_ns: int) -> Array:
-        """Return (n, 3) m/s in world axes."""
         speed = 2 * np.pi / self.period_s * self.height_m * self.away * self._swing(time_ns, 1)
         return speed[:, None] * self.out
 
 
 State = TypeVar("State")
-# 1/s: how fast what is grabbed follows the hand.
-FOLLOWS = 12.0
+FOLLOWS = 12.0  # 1/s: how fast what is grabbed follows the hand
 _UP = np.array([0.0, 1.0, 0.0])
 
 
@@ -267,7 +257,7 @@ class Reacting(ABC, Generic[State]):
 
     def __init__(self, name: str, log: InputLog, rest: State) -> None:
         self.name, self._log, self._rest = name, log, rest
-        log.react(self)
+        log.things[name] = self
 
     def at(self, time_ns: int) -> State:
         """Return its state at an instant, by the inputs up to then."""
@@ -280,7 +270,6 @@ class Reacting(ABC, Generic[State]):
         return self._since(count, time_ns)
 
     def _since(self, number: int, time_ns: int) -> State:
-        """Return the state at an instant after so many inputs."""
         book = self._log.book
         state: State = book.states[self.name][number]
         if not number:
@@ -309,9 +298,8 @@ class BallState:
     turn: Array  # quaternion, xyzw
     spin_rad_s: Array
     flies: bool = False
-    # Where the hand holds it, and how far from the hand's origin that is; None while it is free.
-    hand_m: Array | None = None
-    reach_m: float = 0.0
+    hand_m: Array | None = None  # where the hand holds it; None while it is free
+    reach_m: float = 0.0  # how far from the hand's origin that is
 
 
 class Bouncing(Reacting[BallState]):
@@ -333,7 +321,6 @@ class Bouncing(Reacting[BallState]):
         return self.at(time_ns).position_m
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         now = self.at(time_ns)
         pose = Pose(now.position_m, now.turn)
         return RigidState(pose, now.velocity_m_s, now.spin_rad_s, self._acceleration(now))
@@ -375,13 +362,12 @@ class Bouncing(Reacting[BallState]):
         """Return the state after a bounce, or so many seconds, and how long it took."""
         pull = self._acceleration(state)
         ends = float(np.linalg.norm(state.velocity_m_s)) / self.ROLLS_M_S2 if not state.flies else math.inf
-        meets = [
-            (_meets(state.position_m[k] - bound, state.velocity_m_s[k], pull[k], side), k, bound)
-            for side, bounds in ((-1, self._low), (1, self._high))
-            for k, bound in enumerate(bounds)
+        bounds = [(k, side, at[k]) for side, at in ((-1, self._low), (1, self._high)) for k in range(3)]
+        when, axis, bound = min(
+            (_meets(state.position_m[k] - at, state.velocity_m_s[k], pull[k], side), k, at)
+            for k, side, at in bounds
             if state.flies or k != 1
-        ]
-        when, axis, bound = min(meets)
+        )
         took = min(when, ends, seconds)
         place = state.position_m + took * (state.velocity_m_s + 0.5 * took * pull)
         speed = state.velocity_m_s + took * pull
@@ -392,17 +378,14 @@ class Bouncing(Reacting[BallState]):
 
     def _bounced(self, state: BallState, axis: int, bound: float) -> BallState:
         place, speed = state.position_m.copy(), state.velocity_m_s.copy()
-        place[axis] = bound
-        speed[axis] *= -self.RESTITUTION
+        place[axis], speed[axis] = bound, -self.RESTITUTION * speed[axis]
         on_floor = axis == 1 and bound == self._low[1]
         rests = on_floor and speed[1] < self.REST_M_S
         if rests:
             speed[1] = 0.0
-        rolls = on_floor or not state.flies
-        spin = np.cross(_UP, speed) / self.radius_m if rolls else state.spin_rad_s
-        return attrs.evolve(
-            state, position_m=place, velocity_m_s=speed, spin_rad_s=spin, flies=state.flies and not rests
-        )
+        spin = np.cross(_UP, speed) / self.radius_m if on_floor or not state.flies else state.spin_rad_s
+        flies = state.flies and not rests
+        return attrs.evolve(state, position_m=place, velocity_m_s=speed, spin_rad_s=spin, flies=flies)
 
 
 def _meets(beyond: float, speed: float, pull: float, side: int) -> float:
@@ -435,9 +418,8 @@ class DoorState:
 
     angle_rad: float = 0.0
     rad_s: float = 0.0
-    # Where the hand would have it, and how far the hand is from its origin; None while it is free.
-    hand_rad: float | None = None
-    reach_m: float = 0.0
+    hand_rad: float | None = None  # where the hand would have it; None while it is free
+    reach_m: float = 0.0  # how far the hand is from its origin
 
 
 class Hinged(Reacting[DoorState]):
@@ -458,7 +440,6 @@ class Hinged(Reacting[DoorState]):
         return self._pose(self.at(time_ns)).transform(self._grip)
 
     def state(self, time_ns: int) -> RigidState:
-        """Return the pose and its derivatives at `time_ns`."""
         now = self.at(time_ns)
         return RigidState(self._pose(now), angular_velocity_rad_s=-now.rad_s * _UP)
 
@@ -507,7 +488,6 @@ class Switched(Reacting[bool]):
         return self._place
 
     def share(self, time_ns: int) -> float:
-        """Return 1 while it is on, else 0."""
         return float(self.at(time_ns))
 
     def after(self, state: bool, seconds: float) -> bool:

@@ -95,7 +95,6 @@ def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") 
 
 
 def seed_of(spec: str) -> int:
-    """Return the number of `seed:N`. Errors: InputError."""
     text = spec.removeprefix(SEED)
     if not are_digits(text):
         raise InputError(f"--input {spec}: expected seed:N with a whole number N, such as seed:1, or a file")

@@ -47,7 +47,6 @@ class Owner:
         return made
 
     def close(self) -> None:
-        """Free what is owned."""
         while self._owned:
             made = self._owned.pop()
             (made.close if hasattr(made, "close") else made.release)()
@@ -119,7 +118,6 @@ class Found(Owner):
         return int(self._words[self.holes_slot])
 
     def has_largest(self, number: int) -> bool:
-        """Return whether the depth of that picture has the largest integer of its type."""
         return bool(self._words[_WORDS * number + _LARGEST])
 
     def is_doubtful(self, number: int, size: Size) -> bool:
@@ -156,7 +154,8 @@ class TakeIn(Owner):
         self._light_of_byte = self.own(allocate(gpu.gl, (256, 1), (1, "u2")))
         self._light_of_byte.write(bits.tobytes())
         # What pictures of another size need: light in full, and Scaling.spans.
-        self._light: moderngl.Texture | None = None
+        self._light = self.own(allocate(gpu.gl, (256, 1), SCALAR))
+        self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
         self._spans: dict[Size, moderngl.Texture] = {}
         self._staged: dict[tuple[str, int, int], moderngl.Texture] = {}
 
@@ -196,9 +195,6 @@ class TakeIn(Owner):
         size, light = self._size, self._light_of_byte
         if picture.scaling is not None:
             size, spans = picture.scaling.size, picture.scaling.spans()
-            if self._light is None:
-                self._light = self.own(allocate(self._gpu.gl, (256, 1), SCALAR))
-                self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
             light, at = self._light, spans.shape[1::-1]
             if at not in self._spans:
                 self._spans[at] = self.own(allocate(self._gpu.gl, at, (4, "u4")))

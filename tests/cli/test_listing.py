@@ -25,7 +25,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.experiments.bench.cases import baselines
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import __version__, recording_names
-from hmdwarp.run.combinations import OUTSIDE, missing
+from hmdwarp.run.measuring import OUTSIDE, missing
 
 from .conftest import ROOT
 

@@ -17,8 +17,7 @@ from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.client import PassInputs, build_plan, parse_warp
-from hmdwarp.client.effects import Tools
-from hmdwarp.client.effects._base import ExpandPass
+from hmdwarp.client.effects import ExpandPass, Tools
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes

@@ -85,7 +85,8 @@ def members_of(node: ast.ClassDef) -> dict[str, str]:
             is_property = any(
                 isinstance(decorator, ast.Name) and decorator.id == "property" for decorator in statement.decorator_list
             )
-            found[statement.name] = "" if is_property else parameters_of(statement)
+            if statement in node.body:  # not those inside one
+                found[statement.name] = "" if is_property else parameters_of(statement)
         targets = statement.targets if isinstance(statement, ast.Assign) else []
         targets = [statement.target] if isinstance(statement, ast.AnnAssign) else targets
         for target in [part for assigned in targets for part in ast.walk(assigned)]:

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.client.effects import effects
-from hmdwarp.client.effects._base import ExpandPass
+from hmdwarp.client.effects import ExpandPass, effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError

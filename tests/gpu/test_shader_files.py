@@ -16,8 +16,7 @@ from together import together
 from worlds import every_choice
 
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
-from hmdwarp.client.effects import Tools, effects
-from hmdwarp.client.effects._base import EXPANDED, ExpandPass
+from hmdwarp.client.effects import EXPANDED, ExpandPass, Tools, effects
 from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
 from hmdwarp.client.warps import Output, warps
 from hmdwarp.display import Presenter
@@ -33,7 +32,7 @@ from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.misses import DepthSamples
+from hmdwarp.run.live_log import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server

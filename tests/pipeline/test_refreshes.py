@@ -16,7 +16,7 @@ from hmdwarp.link import Link, LinkOptions
 from hmdwarp.pipeline.sizes import frames_held, refreshes_of
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import set_up_replay
-from hmdwarp.run.replay_setup import schedule_of
+from hmdwarp.run.run import schedule_of
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
 

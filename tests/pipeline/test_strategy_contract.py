@@ -79,7 +79,7 @@ def flying(gpu, name: str, scene, network=NETWORK):
     options = RunOptions.of({"strategy": CHEAP.get(name, name), **network}, **usual | more)
     source = type(source_of(options))(options, scene)
     with (
-        patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)),
+        patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
         set_up_replay(options, source=source, alone=True) as setup,
     ):
         yield setup

@@ -15,7 +15,7 @@ import pytest
 
 from hmdwarp.errors import MachineError
 from hmdwarp.run import Ending, LiveOptions, Watchdog
-from hmdwarp.run.ending import GarbageControl
+from hmdwarp.run.live_run import GarbageControl
 
 from .offscreen import OffscreenDisplay, run_on
 
@@ -150,8 +150,8 @@ PATIENCE_S = 600  # of a loaded machine; nothing here waits for it unless it fai
 
 def started(body: str, tmp_path: Path) -> subprocess.Popen:
     """A Python that runs `body` with a Watchdog class at hand."""
-    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.ending as module\n"
-    head += "from hmdwarp.run.ending import Watchdog\n"
+    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.live_run as module\n"
+    head += "from hmdwarp.run.live_run import Watchdog\n"
     path = tmp_path / "program.py"
     path.write_text(head + textwrap.dedent(body), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

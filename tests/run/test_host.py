@@ -14,8 +14,8 @@ from hmdwarp.display import CONTROLS, Command, control
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.headsets import load_headset
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
-from hmdwarp.run import host as handling
-from hmdwarp.run.host import changed, choices, values
+from hmdwarp.run import live_run as handling
+from hmdwarp.run.live_run import changed, choices, values
 from hmdwarp.scenes import ACTIONS
 
 from .gl_objects import living

@@ -14,7 +14,7 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import LoopedSource, Origin, PoseSample, PoseTrack, Walker, predict
 from hmdwarp.poses.predictors import predictors
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.run.host import RecentPoses
+from hmdwarp.run.live_run import RecentPoses
 from hmdwarp.sources.feed import FeedOptions
 
 MS = 1_000_000

@@ -21,12 +21,10 @@ from hmdwarp.errors import MachineError
 from hmdwarp.gpu import Canvas, download, flip_rows, upload
 from hmdwarp.poses import PoseTrack, quaternions
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import HoleCounter, LiveLog, LiveOptions, live_figures
+from hmdwarp.run import HoleCounter, LiveLog, LiveOptions
 from hmdwarp.run import live_log as log
-from hmdwarp.run.ending import Pauses
 from hmdwarp.run.frame_rows import angle_between
-from hmdwarp.run.live_figures import LiveFacts, Thinned
-from hmdwarp.run.misses import MissTally
+from hmdwarp.run.live_log import MissTally, Pauses, Thinned
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -224,7 +222,7 @@ def moving(m_s: float, deg_s: float) -> PoseTrack:
 
 @pytest.mark.parametrize(("turned", "m_s", "deg_s"), [(False, 0.6, 20.0), (True, 0.6, 20.0), (True, 0.0, 20.0)])
 def test_misses_are_told_with_what_they_cost(monkeypatch, tmp_path, seen, turned, m_s, deg_s):
-    monkeypatch.setattr(LiveFacts, "turns", turned)
+    monkeypatch.setattr(log._Running, "turns", turned)
     # Two refreshes pass after the second picture, by the display's time too.
     gap = [Tick(0, PERIOD_NS), Tick(0, PERIOD_NS, render=False), Tick(0, PERIOD_NS, render=False)]
     events = {**{10 + k: tick for k, tick in enumerate(gap)}, 13: Tick(0, PERIOD_NS, missed=2), **closed_at(20)}
@@ -360,7 +358,7 @@ def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
 
     What is kept for ever would be a megabyte more, at 100 bytes each.
     """
-    monkeypatch.setattr(live_figures, "Thinned", functools.partial(Thinned, most=64))
+    monkeypatch.setattr(log, "Thinned", functools.partial(Thinned, most=64))
     grown = []
 
     def after(number):
@@ -372,7 +370,7 @@ def test_memory_is_bounded_in_a_run_of_any_length(monkeypatch, tmp_path, seen):
             for k in range(3000):
                 later = attrs.evolve(refresh, shown_ns=refresh.shown_ns + (3000 * part + k + 1) * PERIOD_NS)
                 logged.add(Tick(later.shown_ns, PERIOD_NS), later, later.shown_ns, f"notice {k}")
-            logged._files.rows.flush()
+            logged._rows.flush()
             if part == 0:
                 tracemalloc.start()
             grown.append(tracemalloc.get_traced_memory()[0])

@@ -21,10 +21,19 @@ from hmdwarp.gpu import download
 from hmdwarp.metrics import Compared
 from hmdwarp.poses import synthesise, write_synthetic
 from hmdwarp.run import draw_truth, set_up_replay
-from hmdwarp.run.combinations import instants_of
-from hmdwarp.run.measuring import NEAR_DEG, NearGaze, near_gaze
-from hmdwarp.run.side_by_side import clips_before, from_late
-from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, WholePictures, bands_of, is_measured
+from hmdwarp.run.measuring import (
+    MOST_BANDS,
+    NEAR_DEG,
+    PIXELS_PER_BAND,
+    NearGaze,
+    WholePictures,
+    bands_of,
+    clips_before,
+    from_late,
+    instants_of,
+    is_measured,
+    near_gaze,
+)
 from hmdwarp.scenes import load_scene, scenes
 from hmdwarp.sources.server import Server
 

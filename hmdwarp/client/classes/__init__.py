@@ -22,18 +22,13 @@ class Client:
     name: str
     summary: str
     source: str
-    # One of SCENES.
-    scene: str
-    # Whether it has compute shaders; without them each pixel can only look things up.
-    compute_shaders: bool
+    scene: str  # One of SCENES.
+    compute_shaders: bool  # Whether it has compute shaders; without them each pixel can only look things up.
     # Whether frames may carry more than colour and inverse depth: peeled layers, a cube, ..
     more_layers: bool
-    # For one eye; infinite where the class sets no limit.
-    budget_ms: float = math.inf
-    # Million pixels of video a second, of both eyes and all layers.
-    decoder_mpx_s: float = math.inf
-    # From the server, Mbit/s.
-    download_mbit_s: float = math.inf
+    budget_ms: float = math.inf  # For one eye; infinite where the class sets no limit.
+    decoder_mpx_s: float = math.inf  # Million pixels of video a second, of both eyes and all layers.
+    download_mbit_s: float = math.inf  # From the server, Mbit/s.
     # As its makers state them; infinite where none is known, and times are those of this machine.
     memory_gb_s: float = math.inf
     compute_tflops: float = math.inf

@@ -4,7 +4,7 @@ An entry says which meshes call for it, which layers frames carry for it, and wh
 compensates it.
 """
 
-from ._base import Effect, EffectPass, EffectRegistry, RenderedPass, ShownPass, Tools
+from ._base import EXPANDED, Effect, EffectPass, EffectRegistry, ExpandPass, RenderedPass, ShownPass, Tools
 
 _MODULES = {
     **dict.fromkeys(
@@ -16,4 +16,14 @@ _MODULES = {
 }
 effects = EffectRegistry("effect", __name__, columns="pass=made_by.name without source", modules=_MODULES)
 
-__all__ = ["Effect", "EffectPass", "EffectRegistry", "RenderedPass", "ShownPass", "Tools", "effects"]
+__all__ = [
+    "EXPANDED",
+    "ExpandPass",
+    "Effect",
+    "EffectPass",
+    "EffectRegistry",
+    "RenderedPass",
+    "ShownPass",
+    "Tools",
+    "effects",
+]

@@ -19,6 +19,7 @@ from ..carry import Carry
 from ..client_scene import ClientScene
 from ..inputs import PassInputs, ShownPicture
 from ..lens import LensPass
+from ..settings import DescribedRegistry
 
 
 @attrs.frozen
@@ -26,28 +27,19 @@ class Effect:
     """One kind of content that a plain warp gets wrong, and how it is compensated."""
 
     name: str
-    # Place in lists; the passes of a plan run in this order too.
-    order: int
+    order: int  # Place in lists; the passes of a plan run in this order too.
     summary: str
-    # Whether a mesh of the scene has the effect.
-    applies: Callable[[Scene, Mesh], bool]
-    # The pass that compensates it; effects may share one.
-    made_by: type[EffectPass]
-    # Layers that frames carry for it.
-    needs: Needs
-    # The artefact that the viewer sees without the pass.
-    without: str
+    applies: Callable[[Scene, Mesh], bool]  # Whether a mesh of the scene has the effect.
+    made_by: type[EffectPass]  # The pass that compensates it; effects may share one.
+    needs: Needs  # Layers that frames carry for it.
+    without: str  # The artefact that the viewer sees without the pass.
     source: str
-    # Name of the effect that this one builds on, "" for none.
-    refines: str = ""
+    refines: str = ""  # Name of the effect that this one builds on, "" for none.
     # Names of the effects that it stands in for: they are left out where it is used.
     instead_of: tuple[str, ...] = ()
-    # Whether the scene has it beside its meshes.
-    in_scene: Callable[[Scene], bool] = lambda _: False
-    # Whether its pass can look through the lens too, after a warp that does.
-    fuses: bool = False
-    # Whether a display that composes panels can do it.
-    for_display: bool = False
+    in_scene: Callable[[Scene], bool] = lambda _: False  # Whether the scene has it beside its meshes.
+    fuses: bool = False  # Whether its pass can look through the lens too, after a warp that does.
+    for_display: bool = False  # Whether a display that composes panels can do it.
     # Whether only `--effects` asks for it: a way to draw frames, or another way to compensate
     # content. Requested in a scene without a mesh that has the effect, it is left out.
     by_name_only: bool = False
@@ -57,18 +49,14 @@ class Effect:
 class Tools:
     """What the compensator lends to effect passes."""
 
-    # Warps further rendered pictures along with the colour.
-    carry: Carry
-    # Most pictures that `carry` passes on at a time.
-    pictures: int
-    # Most rendered images of one eye that a pass receives: the newest and `others`.
-    images: int = 1
+    carry: Carry  # Warps further rendered pictures along with the colour.
+    pictures: int  # Most pictures that `carry` passes on at a time.
+    images: int = 1  # Most rendered images of one eye that a pass receives: the newest and `others`.
     # What the client draws by itself; None for plans that read none of it.
     geometry: ClientScene | None = None
     # The lens that the warp looks through; None where pictures are composited before it.
     lens: LensPass | None = None
-    # Whether the display composes panels that nothing hides.
-    hands_panels_on: bool = False
+    hands_panels_on: bool = False  # Whether the display composes panels that nothing hides.
 
 
 class EffectPass(Owner, ABC):
@@ -78,10 +66,8 @@ class EffectPass(Owner, ABC):
     it keeps nothing of one eye's picture.
     """
 
-    # Name in the plan's list.
-    name: ClassVar[str]
-    # Inputs and outputs, by the names of client/plan.py.
-    reads: ClassVar[tuple[str, ...]]
+    name: ClassVar[str]  # Name in the plan's list.
+    reads: ClassVar[tuple[str, ...]]  # Inputs and outputs, by the names of client/plan.py.
     writes: ClassVar[tuple[str, ...]]
     # Whether it warps pictures along with the colour, which some warps cannot.
     carries: ClassVar[bool] = False
@@ -143,8 +129,25 @@ class ShownPass(EffectPass):
 AUTO, NONE, FORBID = "auto", "none", "no-"
 
 
-class EffectRegistry(Registry[Effect]):
+def _no_mesh(scene: Scene, mesh: Mesh) -> bool:
+    return False
+
+
+class EffectRegistry(DescribedRegistry[Effect]):
     """Effects by name, with an order in which lists show them."""
+
+    def declare(
+        self,
+        name: str,
+        made_by: type[EffectPass],
+        needs: Needs = Needs(),  # noqa: B008 (frozen)
+        applies: Callable[[Scene, Mesh], bool] = _no_mesh,
+        in_scene: Callable[[Scene], bool] = lambda _: False,
+    ) -> None:
+        """Register one of this package's effects, of which _table.toml says the rest."""
+        said: dict[str, Any] = self.table[name]
+        said = {key: tuple(value) if isinstance(value, list) else value for key, value in said.items()}
+        Registry.register(self, Effect(name, made_by=made_by, needs=needs, applies=applies, in_scene=in_scene, **said))
 
     def of(self, scene: Scene) -> tuple[str, ...]:
         """Return the names of the effects that a scene calls for."""

@@ -12,7 +12,7 @@ from ..inputs import PassInputs, ShownPicture, as_image
 from ..warps.gather import GatherWarp, last_centre
 from ..warps.iterative import OF_A_PART, IterativeSettings, Seeds
 from . import effects
-from ._base import Effect, ShownPass
+from ._base import ShownPass
 
 
 class OverlayPass(ShownPass):
@@ -30,19 +30,7 @@ class OverlayPass(ShownPass):
         self._program.run(*into.size)
 
 
-effects.register(
-    Effect(
-        name="overlay",
-        order=90,
-        summary="a HUD is put over the shown picture and never warped",
-        applies=lambda _, mesh: mesh.material.head_locked,
-        made_by=OverlayPass,
-        needs=Needs(overlay=True),
-        without="what is fixed to the head is warped with the world, so that it swims and tears",
-        source="Porter and Duff 1984, Compositing Digital Images; the quad layers of OpenXR, XrCompositionLayerQuad "
-        "in view space",
-    )
-)
+effects.declare("overlay", OverlayPass, Needs(overlay=True), applies=lambda _, mesh: mesh.material.head_locked)
 
 
 # The shown depth of a warp that runs twice for it has been through two half floats: each rounds by
@@ -64,10 +52,7 @@ class _Veil(GatherWarp):
             self._seeds = self.own(Seeds(self.gpu, self.rendered_size, self.shown_size))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        """Composite the veil over `behind`.
-
-        inputs.rendered: the picture as it arrived.
-        """
+        """Composite the veil over `behind`. inputs.rendered: the picture as it arrived."""
         layer, settings = inputs.rendered["transparent"], self.settings
         inputs = attrs.evolve(inputs.at_once(), rendered=as_image(inputs.rendered, layer.veil))
         surface = bind_images({"rendered_inverse_depth": inputs.rendered.inverse_depth}, first=1)
@@ -101,18 +86,11 @@ class TransparencyPass(ShownPass):
         self._veil.run(inputs, into)
 
 
-effects.register(
-    Effect(
-        name="transparency",
-        order=70,
-        summary="glass and what else one sees through is a layer of its own depth, laid over the warped picture",
-        applies=lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh),
-        made_by=TransparencyPass,
-        needs=Needs(transparent=True),
-        without="a pane has the depth of what is seen through it, so that dirt, tint and bars on it move with the "
-        "room behind",
-        source="Porter and Duff 1984, Compositing Digital Images; Bowles et al. 2012, Iterative Image Warping",
-    )
+effects.declare(
+    "transparency",
+    TransparencyPass,
+    Needs(transparent=True),
+    applies=lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh),
 )
 
 
@@ -150,17 +128,4 @@ class LightPass(ShownPass):
         self._program.run(*into.size)
 
 
-effects.register(
-    Effect(
-        name="light_only",
-        order=5,
-        summary="frames hold light as if every surface were white; the client draws the textures at the newest pose",
-        applies=lambda scene, mesh: True,
-        by_name_only=True,
-        made_by=LightPass,
-        needs=Needs(light=True),
-        without="textures are resampled with the light, so that they blur, and are late as it is",
-        source="the 2014 thesis's outlook, section 7; Barrow and Tenenbaum 1978, Recovering Intrinsic Scene "
-        "Characteristics from Images",
-    )
-)
+effects.declare("light_only", LightPass, Needs(light=True), applies=lambda scene, mesh: True)

@@ -18,10 +18,10 @@ from ...frames import EyeImage, Needs
 from ...geometry import Pose, RigidState, View, WarpMap, view_map
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR, Owner, allocate, bind_images, drawing_into
-from ...scenes import REACH_M, REACH_S, swing_seconds
+from ...scenes import REACH_M, swing_seconds
 from ..inputs import PassInputs
 from ..warps.mesh import steepest
-from . import Effect, RenderedPass, effects
+from . import RenderedPass, effects
 
 STEEPEST_DEG = 85.0  # angle from facing; steeper planes tear, as in the mesh warps
 NEAREST_M = 0.02
@@ -168,29 +168,6 @@ class MotionPass(RenderedPass):
         self.gpu.barrier()
 
 
-effects.register(
-    Effect(
-        name="rigid_motion",
-        order=20,
-        summary="each pixel of a moving body goes where the body goes until it is shown; the hole it leaves is a hole",
-        applies=lambda _, mesh: mesh.body > 0,
-        made_by=MotionPass,
-        needs=Needs(ids=True),
-        without="moving things hang where they were when the frame was drawn",
-        source="object poses on the frame, as appSpaceDeltaPose of XR_FB_space_warp; McMillan and Bishop 1995 for "
-        "the map of each body",
-    )
-)
+effects.declare("rigid_motion", MotionPass, Needs(ids=True), applies=lambda _, mesh: mesh.body > 0)
 
-effects.register(
-    Effect(
-        name="soft_motion",
-        order=21,
-        summary=f"each pixel of what deforms goes on with its velocity, for {REACH_S:g} s and {REACH_M:g} m at most",
-        applies=lambda _, mesh: mesh.deformation is not None,
-        made_by=MotionPass,
-        needs=Needs(velocity=True),
-        without="what deforms stands still as it was when the frame was drawn",
-        source="motion vectors on the frame, as XR_EXT_frame_synthesis and XR_FB_space_warp have them",
-    )
-)
+effects.declare("soft_motion", MotionPass, Needs(velocity=True), applies=lambda _, mesh: mesh.deformation is not None)

@@ -9,7 +9,7 @@ import attrs
 import moderngl
 import numpy as np
 
-from ...frames import EyeImage, Needs
+from ...frames import EyeImage
 from ...geometry import View
 from ...geometry.view import tangents_of_pixels
 from ...gpu.shaders import Draw
@@ -20,7 +20,7 @@ from ..client_scene import ClientScene, Store, whole_weight
 from ..fills.model import MODEL_WEIGHT, NEAR, OFF_PLANE, BlockLights, RelightSettings
 from ..inputs import PassInputs, ShownPicture
 from . import effects
-from ._base import Effect, ShownPass
+from ._base import ShownPass
 
 PLACE = (4, "f4")
 # Relative difference of inverse depth: coded depth is off by less, and a foot is within it of the
@@ -180,19 +180,4 @@ class SoftBodiesPass(ShownPass):
         self._light.run(*self.shown_size)
 
 
-effects.register(
-    Effect(
-        name="soft_bodies",
-        order=18,
-        summary="what deforms is taken out of the picture and drawn by the client as it is now, in the late "
-        "picture's light",
-        applies=lambda _, mesh: mesh.deformation is not None,
-        by_name_only=True,
-        instead_of=("soft_motion",),
-        made_by=SoftBodiesPass,
-        needs=Needs(),
-        without="what deforms goes on with its velocity for a short time, and then hangs where it was",
-        source="the 2014 thesis's outlook, section 7; Nehab et al. 2007, Accelerating Real-Time Shading with "
-        "Reverse Reprojection Caching; fill `relight`",
-    )
-)
+effects.declare("soft_bodies", SoftBodiesPass, applies=lambda _, mesh: mesh.deformation is not None)

@@ -1,9 +1,9 @@
 """Fills, registered by name; each gives uncovered pixels a plausible colour."""
 
-from ...registry import Registry
+from ..settings import DescribedRegistry
 from ._base import Fill
 
-fills: Registry[type[Fill]] = Registry(
+fills: DescribedRegistry[type[Fill]] = DescribedRegistry(
     "fill",
     __name__,
     modules={

@@ -29,11 +29,9 @@ class Fill(Owner, ABC):
     reads: ClassVar[tuple[str, ...]] = ("shown.colour",)  # By the names of client/plan.py.
     # A fill that also writes shown.inverse_depth gives its pixels a depth, for fills after it.
     writes: ClassVar[tuple[str, ...]] = ("shown.colour",)
-    # Whether it leaves out that depth where nothing after it reads it.
-    drops_depth: ClassVar[bool] = False
+    drops_depth: ClassVar[bool] = False  # Whether it leaves out that depth where nothing after it reads it.
     source: ClassVar[str]
-    # False for the fill that does nothing, which the plan leaves out.
-    is_pass: ClassVar[bool] = True
+    is_pass: ClassVar[bool] = True  # False for the fill that does nothing, which the plan leaves out.
     complete: ClassVar[bool] = False  # Whether it leaves nothing empty, provided that anything is covered.
     remembers: ClassVar[bool] = False  # Whether it uses what it was given at earlier refreshes.
     needs_compute: ClassVar[bool] = True  # As a warp's.

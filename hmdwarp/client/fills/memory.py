@@ -20,7 +20,7 @@ from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, Owner, allocate, bind_images, tiles
 from ..inputs import PassInputs, ShownPicture
 from ..settings import limited
-from ..warps._base import pixel_of
+from ..warps import pixel_of
 from ..warps.gather import DEPTH_FLOOR, USUAL_LIMITS, bind_rendered_colour
 from ..warps.multi import DepthGuesses, no_pieces, piece_list
 from . import fills
@@ -306,10 +306,8 @@ class Memory(Fill):
     """
 
     name = "memory"
-    summary = "what was seen before behind and beside things, warped in; forgets what moved"
     reads = ("shown.colour", "rendered.colour", "rendered.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "this project's; keyframes as in Mark et al. 1997, Post-Rendering 3D Warping, chosen by what they cover"
     Settings = MemorySettings
     remembers = True
 
@@ -380,10 +378,8 @@ class Wide(Fill):
     """
 
     name = "wide"
-    summary = "a second view of 150 x 140 degrees at a quarter of the resolution, drawn and sent with every frame"
     reads = ("shown.colour", "rendered.wide")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "this project's; the gather of Bowles et al. 2012"
 
     def prepare(self) -> None:
         self._holes = self.own(HoleFiller(self.gpu, self.shown_size, COARSER))

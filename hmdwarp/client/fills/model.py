@@ -82,12 +82,9 @@ SHARE = 0.2  # of the scene's triangles, of every fill with a client's model
 
 @attrs.frozen
 class ModelSettings:
-    # Share of the scene's triangles that the client draws, 0 to 1.
-    share: float = share_of(SHARE)
-    # Scale of its textures' resolution on both axes, 0 to 1.
-    texture: float = share_of(1.0)
-    # off: the bare albedo, for a client that does not shade.
-    light: Literal["baked", "off"] = "baked"
+    share: float = share_of(SHARE)  # Share of the scene's triangles that the client draws, 0 to 1.
+    texture: float = share_of(1.0)  # Scale of its textures' resolution on both axes, 0 to 1.
+    light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
 
 
 @fills.register
@@ -98,10 +95,8 @@ class Model(Fill):
     """
 
     name = "model"
-    summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"
     reads = ("shown.colour", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "the 2014 thesis's client-side model; Garland and Heckbert 1997, Hoppe 1999 (quadric decimation)"
     complete = True
     Settings = ModelSettings
     variants = ("share=0.05",)
@@ -126,8 +121,7 @@ MODEL_WEIGHT = {"none": 0.03, "baked": 0.003}
 class RelightSettings:
     """How the model is drawn and lit."""
 
-    # Share of the scene's triangles that the client draws, 0 to 1.
-    share: float = share_of(SHARE)
+    share: float = share_of(SHARE)  # Share of the scene's triangles that the client draws, 0 to 1.
     samples: int = limited(32, 1, 4096)  # Places from which a pixel of a hole takes light.
     reach: float = limited(0.25, 0, 2, above=True)  # The farthest of them, in picture widths.
     # The model's own light. none: all light comes from the picture. baked: the baked light is
@@ -149,13 +143,8 @@ class Relight(Fill):
     """
 
     name = "relight"
-    summary = "the client draws a model into the holes, in the light of what is shown around them on the same surface"
     reads = ("shown.colour", "shown.inverse_depth", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = (
-        "this project's, in place of the 2014 thesis's composite; Barrow and Tenenbaum 1978 (albedo and light apart); "
-        "Roberts 2018 (samples)"
-    )
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)
@@ -232,12 +221,8 @@ class Composite(Fill):
     """
 
     name = "composite"
-    summary = (
-        "the thesis's: the client draws the scene unlit, in the mean light of random places of like depth and normal"
-    )
     reads = ("shown.colour", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "the 2014 thesis's lighting-estimating composite (its algorithm 3); O'Neill 2014, PCG (the hash)"
     Settings = CompositeSettings
     variants = ("average=median",)
 

@@ -21,8 +21,6 @@ class NoFill(Fill):
     """Leave every hole as it is; the plan leaves this pass out."""
 
     name = "none"
-    summary = "holes stay black, so that they can be seen and counted"
-    source = "the baseline of every fill"
     is_pass = False
 
     def prepare(self) -> None:
@@ -40,8 +38,6 @@ class Constant(Fill):
     """Give empty pixels the mean colour of the covered ones, or black if there are none."""
 
     name = "constant"
-    summary = "whatever is left takes the mean colour of the picture: nothing stays empty"
-    source = "the last resort of a chain: coverage 1 whatever came before"
     complete = True
 
     def prepare(self) -> None:
@@ -94,8 +90,6 @@ class Interpolate(Fill):
 
     name = "interpolate"
     needs_compute = False
-    summary = "one 3x3 median pass: closes cracks, leaves wide holes"
-    source = "the 2014 thesis's interpolation step"
     Settings = InterpolateSettings
     variants = ("size=5", "size=7")
 
@@ -161,10 +155,8 @@ class Stretch(Fill):
     """
 
     name = "stretch"
-    summary = "draws the background into the hole along the line on which things moved, then smooths it"
     reads = ("shown.colour", "shown.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "Mark 1999, Post-Rendering 3D Image Warping (UNC TR99-022); decaying weights as in YORO"
     Settings = StretchSettings
 
     def prepare(self) -> None:
@@ -181,9 +173,6 @@ class Stretch(Fill):
         both |= {"shown_size": self.shown_size, "e": forward.e, "least_parallax": LEAST_PARALLAX}
         both |= {"depth_tolerance": chosen.tolerance, "depth_floor": chosen.floor}
         views = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
-        for program, own in (
-            (self._draw, {"stamp": stamp, **views}),
-            (self._smooth, {"spread": chosen.spread}),
-        ):
+        for program, own in ((self._draw, {"stamp": stamp, **views}), (self._smooth, {"spread": chosen.spread})):
             program.uniforms.set_declared(**both, **own)
             self._pieces.run(program)

@@ -82,10 +82,8 @@ class Pyramid(Fill):
     """
 
     name = "pyramid"
-    summary = "fills holes of any width smoothly from what borders on them, from the background where there is one"
     reads = ("shown.colour", "shown.inverse_depth")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "Gortler et al. 1996, The Lumigraph (push-pull); the preference for the background is this project's"
     complete = True
     drops_depth = True
     Settings = PyramidSettings

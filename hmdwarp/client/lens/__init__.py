@@ -16,7 +16,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, Owner, bind_images
 from ...headsets import COLOURS, Headset, Lens, MeshLens, RadialLens, TableLens, ViveLens
-from ...registry import Registry
+from ..settings import DescribedRegistry
 
 # Image unit of the picture that programs for the panel read.
 TEXELS_UNIT = 7
@@ -157,7 +157,7 @@ class ResampledLens(LensPass):
         return uniforms
 
 
-lenses: Registry[type[LensPass]] = Registry(
+lenses: DescribedRegistry[type[LensPass]] = DescribedRegistry(
     "lens", __name__, modules=dict.fromkeys(("none", "radial", "table", "vive", "mesh"), "__init__"), columns="source"
 )
 
@@ -167,8 +167,6 @@ class NoLens(LensPass):
     """Leave the picture undistorted; the plan leaves this pass out."""
 
     name = "none"
-    summary = "no distortion: for flat screens and for runtimes that distort by themselves"
-    source = "the baseline of every lens"
     is_pass = False
 
     def prepare(self) -> None:
@@ -183,9 +181,7 @@ class Radial(ResampledLens):
     """Sample once per channel for each panel pixel, which cancels the lens's colour fringes."""
 
     name = "radial"
-    summary = "radial polynomial of the headset's lens, one per colour"
     library = "lens/radial.glsl"
-    source = "Brown 1966, Decentering Distortion of Lenses (the radial part); coefficients: see 'hmdwarp list headsets'"
 
     def library_defines(self) -> dict[str, object]:
         terms = [self._terms(lens) for lens in self.eye_lenses]
@@ -220,9 +216,7 @@ class Table(ResampledLens):
     """Sample once per channel; black beyond the last angle of the table."""
 
     name = "table"
-    summary = "angles against distances on the panel, joined by a monotone spline, one per colour"
     library = "lens/table.glsl"
-    source = "Fritsch and Butland 1984, local monotone piecewise cubic interpolants; tables: the headset's file"
 
     def library_defines(self) -> dict[str, object]:
         return {**super().library_defines(), "LENS_ROWS": ROWS}
@@ -244,9 +238,7 @@ class Vive(ResampledLens):
     """Sample once per channel, each around its own centre; black beyond the cutoff."""
 
     name = "vive"
-    summary = "rational polynomial around a centre for each colour, from the JSON that SteamVR keeps"
     library = "lens/vive.glsl"
-    source = "Valve, HMD JSON file, tracking_to_eye_transform (DISTORT_DPOLY3)"
 
     def library_defines(self) -> dict[str, object]:
         return {**super().library_defines(), "LENS_TANGENTS": 1}
@@ -269,9 +261,7 @@ class Mesh(ResampledLens):
     """Sample once per channel where the mesh of that channel says."""
 
     name = "mesh"
-    summary = "directions at the points of a grid over the panel, bilinear between them, one grid per colour"
     library = "lens/mesh.glsl"
-    source = "OpenVR, IVRSystem::ComputeDistortion on a grid; meshes: the headset's file"
 
     def prepare(self) -> None:
         super().prepare()

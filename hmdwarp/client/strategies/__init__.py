@@ -34,14 +34,11 @@ class Strategy:
     source: ClassVar[str]
     # Figures of others for the nearest system that is published, with their source.
     published: ClassVar[str] = ""
-    # The warp; "" where any will do that `check` accepts.
-    warp: ClassVar[str]
+    warp: ClassVar[str]  # The warp; "" where any will do that `check` accepts.
     # The chain of fills; None for the one that usually follows the warp, or the one that was set.
     fill: ClassVar[str | None] = None
-    # Settings of the warp where none are given.
-    usual: ClassVar[str] = ""
-    # Further options of a run, by name.
-    more: ClassVar[Mapping[str, Any]] = {}
+    usual: ClassVar[str] = ""  # Settings of the warp where none are given.
+    more: ClassVar[Mapping[str, Any]] = {}  # Further options of a run, by name.
 
     @classmethod
     def options(cls, settings: str) -> dict[str, Any]:

@@ -3,10 +3,10 @@
 Each has a shader of the same stem, or shares a sibling's where only the numbers differ.
 """
 
-from ...registry import Registry
-from ._base import KEY_BYTES, Output, Warp
+from ..settings import DescribedRegistry
+from ._base import KEY_BYTES, ArrayWarp, Output, Warp, pixel_of
 
-warps: Registry[type[Warp]] = Registry(
+warps: DescribedRegistry[type[Warp]] = DescribedRegistry(
     "warp",
     __name__,
     modules={
@@ -20,4 +20,4 @@ warps: Registry[type[Warp]] = Registry(
     columns="kind reads settings=Settings fused_with_the_lens=fuses follows_scanout=scans_out exact_when gets_wrong",
 )
 
-__all__ = ["KEY_BYTES", "Output", "Warp", "warps"]
+__all__ = ["KEY_BYTES", "ArrayWarp", "Output", "Warp", "pixel_of", "warps"]

@@ -129,10 +129,6 @@ class Forward(ScatterWarp):
     """
 
     name = "forward"
-    summary = "moves each pixel by its own depth, nearest wins; leaves cracks and holes"
-    exact_when = "the eye does not move; else each pixel is right to half a pixel"
-    gets_wrong = "surfaces that come closer crack; what was hidden is a hole; soft edges travel with their depth"
-    source = "the 2014 thesis's forward warp; atomics as in Schuetz et al. 2021 (arXiv 2104.07526)"
     Settings = ForwardSettings
 
     def prepare(self) -> None:
@@ -239,17 +235,6 @@ class ForwardOrdered(OrderedScatter):
     """
 
     name = "forward_ordered"
-    summary = (
-        "moves each pixel by its own depth, in the occlusion-compatible order from the epipole: no depth comparison"
-    )
-    exact_when = "as 'forward', of surfaces whose pixels meet along epipolar lines"
-    gets_wrong = (
-        "the order holds for rays, not pixels: neighbouring lines meet in one pixel and may be swapped at edges; "
-        "else as 'forward'"
-    )
-    source = (
-        "McMillan 1995 (UNC TR95-005), Walia and Verma; Mark and Bishop 1997 (why it does not always hold for pixels)"
-    )
     Settings = ForwardOrderedSettings
 
     def defines(self) -> dict[str, object]:
@@ -295,13 +280,6 @@ class ForwardRaster(OrderedScatter):
     """
 
     name = "forward_raster"
-    summary = "moves each pixel by its own depth, the last one in raster order wins: shows why a depth test is needed"
-    exact_when = "the eye does not move"
-    gets_wrong = (
-        "shows hidden things through what hides them, wherever they come later in the picture; "
-        "cracks and holes as 'forward'"
-    )
-    source = "what McMillan 1995 (UNC TR95-005) and the 2014 thesis set out from: pixels moved in raster order"
 
     def order(self, inputs: PassInputs) -> dict[str, object]:
         return {}
@@ -333,15 +311,6 @@ class Splat(ScatterWarp):
     """
 
     name = "splat"
-    summary = (
-        "each pixel covers the footprint its square becomes, nearest surface wins: no cracks, smooth between pixels"
-    )
-    exact_when = "always, up to one resample, where the rendered picture saw the surface"
-    gets_wrong = "what was hidden is a hole; soft edges travel with their depth; magnified over 32 times it shows gaps"
-    source = (
-        "Westover 1990 (footprints); Zwicker et al. 2001 (EWA splatting); "
-        "Mori et al. 2009 (depth forward, colour backward)"
-    )
     Settings = SplatSettings
 
     def prepare(self) -> None:

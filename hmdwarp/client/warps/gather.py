@@ -94,7 +94,7 @@ class GatherWarp(Warp):
         program.uniforms.settle(self._size_uniforms)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_SHOWN_DEPTH, read=False, write=True)
-            program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
+            uniforms["shown_inverse_depth"] = _SHOWN_DEPTH
         uniforms |= bind_texels(program, self.picture(inputs))
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self.coefficients(maps), **uniforms)
         if self.output.foveated is not None:
@@ -194,13 +194,9 @@ class HomographyWarp(GatherWarp):
     reads = ("rendered.colour",)
     samples_grid = True
 
-    @property
-    def clamps(self) -> bool:
-        """Whether the outermost pixels of the rendered picture go on beyond its border."""
-        return False
-
     def prepare(self) -> None:
-        self._program = self.gather("warps/rotation.comp", CLAMP=int(self.clamps))
+        clamps = getattr(self.settings, "edge", "empty") == "clamp"
+        self._program = self.gather("warps/rotation.comp", CLAMP=int(clamps))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind_beside(self._program, inputs)
@@ -235,18 +231,11 @@ class PlaneWarp(GatherWarp):
 
 @warps.register
 class NoWarp(HomographyWarp):
-    """Show the rendered picture at its place in the field of view, as if the head had not moved.
-
-    A guard band is cut off.
-    """
+    """Show the rendered picture at its place in the field of view; a guard band is cut off."""
 
     name = "none"
     needs_compute = False
     Settings = NoSettings
-    summary = "the rendered picture as it is: what uncompensated latency looks like"
-    exact_when = "the head is still"
-    gets_wrong = "everything that moves relative to the head"
-    source = "the baseline of every comparison"
     imposter = True
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
@@ -267,19 +256,8 @@ class Rotation(HomographyWarp):
 
     name = "rotation"
     needs_compute = False
-    summary = "turns the picture with the head, ignores how the eye moved"
-    exact_when = "the eye only turns, or everything is far away"
-    gets_wrong = (
-        "near things under translation: they stay glued to the far background; with edge=clamp, streaks where the "
-        "rendered picture ends"
-    )
-    source = "van Waveren 2016, The Asynchronous Time Warp for Virtual Reality on Consumer Hardware"
     Settings = RotationSettings
     baselines = {"edge=clamp": "most streamers"}
-
-    @property
-    def clamps(self) -> bool:
-        return bool(self.settings.edge == "clamp")
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         return super().map_between(
@@ -292,12 +270,6 @@ class Planar(PlaneWarp):
     """A gather through the fronto-parallel plane at the median inverse depth."""
 
     name = "planar"
-    summary = "turns and shifts the picture as one plane at its median depth"
-    exact_when = "the eye only turns, or everything lies on one plane facing the eye"
-    gets_wrong = "parallax: nearer things move too little, farther ones too much"
-    source = (
-        "XR_MSFT_composition_layer_reprojection, planar from depth; McMillan and Bishop 1995 for the plane's homography"
-    )
     shader = "warps/planar.comp"
 
 
@@ -310,10 +282,6 @@ class Similarity(PlaneWarp):
     """
 
     name = "similarity"
-    summary = "shifts, rolls and scales the picture as the plane at its median depth does in the middle of the view"
-    exact_when = "the eye only rolls; or it moves straight, without a turn, before a plane that faces it"
-    gets_wrong = "how a turn stretches the picture towards its border, and all that planar gets wrong"
-    source = "the 2014 thesis, section 2.4; the nearest similarity is the conformal part of the map's Jacobian"
     shader = "warps/similarity.comp"
     scans_out = False  # one similarity for the whole picture
 
@@ -333,11 +301,6 @@ class Shift(HomographyWarp):
 
     name = "shift"
     needs_compute = False
-    summary = "moves the picture by one offset, that of the middle of the view"
-    exact_when = "the head is still"
-    gets_wrong = "roll, how a turn stretches the picture towards its border, and all that rotation gets wrong"
-    source = "So and Griffin 1992, Compensating Lags in Head-Coupled Displays Using Head Position Prediction and "
-    source += "Image Deflection; the 2014 thesis, section 2.4"
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         """Return the translation; where the middle lies behind the rendered eye, w < 0."""
@@ -360,11 +323,7 @@ class Environment(GatherWarp):
     name = "environment"
     needs_compute = False
     Settings = NoSettings
-    summary = "turns freely within a cube map drawn around the eye, ignores how the eye moved"
     reads = ("rendered.cube",)
-    exact_when = "the eye only turns, by any angle, up to one bilinear resample"
-    gets_wrong = "near things under translation, as rotation; six faces are drawn and sent instead of one picture"
-    source = "Chen 1995, QuickTime VR; Greene 1986, Environment Mapping (the cube)"
     resamples = True
     carries = False
     depth_reads = None
@@ -425,14 +384,7 @@ class Backward(GatherWarp):
 
     name = "backward"
     needs_compute = False
-    summary = "the client draws its own depth now and fetches the colour from the rendered picture"
     reads = ("rendered.colour", "rendered.inverse_depth", "client.inverse_depth")
-    exact_when = "always, up to one bilinear resample, where the rendered picture saw the surface"
-    gets_wrong = (
-        "needs the scene's geometry; shading that depends on the view stays late; with test=off, for which no "
-        "rendered depth is sent, what was hidden takes the colour of what hid it"
-    )
-    source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
     Settings = BackwardSettings
     depth_reads = ("client.inverse_depth",)
     scans_out = False  # the client's depth is drawn at one instant
@@ -488,13 +440,7 @@ class Search(GatherWarp):
     """
 
     name = "search"
-    summary = "follows each pixel's ray through the rendered picture to the first surface it meets"
     reads = ("rendered.colour", "rendered.inverse_depth")
-    exact_when = (
-        "the rendered picture saw the surface, up to one bilinear resample; of several on a ray always the front one"
-    )
-    gets_wrong = "silhouettes end half way between rendered pixels; slow where rays run long past many edges"
-    source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
     Settings = SearchSettings
     rows = 4
 

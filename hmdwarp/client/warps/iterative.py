@@ -187,17 +187,7 @@ class Iterative(GatherWarp):
     """
 
     name = "iterative"
-    summary = (
-        "each pixel guesses its depth, samples where that was rendered, and takes the depth found there for its next "
-        "guess"
-    )
     reads = ("rendered.colour", "rendered.inverse_depth")
-    exact_when = "the rendered picture saw the surface and the guesses converge, up to one resample"
-    gets_wrong = (
-        "may miss the front one of several surfaces on a ray, or end in a hole there; "
-        "silhouettes are a pixel too wide, which suits antialiased pictures"
-    )
-    source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
     variants = ("seed=rotation", "slanted=3", "frames=1", "frames=2")
     rows_with_depth = 3  # with more, Mesa no longer unrolls the loop: 26 ms of CPU instead of 23 on llvmpipe

@@ -267,8 +267,7 @@ RING = 0.005  # of the picture; openwarp's program sets one cell of its grid
 class MeshSettings:
     """Where the mesh is cut; or, with a grid, how it is stretched."""
 
-    # How sheets between two surfaces are found.
-    cut: Literal["slope", "vertex", "both"] = "slope"
+    cut: Literal["slope", "vertex", "both"] = "slope"  # How sheets between two surfaces are found.
     # Planes seen at up to this angle from facing stay whole.
     steepest_deg: float = attrs.field(default=STEEPEST_DEG, validator=[attrs.validators.gt(0), attrs.validators.lt(90)])
     # Vertices on each axis of a mesh that is stretched across edges; 0 for one at each pixel, cut.
@@ -295,19 +294,6 @@ class Mesh(MeshWarp):
     """
 
     name = "mesh"
-    summary = "draws the rendered picture as triangles between its pixels, cut where surfaces part"
-    exact_when = (
-        "surfaces are seen in the rendered picture and are smooth from one pixel to the next, up to one bilinear "
-        "resample"
-    )
-    gets_wrong = (
-        "what was hidden is a hole; every edge is half a pixel wide of the truth; slow where triangles are; with a "
-        "grid, edges are off by up to a cell, and what was hidden shows colours stretched from beside it"
-    )
-    source = (
-        "Mark, McMillan and Bishop 1997, Post-Rendering 3D Warping; Mark 1999 (thesis), 3.3; the grid: openwarp in "
-        "Huzaifa et al. 2021, ILLIXR"
-    )
     Settings = MeshSettings
     baselines = {"grid=64": "CloudXR.js", "grid=512,ring=0.002": "ILLIXR openwarp"}
     adaptive = False
@@ -334,8 +320,7 @@ class Mesh(MeshWarp):
 class MeshAdaptiveSettings:
     """How far cells are merged."""
 
-    # Shown pixels by which merging may displace a point.
-    tolerance: float = limited(0.05)
+    tolerance: float = limited(0.05)  # Shown pixels by which merging may displace a point.
     # Pixels on a side of the largest cell.
     block: int = attrs.field(default=16, validator=attrs.validators.in_((1, 2, 4, 8, 16)))
     # Planes seen at up to this angle from facing stay whole.
@@ -347,15 +332,6 @@ class MeshAdaptive(MeshWarp):
     """`mesh` with cells of up to 16x16 pixels where this motion stays within the tolerance."""
 
     name = "mesh_adaptive"
-    summary = (
-        "as mesh, with few large triangles where the surface is flat: the same picture within a twentieth of a pixel"
-    )
-    exact_when = "as mesh, up to the tolerance (in shown pixels)"
-    gets_wrong = "as mesh; detail in depth below the tolerance is flattened"
-    source = (
-        "Schollmeyer et al. 2017, Efficient Hybrid Image Warping; "
-        "Reinert et al. 2016, Proxy-guided Image-based Rendering"
-    )
     Settings = MeshAdaptiveSettings
     adaptive = True
 

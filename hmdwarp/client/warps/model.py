@@ -33,8 +33,7 @@ class ClientDrawing(Warp):
     needs_compute = False
     depth_reads = ()
     carries = False
-    # Whether it is only for scenes whose light moves.
-    for_moving_light: ClassVar[bool] = False
+    for_moving_light: ClassVar[bool] = False  # Whether it is only for scenes whose light moves.
 
     @classmethod
     def unsuited(cls, scene: Scene) -> str:
@@ -61,15 +60,12 @@ class ModelSettings:
     # Share of the triangles of the scene's plain surfaces that the client has, 0 to 1. Mirrors and
     # what is see-through or fixed to the head keep theirs.
     share: float = share_of(1.0)
-    # Scale of its textures' resolution on both axes, 0 to 1.
-    texture: float = share_of(1.0)
-    # off: the bare albedo, for a client that does not shade.
-    light: Literal["baked", "off"] = "baked"
+    texture: float = share_of(1.0)  # Scale of its textures' resolution on both axes, 0 to 1.
+    light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
     # How it comes. whole: it is there at the start. progressive: in pieces with every frame, what
     # the head sees or is about to see first; stand-ins are shown until then.
     arrives: Literal["whole", "progressive"] = "whole"
-    # Bytes of each frame, at most, where it comes in pieces.
-    budget: int = limited(20_000, 1)
+    budget: int = limited(20_000, 1)  # Bytes of each frame, at most, where it comes in pieces.
 
 
 @warps.register
@@ -81,14 +77,7 @@ class Model(ClientDrawing):
     """
 
     name = "model"
-    summary = "the client has the scene, or a reduced one, and draws it at the newest pose; no picture is sent"
     reads = ("client.model",)
-    exact_when = "to the last bit, with all triangles and texels, lit, once all has arrived, in light that stands still"
-    gets_wrong = (
-        "takes the whole scene, and a renderer for it, on the client; fewer triangles round outlines off, smaller "
-        "textures blur; lamps that move are baked where they are at the start"
-    )
-    source = "the 2014 thesis, section 3.1 (GLX, partial models); Garland and Heckbert 1997, 1998 (fewer triangles)"
     Settings = ModelSettings
     variants = ("share=0.2",)
 
@@ -126,8 +115,7 @@ class DifferenceSettings:
     # Share of the triangles, 0 to 1, and scale of the textures' resolution on both axes.
     share: float = share_of(0.2)
     texture: float = share_of(1.0)
-    # off: the bare albedo, for a client that does not shade.
-    light: Literal["baked", "off"] = "baked"
+    light: Literal["baked", "off"] = "baked"  # off: the bare albedo, for a client that does not shade.
     # off: the picture as it was drawn, like an imposter: the source's own form.
     warped: Literal["on", "off"] = "on"
 
@@ -137,18 +125,8 @@ class Difference(Warp):
     """Draw the simplified scene, and add what the late picture had more than it."""
 
     name = "difference"
-    summary = "the client draws a simplified scene at the newest pose and adds what the server's picture had more"
     kind = "draw"
     reads = ("rendered.difference", "client.model")
-    exact_when = (
-        "the head is still and no codec runs: the picture is the server's to the last byte; with all triangles and "
-        "texels always"
-    )
-    gets_wrong = (
-        "detail that the late picture did not see stays that of the simplified scene; highlights and what moves are "
-        "added where they were; takes a scene on the client"
-    )
-    source = "Levoy 1995, Polygon-Assisted JPEG and MPEG Compression of Synthetic Images; warped: our own"
     Settings = DifferenceSettings
     variants = ("warped=off",)
     depth_reads = ()

@@ -164,13 +164,7 @@ class Layered(CompositeWarp):
     """Warp all layers together, the nearest surface wins: real content behind edges."""
 
     name = "layered"
-    summary = "warps two to four depth layers of the server together: real content behind edges"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.peeled")
-    exact_when = "always, up to one bilinear resample, where a layer holds the surface"
-    gets_wrong = (
-        "what no layer holds or the rendered field of view did not; the server draws the scene once more per layer"
-    )
-    source = "Shade et al. 1998, Layered Depth Images; Everitt 2001 (peeling); Bowles et al. 2012 (the gather)"
     Settings = LayeredSettings
 
     @classmethod
@@ -215,11 +209,7 @@ class Multi(CompositeWarp):
     """
 
     name = "multi"
-    summary = "fills what the newest frame did not see from the other eye's and from past frames"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.others", _CHOSEN)
-    exact_when = "always, up to one bilinear resample, where one of the frames saw the surface and the scene is static"
-    gets_wrong = "what no frame saw; things that moved, where the newest frame cannot contradict the older ones"
-    source = "Mark et al. 1997, Post-Rendering 3D Warping; Mark 1999 (thesis); Bowles et al. 2012 (the gather)"
     Settings = MultiSettings
     best = (2, "f4")
 

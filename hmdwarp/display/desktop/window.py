@@ -13,17 +13,7 @@ import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
-from .window_system import (
-    Size,
-    VideoMode,
-    WindowHandle,
-    XConnection,
-    last_error,
-    mode_of,
-    screen_of,
-    screen_text,
-    window_size,
-)
+from .window_system import ScreenHandle, Size, VideoMode, WindowHandle, XConnection, last_error, window_size
 
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR
@@ -99,11 +89,36 @@ class Window:
     @property
     def rate_hz(self) -> float:
         """Refresh rate of its screen; 0 where unknown (virtual screens)."""
-        mode: VideoMode | None = mode_of(self._glfw, screen_of(self._glfw, self.handle))
+        _, mode = self._screen()
         return float(mode.refresh_rate) if mode is not None else 0.0
 
     def screen_text(self) -> str:
-        return screen_text(self._glfw, screen_of(self._glfw, self.handle))
+        """Return name, size and rate of its screen."""
+        screen, mode = self._screen()
+        if mode is None:
+            return "none"
+        name = self._glfw.get_monitor_name(screen)
+        name = name.decode(errors="replace") if isinstance(name, bytes) else str(name)
+        rate = f" at {mode.refresh_rate} Hz" if mode.refresh_rate > 0 else ""
+        return f"{name}, {mode.size.width}x{mode.size.height}{rate}"
+
+    def _screen(self) -> tuple[ScreenHandle | None, VideoMode | None]:
+        """Return the screen that it fills, or that most of it lies on, and its size and rate."""
+        glfw = self._glfw
+
+        def shared(screen: ScreenHandle) -> int:
+            """Return the area of the window on the screen."""
+            if (mode := glfw.get_video_mode(screen)) is None:
+                return 0
+            x, y = glfw.get_window_pos(self.handle)  # (0, 0) under Wayland, which does not report it
+            w, h = glfw.get_window_size(self.handle)
+            left, top = glfw.get_monitor_pos(screen)
+            across = min(x + w, left + mode.size.width) - max(x, left)
+            down = min(y + h, top + mode.size.height) - max(y, top)
+            return int(max(0, across) * max(0, down))
+
+        found = glfw.get_window_monitor(self.handle) or max(glfw.get_monitors() or [], key=shared, default=None)
+        return found, glfw.get_video_mode(found) if found else None
 
     def pixel_of(self, x: float, y: float) -> tuple[float, float]:
         """Return framebuffer pixels, from the bottom left, of a position that glfw reports.
@@ -136,8 +151,7 @@ class Window:
         """Fill its screen, if there is any, or return to its earlier place."""
         glfw = self._glfw
         if on and not self.fills_screen:
-            screen = screen_of(glfw, self.handle)
-            mode = mode_of(glfw, screen)
+            screen, mode = self._screen()
             if mode is not None:
                 self._place = (*glfw.get_window_pos(self.handle), *glfw.get_window_size(self.handle))
                 glfw.set_window_monitor(self.handle, screen, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)

@@ -1,14 +1,8 @@
-from .bench_rows import Rows as Rows
+from .bench_run import Rows as Rows
 from .bench_run import bench as bench
 from .bench_run import merge as merge
 from .bench_run import read as read
-from .cases import cases_of as cases_of
-from .cases import combinations_of as combinations_of
-from .compare_run import client_bytes as client_bytes
 from .compare_run import compare as compare
-from .compare_run import decoded_mpx_s as decoded_mpx_s
-from .compare_run import start_bytes as start_bytes
-from .compare_run import unfit as unfit
 from .options import BenchOptions as BenchOptions
 from .options import CompareOptions as CompareOptions
 from .options import MergeOptions as MergeOptions

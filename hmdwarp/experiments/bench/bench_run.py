@@ -1,8 +1,4 @@
-"""One bench: every combination of its options, on the loop that every other driver uses.
-
-And benches of several machines or parts as one: quality once, times for each machine. What a
-suite takes besides what ships: scenes by others, checked, and recorded sequences.
-"""
+"""One bench: its rows and files; benches of several machines as one; what a suite takes besides."""
 
 from __future__ import annotations
 
@@ -14,12 +10,15 @@ import os
 import platform
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import reduce
+from operator import add, itemgetter
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from ...client.classes import load_client
+from ...client.capability import lacking
+from ...client.classes import Client, load_client
 from ...client.plan import needs_of
 from ...errors import HmdwarpError, InputError, MachineError
 from ...gpu.context import Gpu
@@ -28,12 +27,20 @@ from ...headsets import Headset
 from ...metrics import (
     BOUND,
     PRIMARY,
+    QUALITY,
+    TRUTH_JOD,
     MeasuringProcesses,
+    Mismatch,
     QualityJob,
     QualityPool,
+    at_instants,
     blocks_apart,
+    blocks_text,
     check_rating,
     clip_length,
+    db_of,
+    metrics,
+    pooled,
 )
 from ...options import PAPER
 from ...options.documents import json_in
@@ -47,29 +54,17 @@ from ...platforms import memory_bytes
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
 from ...report.bench.crops import Crops, packed, unpacked
 from ...report.bench.page import bench_page
-from ...report.bench.rows import COLUMNS, cases, first_cases, row_name
-from ...resources import import_extra
-from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, instants_of
+from ...report.bench.rows import COLUMNS, Columns, cases, first_cases, row_name, table_of
+from ...resources import __version__, import_extra
+from ...run import measuring
 from ...run.options import refuse_one_name
-from ...run.replay_setup import set_up_replay
-from ...run.run_summary import machine_of
-from ...run.side_by_side import Comparison, SideBySide, rate_clips
+from ...run.run import ReplayRun, set_up_replay
+from ...run.run_summary import machine_of, summary_of_rows
 from ...sources.sequences.readers import readers
 from ..sweep import MOST_SHOWN, ExperimentResult, Measuring, Result, SweepCase, experiment
-from .bench_rows import (
-    LONG,
-    NAMES,
-    OF_NOTEBOOK,
-    Rows,
-    about_rating,
-    flat,
-    left_out_notes,
-    row_of,
-    typed,
-    write_parquet,
-)
 from .cases import (
     BenchCase,
+    baselines,
     cases_of,
     combinations_of,
     common_start_s,
@@ -84,13 +79,139 @@ from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .suite_means import suite_entry
 from .suites import cost_text, suites
 
+OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
+ORACLE_LACKS = "it knows the depth of the truth, which no client has"
+# Keys of a row that grow with its pictures.
+Row = Mapping[str, Any]
+LONG = ("at_instants", "blocks", "jod", "jod_failure")
+# What a notebook shows of each row.
+_SHOWN = ("trace", "scene", "latency_ms", "strategy", "warp", "fill", "flip", "psnr_db", "ssim", "total_ms")
+OF_NOTEBOOK = tuple(COLUMNS[name] for name in _SHOWN)
+# The columns of bench.csv.
+NAMES = [column.name for column in COLUMNS.values() if column.is_filed]
+
+
+def row_of(
+    setup: ReplayRun, case: measuring.Case, measured: measuring.Measured, pool: QualityPool, client: Client
+) -> dict[str, Any]:
+    """Return one row of bench.json: the keys of summary.json, and those of a bench alone."""
+    combination = measured.combination
+    # Nothing without an oracle.
+    pixels, seen, error = (math.fsum(column) for column in zip((0, 0, 0.0), *measured.where_seen, strict=True))
+    figures, regions = pool.results, pool.regions
+    pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
+    passes = combination.warp, combination.fill, combination.plan.lens.name
+    base = summary_of_rows(setup, passes, [*measured.times, *pictures])
+    lacks = ORACLE_LACKS if combination.warp == measuring.ORACLE else OUTSIDE_LACKS
+    return {
+        **base,
+        "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
+        **({"strategy": combination.strategy} if combination.strategy else {}),
+        "frames": len(pictures),
+        "client": client.name,
+        # Why the client cannot run it.
+        "lacks": lacks if combination.is_outside else lacking(combination.plan, client),
+        # The system that the warp stands for.
+        "baseline": baselines().get(combination.warp, ""),
+        "at_instants": {
+            name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
+        },
+        "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
+        "regions": pooled(regions[key] for key in measured.keys),
+        **({"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}} if seen else {}),
+        "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
+    }
+
+
+def flat(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
+    """Yield the rows of a file under its columns."""
+    filed = [column for column in columns.values() if column.is_filed]
+    return ({column.name: column.value(row) for column in filed} for row in rows)
+
+
+def typed(rows: Iterable[Row], columns: Columns) -> Iterator[dict[str, Any]]:
+    """Yield them with the types of the columns; None where a number is not known."""
+    for row in flat(rows, columns):
+        yield {name: None if value is None else columns[name].kind(value) for name, value in row.items()}
+
+
+def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
+    failures = list(dict.fromkeys(row["jod_failure"] for row in rows if "jod_failure" in row))
+    display = next((row["jod"]["display"] for row in rows if "jod" in row), None)
+    if not clip_s or display is None:
+        return failures
+    return [
+        *failures,
+        f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
+        f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
+        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
+    ]
+
+
+def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write rows as a table, null for what is not known. Errors: MachineError without pyarrow."""
+    pa = import_extra("pyarrow", "pyarrow", "study")
+    parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
+    fields = [(column.name, kinds[column.kind]) for column in COLUMNS.values() if column.is_filed]
+    schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
+    with parquet.ParquetWriter(path, schema) as writer:
+        rows = typed(rows, COLUMNS)
+        while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
+            writer.write_table(pa.Table.from_pylist(group, schema=schema))
+
+
+class Rows(list[dict[str, Any]]):
+    """The rows of a bench by the columns of bench.csv: texts, numbers, None for what is unknown."""
+
+    def __repr__(self) -> str:
+        return f"<Rows: {len(self)} of a bench; to_pandas() returns the table>"
+
+    def _repr_html_(self) -> str:
+        """Return the first rows, a notebook shows them."""
+        columns = [attrs.evolve(one, value=itemgetter(one.name), shown=None) for one in OF_NOTEBOOK]
+        return table_of("", columns, self[:MOST_SHOWN]).html()
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""
+        frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=NAMES)
+        kinds = {int: "Int64", float: "float64"}  # Int64 may lack a value, int64 may not
+        return frame.astype({name: kinds[COLUMNS[name].kind] for name in NAMES if COLUMNS[name].is_number})
+
+
+def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
+    """Return which methods the front and the choice leave out, and what they would gain.
+
+    rows: of bench.json. Empty if the client can run all of them.
+    """
+    rows = [row for row in rows if row["warp"] != measuring.ORACLE]
+    lacking = [row for row in rows if row["lacks"]]
+    if not lacking:
+        return []
+
+    def figures(row: Row) -> str:
+        total = row["time_ms"]["total"]["median"]
+        return f"{metrics.get(PRIMARY).short_figure.label} {row['quality'][PRIMARY]['mean']:.3f} in {total:.2f} ms"
+
+    names = ", ".join(dict.fromkeys(map(row_name, lacking)))
+    notes = [f"Not in the front: client '{client.name}' ({client.summary}) cannot run {names}. --client names another."]
+    for case in cases(rows):
+        ordered = [row for row in case.ordered() if row["quality"][PRIMARY]["mean"] is not None]
+        best = next((row for row in ordered if not row["lacks"]), None)
+        if best is not None and ordered[0]["lacks"]:
+            gain = f"{case.label}: a client that can run {row_name(ordered[0])} would have {figures(ordered[0])}"
+            notes.append(f"{gain}, where {row_name(best)} has {figures(best)}; {ordered[0]['lacks']}.")
+    return notes
+
+
 ROWS, CROPS = "rows", "crops.npz"
 MOST_METHODS = 5  # side by side
 MOST_CROPS = 3  # cases of a page that have crops: a megabyte each
 
 
 @functools.cache
-def _examined() -> tuple[dict[str, Any], float]:
+def examined() -> tuple[dict[str, Any], float]:
     """Return what bench.json says of this machine, and most_bytes: once in each process."""
     with Gpu() as gpu:
         clocks = check_clocks(gpu.gl, gpu.timer.clock)
@@ -99,12 +220,7 @@ def _examined() -> tuple[dict[str, Any], float]:
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
         }
-        return about, most_bytes(gpu)
-
-
-def most_bytes(gpu: Gpu) -> float:
-    """Return what the compensators of one batch may take."""
-    return MEMORY_PART * memory_bytes() if gpu.is_software else GPU_BATCH_BYTES
+        return about, _most_bytes(gpu)
 
 
 def check_room(works: Sequence[BenchCase]) -> None:
@@ -112,17 +228,22 @@ def check_room(works: Sequence[BenchCase]) -> None:
     with Gpu() as gpu:
         for work in works:
             headset = work.headset
-            for batch in work.batched(most_bytes(gpu)):
+            for batch in work.batched(_most_bytes(gpu)):
                 run = work.run_of(batch)
                 sizes = eye_sizes(run.guard_band, headset, run.size or headset.eye_size_px)
                 check_held(gpu, run, needs_of(c.plan for c in batch), sizes, run.rate_hz or headset.refresh_hz)
+
+
+def _most_bytes(gpu: Gpu) -> float:
+    """Return what the compensators of one batch may take."""
+    return measuring.MEMORY_PART * memory_bytes() if gpu.is_software else measuring.GPU_BATCH_BYTES
 
 
 def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Time and measure all combinations of a case; return the machine and ROWS."""
     work: BenchCase = prepared(case.what)
     options, client, pool = work.options, load_client(work.options.client), QualityPool(processes)
-    about, most = _examined()
+    about, most = examined()
     seconds, rate_hz = options.jod_s, options.rate_hz or work.headset.refresh_hz
     chosen = work.batched(most)
     rated = work.batched(most, clip_length(seconds, rate_hz)) if seconds else []  # whose clips fit in together
@@ -131,17 +252,17 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
     def steps() -> None:
         step(next(shares))
 
-    rows: list[tuple[Combination, dict[str, Any]]] = []
+    rows: list[tuple[measuring.Combination, dict[str, Any]]] = []
     for batch in chosen:
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
-            comparison = Comparison(setup, work.case, batch, pool, options.rounds)
+        with work.set_up(batch) as setup:
+            comparison = measuring.Comparison(setup, work.case, batch, pool, options.rounds)
             comparison.run(options.instants, steps)
             pool.wait()
             rows += [(each.combination, row_of(setup, work.case, each, pool, client)) for each in comparison.measured]
     ratings: dict[tuple[str, ...], dict[str, Any]] = {}
     for batch in rated:  # after all times: no timed run has these refreshes between its own
-        with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
-            found = rate_clips(setup, batch, options.instants, steps)
+        with work.set_up(batch) as setup:
+            found = measuring.rate_clips(setup, batch, options.instants, steps)
         ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
     measured = [{**row, **ratings.get(_named(c), {}), "machine": about["machine"]} for c, row in rows]
     crops = [] if options.suite else _crops(work, chosen, rows, QualityPool(processes))
@@ -149,7 +270,10 @@ def run_case(processes: MeasuringProcesses, case: SweepCase, step: Callable[[flo
 
 
 def _crops(
-    work: BenchCase, chosen: Sequence[Sequence[Combination]], rows: Sequence[tuple[Combination, Row]], pool: QualityPool
+    work: BenchCase,
+    chosen: Sequence[Sequence[measuring.Combination]],
+    rows: Sequence[tuple[measuring.Combination, Row]],
+    pool: QualityPool,
 ) -> list[Crops]:
     """Show the best of each of the first warps again: at the worst instant and a typical one."""
     (case,), made_by = cases(row for _, row in rows), {id(row): c for c, row in rows}
@@ -164,9 +288,9 @@ def _crops(
             continue
         with (
             set_up_replay(work.run_of(batch), needs_of(c.plan for c in wanted)) as setup,
-            SideBySide(setup, wanted) as beside,
+            measuring.SideBySide(setup, wanted) as beside,
         ):
-            measured = instants_of(setup.schedule.count, work.options.instants)
+            measured = measuring.instants_of(setup.schedule.count, work.options.instants)
             turns = {number: measured.index(number) for number in numbers.values()}
             for number, refresh in beside.refreshes({*turns, *beside.run_in(turns)}):
                 if number not in turns:
@@ -184,7 +308,7 @@ def _crops(
     ]
 
 
-def _named(combination: Combination) -> tuple[str, ...]:
+def _named(combination: measuring.Combination) -> tuple[str, ...]:
     return combination.strategy, combination.warp, combination.fill
 
 
@@ -221,30 +345,23 @@ def recipes() -> dict[str, Recipe]:
 def further(options: BenchOptions) -> tuple[list[BenchOptions], list[str]]:
     """Return the options of a suite's further parts, one scene or one sequence each.
 
-    And a sentence on each scene that is not there. Errors: as sequences.open.
+    And a sentence on each scene that is not there. Errors: as sequences.open; InputError.
     """
     if not options.suite:
         return [], []
-    found, told = [], []
+    found, told, folder = [], [], options.also
     for name in suites()[options.suite].recipes:
         recipe = recipes()[name]
-        if why := recipe.missing(options.also):
+        if why := recipe.missing(folder):
             told.append(f"without {recipe.credit}: {why}")
-        else:
-            assert options.also is not None
-            found.append(attrs.evolve(options, scenes=(str(options.also / recipe.file),)))
-    return [*found, *(_recorded(options, folder) for folder in _sequences(options.also))], told
-
-
-def _sequences(folder: Path | None) -> Iterator[Path]:
-    """Yield the folders of recorded frames. Errors: InputError for what is no folder."""
-    if folder is None:
-        return
-    if not folder.is_dir():
+        elif folder is not None:
+            found.append(attrs.evolve(options, scenes=(str(folder / recipe.file),)))
+    if folder is not None and not folder.is_dir():
         raise InputError(f"--also {folder}: no such folder; expected one of scenes and of recorded sequences")
-    for place in sorted(each for each in folder.iterdir() if each.is_dir()):
+    for place in sorted(each for each in folder.iterdir() if each.is_dir()) if folder is not None else ():
         if any(reader.fits(place) for reader in readers):
-            yield place
+            found.append(_recorded(options, place))
+    return found, told
 
 
 def _recorded(options: BenchOptions, folder: Path) -> BenchOptions:
@@ -275,10 +392,26 @@ def bench(
 ) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
-    All options are checked before anything runs. progress(done, total) is called after each
-    measured refresh. say: gets a sentence.
-    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
-    the case where none of several was done.
+    Parameters
+    ----------
+    options
+        All of them are checked before anything runs.
+    progress
+        Called with (done, total) after each measured refresh.
+    say
+        Called with a sentence for the user.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of bench.json, and the cases that failed.
+
+    Raises
+    ------
+    InputError
+        For wrong options; the error of the case where none of several was done.
+    MachineError
+        For what the machine lacks.
     """
     options = BenchOptions.checked(options)
     if options.parquet:
@@ -349,7 +482,7 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
     for name in options.scenes:
         scene = source.scene if source.kind.has_head else source_of(options, name).scene
         build_plan_for(
-            run_options(options, Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
+            run_options(options, measuring.Case(name, options.recordings[0], 0.0, options.sizes[0]), lens=options.lens),
             headset,
             scene,
         )
@@ -381,10 +514,7 @@ def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple
 def write_bench(
     out: OutputFolder, data: dict[str, Any], options: BenchOptions | MergeOptions, crops: Sequence[Sequence[Crops]] = ()
 ) -> None:
-    """Write the table, the page and bench.json, whose content is `data`; the options say what else.
-
-    crops: of the first cases. Errors: MachineError where Parquet lacks its package.
-    """
+    """Write table, page and bench.json, whose content is `data`; crops: of the first cases."""
     out.write_csv("bench.csv", flat(data["rows"], COLUMNS), NAMES)
     if options.parquet:
         write_parquet(out.path("bench.parquet"), data["rows"])
@@ -406,7 +536,6 @@ _KEY = (
 # Of the picture, not of the machine that made it.
 _QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
 _MACHINE = ("machine", "clock", "clocks")
-Row = dict[str, Any]
 
 
 def merge(options: MergeOptions) -> ExperimentResult:
@@ -415,8 +544,23 @@ def merge(options: MergeOptions) -> ExperimentResult:
     Rows of one combination in one case are one picture: their quality is that of the first bench
     that has it, and each machine has a row with its own times. Of several rows of one machine the
     first counts.
-    Errors: InputError for a folder without a bench, and for benches of different programs or
-    instants; MachineError where two machines showed different pictures.
+
+    Parameters
+    ----------
+    options
+        The folders, and where to write.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of the bench.json of all.
+
+    Raises
+    ------
+    InputError
+        For a folder without a bench, and for benches of different programs or instants.
+    MachineError
+        Where two machines showed different pictures.
     """
     if options.parquet:
         import_extra("pyarrow.parquet", "pyarrow", "study")
@@ -466,8 +610,20 @@ def merge(options: MergeOptions) -> ExperimentResult:
 def read(folder: str | os.PathLike[str]) -> Rows:
     """Return the rows of a bench in a folder, one for each combination in each case.
 
-    Their columns are those of bench.csv (docs/scale.md). Errors: InputError for a folder without a
-    bench, or with a damaged one.
+    Parameters
+    ----------
+    folder
+        What `hmdwarp bench` wrote.
+
+    Returns
+    -------
+    Rows
+        Under the columns of bench.csv (docs/scale.md).
+
+    Raises
+    ------
+    InputError
+        For a folder without a bench, or with a damaged one.
     """
     return Rows(typed(_read(Path(folder))["rows"], COLUMNS))
 

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 from ...client.effects import effects
-from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
+from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan, needs_of
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
@@ -25,9 +25,9 @@ from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import build_plan_for, check_suited, guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
-from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
+from ...run.measuring import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing, outside_plan
 from ...run.options import RunOptions, refuse_traces_of_one_name
-from ...run.replay_setup import first_shown_s, schedule_for, schedule_of
+from ...run.run import ReplayRun, first_shown_s, schedule_for, schedule_of, set_up_replay
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions
@@ -93,10 +93,10 @@ def notes_on_warps(options: BenchOptions) -> list[str]:
     """Return which warps are left out where all are compared, and why."""
     if options.warps or options.strategies:
         return []
-    others = [entry.name for entry in warps if not _warps_pictures(entry.name)]
+    others = listed([entry.name for entry in warps if not _warps_pictures(entry.name)])
     return [
-        f"{listed(others)} are left out, which draw what the client has of the scene: 'hmdwarp compare' has "
-        "them, and --warp NAME takes them here.",
+        f"{others} are left out, which draw what the client has of the scene: 'hmdwarp compare' has them, and --warp "
+        "NAME takes them here.",
         *(f"{name} is left out: {why}." for name in OUTSIDE if (why := _left_out(options, name))),
     ]
 
@@ -105,38 +105,39 @@ def _left_out(options: BenchOptions, name: str) -> str:
     return missing(name) or ("" if options.lens == "none" else "it has no lens")
 
 
-def fills_of(options: BenchOptions) -> list[str]:
-    """Return the fills and chains of the options as their shortest text, each once.
-
-    Errors: as parse_fills.
-    """
-    return list(dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills))
-
-
 def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combination]:
     """Return each warp with each fill, and the strategies.
 
     Without a scene yet, only the names are checked. Errors: as build_plan.
     """
-    pairs = pairs_of(options) if options.warps or not options.strategies else []
-    own = [
-        Combination(
-            warp, fill, outside_plan(warp) if warp in PLANLESS else plan_of(options, scene, warp, fill, options.lens)
-        )
-        for warp, fill in pairs
-        if options.warps or not _left_aside(options, scene, warp)
-    ]
-    return own + [_strategy(options, scene, text) for text in options.strategies]
+    found = []
+    for warp, fill in pairs_of(options) if options.warps or not options.strategies else []:
+        if warp in PLANLESS:
+            found.append(Combination(warp, fill, outside_plan(warp)))
+        elif options.warps or not _left_aside(options, scene, warp):
+            found.append(Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens)))
+    for text in options.strategies:
+        if has_own_link(text):
+            case = Case(options.scenes[0], options.recordings[0], options.latencies_ms[0], options.sizes[0])
+            run = own_run(options, case, strategy=text)
+            plan = build_plan_for(run, None, scene)
+        else:
+            sets, run = options_of_strategy(text), RunOptions.of({"strategy": text}, trace=options.recordings[0])
+            more = {"effect_names": ",".join((options.effects, sets["effects"])) if "effects" in sets else ""}
+            plan = plan_of(options, scene, run.warp, run.fill, options.lens, indirect=run.indirect, **more)
+        found.append(Combination(run.warp, run.fill, plan, text))
+    return found
 
 
 def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
     """Return each warp with each fill, less what is left out where nothing was named.
 
-    Another library's warp and the oracle have no fill. Errors: as warps_of and fills_of.
+    As their shortest text. Another library's warp and the oracle have no fill. Errors: as warps_of
+    and parse_fills.
     """
     chosen = bool(options.warps) or options.fills != FILLS
-    pairs = []
-    for warp, fill in itertools.product(warps_of(options), fills_of(options)):
+    fills, pairs = dict.fromkeys(fill_text(parse_fills(text)) for text in options.fills), list[tuple[str, str]]()
+    for warp, fill in itertools.product(warps_of(options), fills):
         if warp in PLANLESS:
             if not _left_out(options, warp) and (warp, "none") not in pairs:
                 pairs.append((warp, "none"))
@@ -147,7 +148,7 @@ def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
 
 def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
     """Return why a warp is left out where all are compared, "" if it is not."""
-    if scene is None or warp in PLANLESS:
+    if scene is None:
         return ""
     if options.frames is None:
         return parse_warp(warp).entry.unsuited(scene)
@@ -156,17 +157,6 @@ def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
     except PlanError as error:
         return str(error)
     return "one eye" if plan.needs.others.other_eye else ""
-
-
-def _strategy(options: BenchOptions, scene: Scene | None, text: str) -> Combination:
-    if has_own_link(text):
-        case = Case(options.scenes[0], options.recordings[0], options.latencies_ms[0], options.sizes[0])
-        own = own_run(options, case, strategy=text)
-        return Combination(own.warp, own.fill, build_plan_for(own, None, scene), text)
-    sets, run = options_of_strategy(text), RunOptions.of({"strategy": text}, trace=options.recordings[0])
-    effects_too = ",".join((options.effects, sets["effects"])) if "effects" in sets else options.effects
-    plan = plan_of(options, scene, run.warp, run.fill, options.lens, effect_names=effects_too, indirect=run.indirect)
-    return Combination(run.warp, run.fill, plan, text)
 
 
 def plan_of(
@@ -179,10 +169,7 @@ def plan_of(
     effect_names: str = "",
     indirect: str = CONVERGED,
 ) -> Plan:
-    """Return the plan of a warp and fill in a scene.
-
-    effect_names: in place of the effects of the options. Errors: as build_plan.
-    """
+    """Return the plan of a warp and fill in a scene; effect_names: in place of the options'."""
     wanted = effect_names or options.effects
     selected = effects.selected(wanted, effects.of(scene) if scene is not None else (), scene)
     check_suited(scene, parse_warp(warp), indirect)
@@ -193,23 +180,9 @@ def plan_of(
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
-    """Return the options of a run of one case.
-
-    Its first refresh does not depend on the latency, so that all latencies have the same head.
-    """
-    same = (
-        "effects",
-        "fovea_deg",
-        "rim",
-        "gaze",
-        "start_s",
-        "rendered_size",
-        "predict",
-        "horizon_ms",
-        "out",
-        "command",
-    )
-    known: dict[str, Any] = options.of_run(*same) | {
+    """Return the options of a run of one case, whose head does not depend on the latency."""
+    same = ("effects", "fovea_deg", "rim", "gaze", "start_s", "rendered_size", "predict", "horizon_ms")
+    known: dict[str, Any] = options.of_run(*same, "out", "command") | {
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,
@@ -229,8 +202,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 def own_run(options: BenchOptions, case: Case, *, strategy: str = "", warp: str = "", fill: str = "") -> RunOptions:
     """Return the options of a run of one case for a strategy, or a warp and fill, by itself.
 
-    Its instants, heads and truth are those of `run_options`; a proxy stands on the way that all
-    have. Errors: as RunOptions.
+    Its instants, heads and truth are those of `run_options`. Errors: as RunOptions.
     """
     shared = run_options(options, case, lens=options.lens)
     if not strategy:
@@ -243,10 +215,7 @@ def own_run(options: BenchOptions, case: Case, *, strategy: str = "", warp: str 
 
 
 def common_start_s(options: BenchOptions, track: PoseTrack, rate_hz: float) -> float:
-    """Return the start that suits all latencies; check that each has a frame to show.
-
-    Errors: as schedule_of.
-    """
+    """Return the start that suits all latencies: each has a frame. Errors: as schedule_of."""
     first = [options.start_s]
     for latency in options.latencies_ms:
         case = Case("", options.recordings[0], latency, options.sizes[0])
@@ -273,10 +242,13 @@ class BenchCase:
         """Return the run that draws the late frames of a batch: its own, or the shared one."""
         if not any(c.has_own_frames for c in batch):
             return self.run
-        (combination,) = batch
-        if combination.strategy:
-            return own_run(self.options, self.case, strategy=combination.strategy)
-        return own_run(self.options, self.case, warp=combination.warp, fill=combination.fill)
+        (one,) = batch
+        of = {"strategy": one.strategy} if one.strategy else {"warp": one.warp, "fill": one.fill}
+        return own_run(self.options, self.case, **of)
+
+    def set_up(self, batch: Sequence[Combination]) -> ReplayRun:
+        """Return the set-up of that run, with frames for all of the batch."""
+        return set_up_replay(self.run_of(batch), needs_of(c.plan for c in batch))
 
     def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together, each with some pictures."""

@@ -22,17 +22,17 @@ from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
 from ...metrics import MeasuringProcesses, at_instants
-from ...options import PAPER, PaperOptions
+from ...options import PAPER
 from ...pipeline.proxy import source_of
 from ...pipeline.sizes import build_plan_for
-from ...report import OutputFolder, png_bytes, write_paper
+from ...report import png_bytes, write_paper
 from ...report.bench.rows import first_cases
 from ...report.compare_page import COLUMNS, OF_COMPARE, OF_NOTEBOOK, compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
-from ...run.replay_setup import first_shown_s, schedule_for
+from ...run.run import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Measuring, Result, SweepCase, experiment
-from .bench_rows import flat
+from .bench_run import flat
 from .cases import heads_of
 from .options import SIZE, CompareOptions
 from .suite_means import MEASURES, compared_entry
@@ -56,20 +56,36 @@ def compare(
 
     Each run is a case; those of a recording and latency, which are compared, run on one machine.
 
-    All options are checked before anything runs. progress(done, total): in runs. say: gets a
-    sentence.
-    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
-    the run where none of several was done.
+    Parameters
+    ----------
+    options
+        All of them are checked before anything runs.
+    progress
+        Called with (done, total) runs.
+    say
+        Called with a sentence for the user.
+
+    Returns
+    -------
+    ExperimentResult
+        The content of compare.json, and the runs that failed.
+
+    Raises
+    ------
+    InputError
+        For wrong options; the error of the run where none of several was done.
+    MachineError
+        For what the machine lacks.
     """
     options = CompareOptions.checked(options)
     clients = [load_client(name) for name in options.clients]
-    runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[tuple[int, int]]()
+    runs, left_out, counted = list[RunOptions](), list[dict[str, str]](), list[tuple[int, int]]()
     for scene in options.scenes:
         own, left, counts = _checked(attrs.evolve(options, scene=scene))
-        runs, left_out, pictures = runs + own, left_out + left, pictures + counts
+        runs, left_out, counted = runs + own, left_out + left, counted + counts
     cases = [_case(run, options.clients) for run in runs]
     if options.suite:
-        seen, drawn = zip(*pictures, strict=True)
+        seen, drawn = zip(*counted, strict=True)
         say(cost_text(options.suite, [run.size or SIZE for run in runs], seen, options.workers, drawn))
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
@@ -92,7 +108,13 @@ def compare(
                 "rows": rows,
             }
         )
-        _write(out, data, options.paper, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
+        pictures = [functools.partial(pictures_of, swept.kept, case) for case in swept.done]
+        first, count = first_cases(data["rows"], MOST_SHOWN, OF_COMPARE)
+        page = compare_page({**data, "rows": [*first.values()], "cases": count}, [pictures[at] for at in first])
+        out.write_csv(TABLE, flat(data["rows"], COLUMNS), list(COLUMNS))
+        out.write_text(PAGE, page.html())
+        write_paper(out, page, options.paper)
+        out.write_json(DATA, data)
     return ExperimentResult(options.out, data, options.out / PAGE, swept, columns=OF_NOTEBOOK)
 
 
@@ -109,9 +131,7 @@ def over_text(network: LinkOptions) -> str:
 
 
 def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[tuple[int, int]]]:
-    """Return the options of every run, what is left out and why, and pictures of each.
-
-    Of pictures how many are measured, and how many drawn.
+    """Return the options of every run, what is left out and why, and pictures: measured, drawn.
 
     Those not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
@@ -175,21 +195,6 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     )
 
 
-def _write(
-    out: OutputFolder,
-    data: dict[str, Any],
-    paper: PaperOptions,
-    pictures: Sequence[Callable[[], tuple[Picture, Picture]]],
-) -> None:
-    rows, count = first_cases(data["rows"], MOST_SHOWN, OF_COMPARE)
-    shown = {**data, "rows": [*rows.values()], "cases": count}
-    out.write_csv(TABLE, flat(data["rows"], COLUMNS), list(COLUMNS))
-    page = compare_page(shown, [pictures[number] for number in rows])
-    out.write_text(PAGE, page.html())
-    write_paper(out, page, paper)
-    out.write_json(DATA, data)
-
-
 Picture = NDArray[np.uint8]
 SHOWN, TRUTH = "shown.png", "truth.png"
 
@@ -204,10 +209,7 @@ class ComparePart:
 
 
 def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
-    """Return what the left eye saw at the first measured instant, and the truth, where it saw any.
-
-    Each is (h, w, 3) sRGB, top row first.
-    """
+    """Return what the left eye saw at the first measured instant, and the truth: (h, w, 3) sRGB."""
     from PIL import Image
 
     shown, truth = (np.asarray(Image.open(kept.file(case.identity, name))) for name in (SHOWN, TRUTH))
@@ -217,14 +219,14 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
 def _run_part(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
+    clients = [load_client(name) for name in part.clients]
     try:
         result = measured(part.run, processes=processes)
     except NothingShown as error:  # a result of its own, without pictures
         assert error.result is not None
-        return Result(_row(part.run, error.result, [load_client(name) for name in part.clients]))
+        return Result(_row(part.run, error.result, clients))
     job = min(result.kept, key=lambda kept: kept.key).job
-    pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
-    return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)
+    return Result(_row(part.run, result, clients), {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)})
 
 
 def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...metrics import LEVEL, PRIMARY, metrics
-from ...run.combinations import ORACLE
+from ...run.measuring import ORACLE
 from .suites import FIT, HELD_OUT, half_of, suites
 
 if TYPE_CHECKING:
@@ -27,10 +27,7 @@ _DRAWS = 500
 
 
 def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -> dict[str, Any]:
-    """Return `suite` of bench.json: name, version, sequences, over_all; empty for no suite.
-
-    sequences: what it took that was recorded: see about_sequence.
-    """
+    """Return `suite` of bench.json, if any; sequences: that it took: see about_sequence."""
     if not name:
         return {}
     about = {"name": name, "version": suites()[name].version, "sequences": list(sequences)}
@@ -75,7 +72,7 @@ def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
 def _of_latency(latency_ms: float, methods: Mapping[Method, list[Row]]) -> list[dict[str, Any]]:
     compared = {method: group for method, group in methods.items() if method[0] != ORACLE} or methods
     best = min(compared.values(), key=lambda group: _mean(_values(group, PRIMARY)))
-    best_of = {_case(row): _value(row, PRIMARY) for row in best}
+    best_of = _by_case(best)
     ranks = ranks_of(compared)
     entries = [
         {"latency_ms": latency_ms, "warp": method[0], "fill": method[1], **_entry(group, best_of)}
@@ -94,8 +91,10 @@ def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> di
         half: {"cases": len(rows), **{name: _mean(_values(rows, name)) if rows else None for name in MEASURES}}
         for half, rows in halves.items()
     }
-    both = [(row, best_of[_case(row)]) for row in group if _case(row) in best_of]
-    entry["behind"] = Clusters.of(_case(row) for row, _ in both).mean([_value(row, PRIMARY) - of for row, of in both])
+    both = [
+        (_case(row), flip) for row, flip in zip(group, _values(group, PRIMARY), strict=True) if _case(row) in best_of
+    ]
+    entry["behind"] = Clusters.of(case for case, _ in both).mean([flip - best_of[case] for case, flip in both])
     seen = [row["where_seen"]["psnr_db"] for row in group if "where_seen" in row]
     entry["where_seen_db"] = clusters.mean(seen) if len(seen) == len(group) else None
     return entry
@@ -105,13 +104,12 @@ def _case(row: Row) -> tuple[str, str]:
     return row["trace"], row["scene"]
 
 
-def _value(row: Row, measure: str) -> float:
-    value: float = row["quality"][measure]["mean"]
-    return value
-
-
 def _values(group: Iterable[Row], measure: str) -> list[float]:
-    return [_value(row, measure) for row in group]
+    return [row["quality"][measure]["mean"] for row in group]
+
+
+def _by_case(group: Iterable[Row]) -> dict[tuple[str, str], float]:
+    return {_case(row): row["quality"][PRIMARY]["mean"] for row in group}
 
 
 def _mean(values: Sequence[float]) -> float:
@@ -185,7 +183,7 @@ def ranks_of(methods: Mapping[Method, Sequence[Row]]) -> dict[Method, dict[str, 
     import numpy as np
     from scipy.stats import rankdata
 
-    found = [{_case(row): _value(row, PRIMARY) for row in group} for group in methods.values()]
+    found = [_by_case(group) for group in methods.values()]
     cases = [case for case in found[0] if all(case in each for each in found)]
     if not cases or (clusters := Clusters.of(cases)).are_few:
         return {}

@@ -1,32 +1,42 @@
-"""One case of a set, and its result, which is kept on disk under the hash of what made it.
-
-The same hash is the same result, but for times. Each result is written whole: what is done stays
-done.
-"""
+"""Sets of cases: each is run here or on a Dask cluster, and kept as soon as it is done."""
 
 from __future__ import annotations
 
+import asyncio
 import bisect
+import concurrent.futures
+import io
 import itertools
+import logging
 import os
+import pickle
 import platform
+import re
 import socket
+import threading
+import time
 import traceback
+import uuid
+from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Protocol, overload
+from typing import Any, Protocol
 
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...gpu.context import contexts_kept
 from ...metrics import MeasuringProcesses, worker_count
 from ...options.documents import json_in
-from ...options.identity import identity_of
+from ...options.identity import files_at, hash_of_files, identity_of, is_place, whole_program_hash
 from ...options.named_files import RESULTS
 from ...platforms import lock
-from ...report import write_bytes, write_json
+from ...report import SCHEMA, OutputFolder, write_bytes, write_json
+from ...report.bench.rows import Column, table_of
+from ...resources import __version__, import_extra
+from .options import LOCAL, ClusterOptions, ExperimentOptions, KeptOptions
 
 FOLDER = "cases"
 DONE, FAILED = "done", "failed"
@@ -69,10 +79,7 @@ class Failure:
 
 @attrs.frozen
 class KeptCases:
-    """The folder of a run's cases: one JSON file for each that is done or failed.
-
-    The file is written last and at once, so that a case with further files is whole or not there.
-    """
+    """The folder of a run's cases: one JSON file for each that is done or failed, written last."""
 
     folder: Path
 
@@ -88,29 +95,25 @@ class KeptCases:
         return data["result"]
 
     def failure(self, identity: str) -> Failure:
-        """Return why a case failed."""
         data = self._read(identity) or {}
         return Failure(**{each.name: data[each.name] for each in attrs.fields(Failure) if each.name in data})
 
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""
-        self.folder.mkdir(parents=True, exist_ok=True)
         self._path(identity).unlink(missing_ok=True)  # its files are of one run
         for file, content in result.files.items():
+            self.folder.mkdir(parents=True, exist_ok=True)
             write_bytes(self.file(identity, file), content)
         self._write(identity, {"state": DONE, "name": name, "where": result.where, "result": result.data})
 
     def keep_failure(self, identity: str, failure: Failure) -> None:
         """Write why a case failed. Errors: as keep."""
-        self.folder.mkdir(parents=True, exist_ok=True)
         self._write(identity, {"state": FAILED, **attrs.asdict(failure)})
 
     def file(self, identity: str, name: str) -> Path:
-        """Return the path of a file that belongs to a case."""
         return self.folder / f"{identity}-{name}"
 
     def clear(self, stay: Collection[str]) -> None:
-        """Delete all cases but these."""
         for path in self.folder.glob("*"):
             identity = path.name.partition("-")[0].partition(".")[0]
             if len(identity) == 32 and identity not in stay and path.is_file():
@@ -120,6 +123,7 @@ class KeptCases:
         return self.folder / f"{identity}.json"
 
     def _write(self, identity: str, data: Mapping[str, Any]) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
         write_json(self._path(identity), {"identity": identity, **data})
 
     def _read(self, identity: str) -> dict[str, Any] | None:
@@ -181,11 +185,7 @@ class KeptRows(Sequence[Row]):
         for identity in self._identities:
             yield from self._read(identity)
 
-    @overload
-    def __getitem__(self, at: int) -> Row: ...
-    @overload
-    def __getitem__(self, at: slice) -> list[Row]: ...
-    def __getitem__(self, at: int | slice) -> Row | list[Row]:
+    def __getitem__(self, at: Any) -> Any:
         if isinstance(at, slice):
             return [self[number] for number in range(*at.indices(len(self)))]
         number = range(len(self))[at]
@@ -238,7 +238,6 @@ class Work(Protocol):
 
     def opened(self) -> AbstractContextManager[Runner]:
         """Open what cases share, such as measuring processes."""
-        ...
 
 
 @attrs.frozen
@@ -248,7 +247,6 @@ class Separate:
     run: Runner
 
     def opened(self) -> AbstractContextManager[Runner]:
-        """Open nothing."""
         return nullcontext(self.run)
 
 
@@ -261,7 +259,6 @@ class Measuring:
 
     @contextmanager
     def opened(self) -> Iterator[Runner]:
-        """Open the measuring processes; what failed is not measured any further."""
         with MeasuringProcesses(worker_count(self.workers)) as processes:
 
             def runner(case: SweepCase, step: Step) -> Result:
@@ -287,3 +284,388 @@ def run_group(runner: Runner, cases: Sequence[SweepCase], step: Step) -> Iterato
 def groups_of(cases: Sequence[SweepCase]) -> list[list[SweepCase]]:
     """Return cases that follow each other in one group together; each without a group by itself."""
     return [list(group) for _, group in itertools.groupby(cases, key=lambda case: case.group or case.identity)]
+
+
+RUN_AGAIN = 2  # times that a case is run again because its worker died
+CONNECT_S = 30.0
+Outcome = tuple[SweepCase, Result | Failure]
+_one_at_a_time = threading.Lock()
+
+
+def run_on_cluster(
+    work: Work, cases: Sequence[SweepCase], cluster: str, say: Say, *, in_turn: bool = False
+) -> Iterator[Outcome]:
+    """Yield each case with its result or failure as it comes back; each file crosses once.
+
+    cluster: as --cluster. in_turn: one group after the other, each on the worker that ran the one
+    before it, for as long as that lives. Errors: InputError for files too large to cross;
+    MachineError for a cluster that cannot be reached, is lost, or has another program.
+    """
+    distributed: Any = import_extra("distributed", "dask.distributed", "cluster")
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == "distributed":
+            log = logging.getLogger(name)
+            log.handlers, log.propagate = [logging.NullHandler()], False
+    with _connected(distributed, cluster, say) as client:
+        for name, found in client.run(whole_program_hash, on_error="return").items():
+            if found != whole_program_hash():
+                raise MachineError(_other_program(name))
+        sender, waiting = _Sender(client, work), deque(groups_of(cases))
+        # Groups sent and not back: one for each worker here, as what waits on a worker counts as
+        # run there when that dies of another. A scheduler elsewhere gets all: it may start workers.
+        local = re.fullmatch(LOCAL, cluster)
+        ahead = 1 if in_turn else int(local[1]) if local else len(waiting)
+        completed = distributed.as_completed(
+            [sender.send(waiting.popleft()) for _ in range(min(ahead, len(waiting)))], loop=client.loop
+        )
+        try:
+            for future in completed:
+                if future.status in ("pending", "lost"):  # its worker died with the result: it is run again
+                    completed.add(future)
+                    continue
+                yield from _outcomes(distributed, future, sender.sent.pop(future), cluster)
+                if waiting:
+                    # In turn: a task runs where what it depends on lies.
+                    before = future if in_turn and future.status == "finished" else None
+                    completed.add(sender.send(waiting.popleft(), before))
+                future.release()
+        except (OSError, asyncio.CancelledError, concurrent.futures.CancelledError) as error:
+            raise _lost(cluster) from error
+        finally:
+            with suppress(Exception):  # of a scheduler that is gone
+                client.cancel(list(sender.sent))
+
+
+class _Sender:
+    """Sends groups of cases with the files that they need, each file once."""
+
+    def __init__(self, client: Any, work: Work) -> None:
+        self._client, self._work, self._token = client, work, uuid.uuid4().hex[:8]
+        self._files: dict[str, Any] = {}
+        # What is under way.
+        self.sent: dict[Any, list[SweepCase]] = {}
+
+    def send(self, group: list[SweepCase], before: Any = None) -> Any:
+        """Return the future of a group. Errors: InputError for files too large to cross."""
+        places: dict[str, Path] = {}
+        ready = [attrs.evolve(case, what=packed(case.what, places.__setitem__)) for case in group]
+        for found, place in places.items():
+            if found not in self._files:
+                # As a task, not as data placed on a worker: it outlives any worker.
+                self._files[found] = self._client.submit(bytes, bytes_of(place), key=f"hmdwarp-file-{found}")
+        files, key = {found: self._files[found] for found in places}, f"hmdwarp-{group[0].identity}-{self._token}"
+        task = (run_here, self._work, ready, whole_program_hash(), files, before)
+        future = self._client.submit(*task, key=key, pure=False)
+        self.sent[future] = group
+        return future
+
+
+def run_here(
+    work: Work, cases: Sequence[SweepCase], program: str, files: dict[str, bytes], before: object = None
+) -> list[tuple[str, Result | Failure]]:
+    """Run a group of cases on a worker; return what became of each by its identity.
+
+    before: of the group that had to run first. Errors: MachineError for another program.
+    """
+    from distributed import get_worker
+
+    if whole_program_hash() != program:
+        raise MachineError(_other_program(get_worker().name))
+    folder = Path(get_worker().local_directory) / "hmdwarp-files"
+    folder.mkdir(exist_ok=True)
+    folders = {found: unpack(content, folder / found) for found, content in files.items()}
+    here = [attrs.evolve(case, what=unpacked(case.what, folders)) for case in cases]
+    with _one_at_a_time, work.opened() as runner:  # a worker may have several threads
+        return [(case.identity, outcome) for case, outcome in run_group(runner, here, lambda share: None)]
+
+
+def _outcomes(distributed: Any, future: Any, group: Sequence[SweepCase], cluster: str) -> Iterator[Outcome]:
+    if future.status == "cancelled":
+        raise _lost(cluster)
+    if future.status == "finished":
+        by_identity = dict(future.result())
+        yield from ((case, by_identity[case.identity]) for case in group)
+        return
+    error = future.exception()
+    if isinstance(error, distributed.scheduler.KilledWorker):
+        why = f"its worker died, and {RUN_AGAIN} more that ran it again: too little memory, or a driver that crashes"
+        error = MachineError(why)
+    elif not isinstance(error, HmdwarpError):
+        error = MachineError(f"a worker could not run it ({type(error).__name__}: {error})")
+    yield from ((case, Failure.of(case.name, error)) for case in group)
+
+
+def _lost(cluster: str) -> MachineError:
+    return MachineError(
+        f"--cluster {cluster}: the scheduler is gone; what was done is kept: start it, and run this again with --resume"
+    )
+
+
+@contextmanager
+def _connected(distributed: Any, cluster: str, say: Say) -> Iterator[Any]:
+    """Connect to the scheduler at an address, or start one with workers on this machine."""
+    import dask
+
+    local = re.fullmatch(LOCAL, cluster)
+    made: Any = cluster
+    with dask.config.set({"distributed.scheduler.allowed-failures": RUN_AGAIN}):
+        if local:
+            at = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+            made = distributed.LocalCluster(n_workers=int(local[1]), threads_per_worker=1, **at)
+        try:
+            client = distributed.Client(made, timeout=CONNECT_S, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise MachineError(
+                f"--cluster {cluster}: no Dask scheduler there ({error}): expected local:N, or the address that "
+                "'dask scheduler' prints, such as tcp://10.0.0.1:8786"
+            ) from error
+    try:
+        say(f"dashboard: {client.dashboard_link}")
+        yield client
+    finally:
+        client.close()
+        if local:
+            made.close()
+
+
+def _other_program(worker: str) -> str:
+    return f"worker {worker} has another hmdwarp than this machine: install the same wheel on both"
+
+
+MOST_BYTES = 1 << 30  # of one trace, or of a scene with its textures
+
+
+def packed(what: Any, carry: Callable[[str, Path], None]) -> bytes:
+    """Return options as bytes with marks for files; carry(hash, place) is called for each.
+
+    Folders stay: recorded frames are read from a file system that all machines share.
+    """
+    cloudpickle: Any = import_extra("cloudpickle", "cloudpickle", "cluster")
+
+    class Packer(cloudpickle.CloudPickler):  # type: ignore[misc]
+        def persistent_id(self, value: object) -> str | None:
+            if not isinstance(value, str | Path) or not is_place(value) or Path(value).is_dir():
+                return None
+            carry(found := hash_of_files(value), Path(value))
+            return f"{'path' if isinstance(value, Path) else 'text'}:{found}:{Path(value).name}"
+
+    stream = io.BytesIO()
+    Packer(stream).dump(what)
+    return stream.getvalue()
+
+
+def unpacked(content: bytes, folders: Mapping[str, Path]) -> Any:
+    """Return options with the places of the files; folders: where each hash was unpacked."""
+
+    class Unpacker(pickle.Unpickler):
+        def persistent_load(self, mark: str) -> str | Path:
+            kind, found, name = mark.split(":", 2)
+            return folders[found] / name if kind == "path" else str(folders[found] / name)
+
+    return Unpacker(io.BytesIO(content)).load()
+
+
+def bytes_of(place: Path) -> bytes:
+    """Return a place's files as bytes for `unpack`. Errors: InputError above MOST_BYTES."""
+    files = files_at(place)
+    if (total := sum(each.stat().st_size for each in files)) > MOST_BYTES:
+        raise InputError(
+            f"{place}: {total / 1e6:.0f} MB with the files that it names, at most {MOST_BYTES / 1e6:.0f} cross to "
+            "other machines: use a smaller one"
+        )
+    return pickle.dumps({each.relative_to(place.parent).as_posix(): each.read_bytes() for each in files})
+
+
+def unpack(content: bytes, folder: Path) -> Path:
+    """Write what bytes_of returned into a folder that is made, unless it is there; return it."""
+    if not folder.is_dir():
+        made = folder.with_name(f".{folder.name}-{uuid.uuid4().hex[:8]}")
+        for name, data in pickle.loads(content).items():
+            path = made / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        try:
+            made.rename(folder)
+        except OSError:  # another worker was first
+            if not folder.is_dir():
+                raise
+    return folder
+
+
+Progress = Callable[[int, int], None]
+# Cases on a page, which draws charts of each: a second for two.
+MOST_SHOWN = 40
+
+
+@attrs.frozen
+class Swept:
+    """What became of a set of cases."""
+
+    kept: KeptCases
+    cases: tuple[SweepCase, ...]
+    failed: tuple[Failure, ...]
+    # Those that an earlier run had done.
+    known: int
+
+    @property
+    def done(self) -> Iterator[SweepCase]:
+        return (case for case in self.cases if self.kept.state(case.identity) == DONE)
+
+    def results(self) -> Iterator[tuple[SweepCase, Any]]:
+        """Read the results of the cases that are done from the disk, in their order."""
+        return ((case, self.kept.result(case.identity)) for case in self.done)
+
+    def raise_failures(self) -> None:
+        raise_failed(self.failed, len(self.cases), "the others are kept: run it again with --resume")
+
+    def rows(self, rows_of: RowsOf) -> KeptRows:
+        """Return the rows of all cases that are done; raise failures if there are none."""
+        rows = KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+        if not rows:
+            self.raise_failures()
+        return rows
+
+
+@attrs.frozen(eq=False)
+class ExperimentResult:
+    """What was found, and where it lies."""
+
+    folder: Path
+    # As in the JSON file there; rows are read from the disk, until the next run in the folder.
+    data: dict[str, Any]
+    # The page.
+    report: Path
+    # The cases that were run, and which failed. None if merged.
+    swept: Swept | None = None
+    # Why no result fits the options, else "".
+    refused: str = ""
+    # Of the rows in `data`, those that a notebook shows.
+    columns: tuple[Column, ...] = ()
+
+    def __repr__(self) -> str:
+        failed = 0 if self.swept is None else len(self.swept.failed)
+        return f"<ExperimentResult: {len(self.data.get('rows', ()))} rows, {failed} cases failed; {self.report}>"
+
+    def _repr_html_(self) -> str | None:
+        rows = itertools.islice(self.data.get("rows", ()), MOST_SHOWN)
+        return table_of("", self.columns, rows).html() if self.columns else None
+
+    def raise_failures(self) -> None:
+        """Raise the error of a run in which cases failed: see raise_failed."""
+        if self.swept is not None:
+            self.swept.raise_failures()
+
+
+def run_cases(
+    work: Work,
+    cases: Sequence[SweepCase],
+    out: Path,
+    options: KeptOptions,
+    progress: Progress = lambda done, total: None,
+    say: Say = lambda text: None,
+) -> Swept:
+    """Run the cases that are not done and keep each in the folder `cases` of `out`.
+
+    A case that fails is kept as failed, and the others go on. An interruption leaves what is done,
+    and what an earlier run kept: that of other cases is deleted at the end of one that does not
+    resume. Errors: InputError or MachineError for a folder that cannot be written.
+    """
+    kept = KeptCases(out / FOLDER)
+    missing = [case for case in cases if not options.resume or kept.state(case.identity) != DONE]
+    known = len(cases) - len(missing)
+    if known:
+        say(f"{known} of {len(cases)} cases are kept from before in {kept.folder}")
+    steps = sum(case.steps for case in cases) - sum(case.steps for case in missing)
+    for case, outcome in outcomes(work, missing, options, progress, say, known=steps, in_turn=options.in_turn):
+        if isinstance(outcome, Failure):
+            kept.keep_failure(case.identity, outcome)
+            say(f"failed: {case.name}: {outcome.why}")
+        else:
+            kept.keep(case.identity, case.name, outcome)
+    if not options.resume:
+        kept.clear({case.identity for case in cases})
+    failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
+    return Swept(kept, tuple(cases), failed, known)
+
+
+@contextmanager
+def experiment(
+    options: ExperimentOptions,
+    files: tuple[str, ...],
+    work: Work,
+    cases: Sequence[SweepCase],
+    progress: Progress,
+    say: Say,
+) -> Iterator[tuple[OutputFolder, Swept, Callable[[Mapping[str, Any]], dict[str, Any]]]]:
+    """Run the cases; the block writes the files, which replace those of an earlier run at its end.
+
+    files: that it may write, the JSON file last. The third value returns the content of that file:
+    what was found, and what every experiment has. Errors: as OutputFolder and held.
+    """
+    started_s = time.perf_counter()
+
+    def described(found: Mapping[str, Any]) -> dict[str, Any]:
+        about = {"schema": SCHEMA, "hmdwarp": __version__, "command": options.command}
+        return {**about, **found, "seconds": time.perf_counter() - started_s}
+
+    with OutputFolder(options.out, owned=files[:-1], last=files[-1], force=options.force) as out, held(options.out):
+        yield out, run_cases(work, cases, options.out, options.sweep, progress, say), described
+
+
+def outcomes(
+    work: Work,
+    cases: Sequence[SweepCase],
+    options: ClusterOptions,
+    progress: Progress,
+    say: Say,
+    *,
+    known: int = 0,
+    in_turn: bool = False,
+) -> Iterator[Outcome]:
+    """Run all of the cases, here or on a cluster, and yield what became of each.
+
+    progress(done, total): in steps of the cases. known: steps that were done before. in_turn: as of
+    run_on_cluster.
+    """
+    waiting = [case.steps for case in cases]
+    total, done, shown = known + sum(waiting), known, -1
+
+    def show(now: int) -> None:
+        nonlocal shown
+        if now > shown:
+            shown = now
+            progress(now, total)
+
+    def within(share: float) -> None:
+        if waiting:
+            show(done + round(share * waiting[0] - 0.5 + 1e-6))
+
+    def here() -> Iterator[Outcome]:
+        with contexts_kept(), work.opened() as runner:
+            for group in groups_of(cases):
+                yield from run_group(runner, group, within)
+
+    show(done)
+    if not cases:
+        return
+    there = options.cluster
+    for case, outcome in here() if there is None else run_on_cluster(work, cases, there, say, in_turn=in_turn):
+        yield case, outcome
+        done += case.steps
+        del waiting[0]
+        show(done)
+
+
+def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
+    """Raise the error of `count` cases of which some failed, with the exit status of the first.
+
+    then: what to do. Errors: InputError, MachineError or HmdwarpError.
+    """
+    if not failed:
+        return
+    first = failed[0]
+    kind = next((each for each in (InputError, MachineError) if each.exit_status == first.exit_status), HmdwarpError)
+    if count == 1:
+        raise kind(first.why)
+    others = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
+    raise kind(f"{len(failed)} of {count} cases failed: {first.name}: {first.why}{others}; {then}")

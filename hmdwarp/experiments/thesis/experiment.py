@@ -10,7 +10,7 @@ import functools
 import itertools
 import math
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +26,11 @@ from ..sweep.options import ExperimentOptions, KeptOptions, own_first
 # of recorded heads.
 SPEEDS_M_S = (0.25, 0.5, 1.0)
 SPEEDS_DEG_S = (30.0, 60.0, 113.0)
-USUAL_M_S, USUAL_DEG_S = 0.5, 60.0
 LATENCIES_MS = (200.0, 400.0, 600.0)
 RATED_MS = (200.0, 400.0, 800.0)  # of the ratings
 FULL_SIZE = (1280, 800)
 ROTATE = "rotate"
+KINDS = ("forward", ROTATE, "sideways", "backward")
 RATE_HZ = 60.0
 # All latencies show the same instants, at which the head has moved at full speed for the longest of
 # them: between the ease at the start and the turn. 1.2 m of `room` are free at 1 m/s.
@@ -50,23 +50,37 @@ class Motion:
 
     @property
     def amplitude(self) -> float:
-        """Return how far it goes before it turns back, in m or degrees."""
+        """How far it goes before it turns back, in m or degrees."""
         return self.speed * ONE_WAY_S
+
+
+def motions(*kinds: str) -> tuple[Motion, ...]:
+    """Return each kind at each of its speeds, the slowest first."""
+    return tuple(Motion(kind, speed) for kind in kinds for speed in (SPEEDS_DEG_S if kind == ROTATE else SPEEDS_M_S))
+
+
+def _usual(kind: str) -> Motion:
+    return motions(kind)[1]
+
+
+def _size_text(guard: tuple[float, float]) -> str:
+    """Return the rendered picture's pixels for FULL_SIZE."""
+    return "x".join(str(round(side * factor)) for side, factor in zip(FULL_SIZE, guard, strict=True))
 
 
 @attrs.frozen(kw_only=True)
 class PictureRun:
     """One warp and fill on frames of one age, looked at while the head moves at full speed."""
 
-    motion: Motion
-    latency_ms: float
+    motion: Motion = _usual("sideways")
+    latency_ms: float = 400.0
     warp: str = "forward"
     fill: str = "none"
     # Factors of the rendered picture's pixels on both axes.
     guard: tuple[float, float] = (1.0, 1.0)
     scene: str = "room"
     effects: str = "auto"
-    mirrors: str = "geometry"  # how the server draws them's
+    mirrors: str = "geometry"  # how the server draws them
     # Of each side of the picture.
     scale: float = 1.0
     # Whether the passes are timed and the change from picture to picture is measured.
@@ -88,7 +102,7 @@ class PictureRun:
         """What its picture shows."""
         fill = "" if self.fill == "none" else f" + {self.fill}"
         more = [
-            *([f"rendered {size_text(self.guard)} for {size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
+            *([f"rendered {_size_text(self.guard)} for {_size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
             *([f"effects {self.effects}"] if self.effects != "auto" else []),
             *([f"mirrors {self.mirrors}"] if self.mirrors != "geometry" else []),
         ]
@@ -150,24 +164,9 @@ Run = PictureRun | StreamRun | RatingsRun | FactRun
 Figures = dict[str, float | None]
 
 
-def size_text(guard: tuple[float, float]) -> str:
-    """Return the rendered picture's pixels for FULL_SIZE."""
-    return "x".join(str(round(side * factor)) for side, factor in zip(FULL_SIZE, guard, strict=True))
-
-
-def motions(*kinds: str) -> tuple[Motion, ...]:
-    """Return each kind at each of its speeds, the slowest first."""
-    return tuple(Motion(kind, speed) for kind in kinds for speed in (SPEEDS_DEG_S if kind == ROTATE else SPEEDS_M_S))
-
-
 def is_quick(run: Run) -> bool:
     """Return whether --quick keeps the run: of the pictures those at the middle speed."""
-    return not isinstance(run, PictureRun) or run.motion == usual(run.motion.kind)
-
-
-def usual(kind: str) -> Motion:
-    """Return a kind at its middle speed."""
-    return Motion(kind, USUAL_DEG_S if kind == ROTATE else USUAL_M_S)
+    return not isinstance(run, PictureRun) or run.motion == _usual(run.motion.kind)
 
 
 # Shares below this are a few pixels: their ratios say nothing.
@@ -177,70 +176,40 @@ LEAST_SHARE = 1e-4
 def number_of(text: str, runs: Sequence[Figures]) -> float | None:
     """Return the number that a text such as "change psnr_db" stands for; None if it is not known.
 
-    runs: the figures of the cell's runs, in their order.
+    runs: the figures of the cell's runs, in their order. "only FIGURE OVER": of the one run, over a
+    number. "change FIGURE": from the first run to the last. "ratio FIGURE OF EXPECTED": of the last
+    run's to the first's `OF`; EXPECTED is the ratio that is 1. "least_growth FIGURE": the least
+    ratio of a share to that of the run before it. "least_step", "greatest_step FIGURE": of the
+    differences from run to run. "closed LEFT WHOLE": the part of the holes that the last run does
+    not leave. "growth_exponent FIGURE": n where it grows as pixels to the power of n. "none": the
+    program has no such thing.
     """
-    name, *words = text.split()
-    return _NUMBERS[name](runs, *words)
-
-
-def _only(runs: Sequence[Figures], name: str, over: str = "1") -> float | None:
-    """Return the figure of the only run, over a number."""
-    (run,) = runs
-    found = run.get(name)
-    return None if found is None else found / float(over)
-
-
-def _change(runs: Sequence[Figures], name: str) -> float | None:
-    """Return the figure of the last run less that of the first."""
-    first, last = runs[0].get(name), runs[-1].get(name)
-    return None if first is None or last is None else last - first
-
-
-def _ratio(runs: Sequence[Figures], name: str, of: str = "", expected: str = "1") -> float | None:
-    """Return the figure of the last run over `of`, by default the same figure, of the first.
-
-    expected: the ratio that is 1.
-    """
-    first, last = runs[0].get(of or name), runs[-1].get(name)
-    return None if last is None or not first else last / first / float(expected)
-
-
-def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
-    """Return the least ratio of a share to that of the run before it."""
-    known = [share for run in runs if (share := run.get(name)) is not None and share >= LEAST_SHARE]
-    return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
-
-
-def _step(runs: Sequence[Figures], name: str, of: Callable[[Iterable[float]], float]) -> float | None:
-    """Return that one of the differences of a figure from that of the run before it."""
-    known = [figure for run in runs if (figure := run.get(name)) is not None]
-    return None if len(known) < len(runs) else of(after - before for before, after in itertools.pairwise(known))
-
-
-def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
-    """Return the part of the holes `whole` that the last run does not leave; None for no holes."""
-    there, left_over = runs[-1].get(whole), runs[-1].get(left)
-    return None if there is None or left_over is None or there < LEAST_SHARE else 1 - left_over / there
-
-
-def _growth_exponent(runs: Sequence[Figures], name: str) -> float | None:
-    """Return n where the figure grows as pixels to the power of n, from first run to last."""
-    grown, pixels = _ratio(runs, name), _ratio(runs, "pixels")
-    return None if not grown or not pixels else math.log(grown) / math.log(pixels)
-
-
-_NUMBERS: Mapping[str, Callable[..., float | None]] = {
-    "only": _only,
-    "change": _change,
-    "ratio": _ratio,
-    "least_growth": _least_growth,
-    "least_step": functools.partial(_step, of=min),
-    "greatest_step": functools.partial(_step, of=max),
-    "closed": _closed,
-    "growth_exponent": _growth_exponent,
-    # The program has no such thing.
-    "none": lambda runs: None,
-}
+    kind, *words = text.split()
+    if kind == "none":
+        return None
+    name, of, expected = (*words, "", "")[:3]
+    every = [run.get(name) for run in runs]
+    known = [value for value in every if value is not None]
+    (first, *_), last, base = every, every[-1], runs[0].get(of or name)
+    found: float | None = None
+    if kind == "closed":
+        whole = runs[-1].get(of)
+        found = None if last is None or whole is None or whole < LEAST_SHARE else 1 - last / whole
+    elif kind == "ratio":
+        found = None if last is None or not base else last / base / float(expected or 1)
+    elif kind == "growth_exponent":
+        grown, pixels = number_of(f"ratio {name}", runs), number_of("ratio pixels", runs)
+        found = None if not grown or not pixels else math.log(grown) / math.log(pixels)
+    elif kind in ("only", "change"):
+        if first is not None and last is not None:
+            found = last - first if kind == "change" else first / float(of or 1)
+    elif len(known) == len(runs):
+        pairs = list(itertools.pairwise(known))
+        if kind != "least_growth":
+            found = {"least_step": min, "greatest_step": max}[kind](after - before for before, after in pairs)
+        elif min(known) >= LEAST_SHARE:
+            found = min(after / before for before, after in pairs)
+    return found
 
 
 @attrs.frozen
@@ -338,41 +307,36 @@ def share_text(findings: Sequence[Finding], holds: bool) -> str:
 
 def _together(texts: Sequence[str]) -> str:
     """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is written once."""
+
+    def is_number(text: str) -> bool:
+        return are_digits(text.removesuffix("%").replace(".", "", 1))
+
     groups: list[tuple[str, str, list[str]]] = []
     for text in texts:
         words = text.split(" ")
         for at in range(len(words)):
             head, tail = " ".join(words[:at]), " ".join(words[at + 1 :])
-            if groups and groups[-1][:2] == (head, tail) and _is_number(words[at]) and _is_number(groups[-1][2][0]):
+            if groups and groups[-1][:2] == (head, tail) and is_number(words[at]) and is_number(groups[-1][2][0]):
                 groups[-1][2].append(words[at])
                 break
         else:
-            at = next((place for place, word in enumerate(words) if _is_number(word)), 0)
+            at = next((place for place, word in enumerate(words) if is_number(word)), 0)
             groups.append((" ".join(words[:at]), " ".join(words[at + 1 :]), [words[at]]))
     return " and ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
 
 
-def _is_number(text: str) -> bool:
-    return are_digits(text.removesuffix("%").replace(".", "", 1))
-
-
-KINDS = ("forward", "rotate", "sideways", "backward")
 Table = Mapping[str, Any]
 
 
 @attrs.frozen
 class Cell:
-    """One setting: its place in the table of the experiment, and what is run for it."""
+    """One setting: its place in the table of the experiment, what is run for it, and computed."""
 
     row: str
     column: str
     runs: tuple[Run, ...]
-    # What is computed: see _NUMBERS.
+    # As of number_of.
     computed: str
-
-    def number(self, figures: Sequence[Figures]) -> float | None:
-        """Return the number from the figures of the runs, in their order; None if not known."""
-        return number_of(self.computed, figures)
 
 
 @attrs.frozen(kw_only=True)
@@ -448,31 +412,28 @@ def _cells(table: Table, number: str) -> Iterator[Cell]:
     number = table.get("number", number)
     if "row" in table:
         yield Cell(table["row"], table["column"], tuple(map(_run, table["runs"])), number)
-    elif "parts" in table:
+        return
+    if "parts" in table:
         for part in table["parts"]:
             runs = [RatingsRun(part=part, latency_ms=latency_ms) for latency_ms in RATED_MS]
-            if "column" in table:
-                yield Cell(part, table["column"], tuple(runs), number)
-            else:
-                yield from (Cell(part, _ms(run.latency_ms), (run,), number) for run in runs)
-    else:
-        by = table.get("by", {"": table.get("runs", [{}])})
-        latencies = [float(latency_ms) for latency_ms in table.get("latencies", LATENCIES_MS)]
-        sets = [latencies] if table.get("together") else [[latency_ms] for latency_ms in latencies]
-        for motion, (label, runs), some in itertools.product(motions(*table.get("motions", KINDS)), by.items(), sets):
-            column = f"{', '.join(f'{latency_ms:g}' for latency_ms in some)} ms"
-            found = tuple(_run(run, motion=motion, latency_ms=latency_ms) for latency_ms in some for run in runs)
-            yield Cell(str(motion), f"{label} at {column}" if label else column, found, number)
+            each = {table["column"]: runs} if "column" in table else {f"{run.latency_ms:g} ms": [run] for run in runs}
+            yield from (Cell(part, column, tuple(found), number) for column, found in each.items())
+        return
+    by = table.get("by", {"": table.get("runs", [{}])})
+    latencies = [float(latency_ms) for latency_ms in table.get("latencies", LATENCIES_MS)]
+    sets = [latencies] if table.get("together") else [[latency_ms] for latency_ms in latencies]
+    for motion, (label, runs), some in itertools.product(motions(*table.get("motions", KINDS)), by.items(), sets):
+        column = f"{', '.join(f'{latency_ms:g}' for latency_ms in some)} ms"
+        found = tuple(_run(run, motion=motion, latency_ms=latency_ms) for latency_ms in some for run in runs)
+        yield Cell(str(motion), f"{label} at {column}" if label else column, found, number)
 
 
-def _pictures(table: Table) -> Iterator[PictureRun | StreamRun]:
-    """Yield the runs of one entry of `pictures`."""
+def _pictures(table: Table) -> list[PictureRun | StreamRun]:
+    """Return the runs of one entry of `pictures`."""
     if "codec" in table:
-        yield _run(table)
-    else:
-        shown = itertools.product(table["motions"], table.get("latencies", (400,)), table.get("runs", [{}]))
-        for kind, latency_ms, run in shown:
-            yield _run(run, motion=usual(kind), latency_ms=float(latency_ms))
+        return [_run(table)]
+    shown = itertools.product(table["motions"], table.get("latencies", (400,)), table.get("runs", [{}]))
+    return [_run(run, motion=_usual(kind), latency_ms=float(latency_ms)) for kind, latency_ms, run in shown]
 
 
 def _run(table: Table, **more: Any) -> Any:
@@ -480,13 +441,7 @@ def _run(table: Table, **more: Any) -> Any:
     values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table.items()}
     if "fact" in values:
         return FactRun(**values)
-    if "codec" in values:
-        return StreamRun(**values)
-    return PictureRun(**{"motion": usual("sideways"), "latency_ms": 400.0, **values, **more})
-
-
-def _ms(latency_ms: float) -> str:
-    return f"{latency_ms:g} ms"
+    return StreamRun(**values) if "codec" in values else PictureRun(**{**values, **more})
 
 
 _RUN = attrs.fields(RunOptions)

@@ -31,10 +31,8 @@ from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg
 from ...run import RunOptions, measured, set_up_replay
-from ...run.combinations import Combination
-from ...run.replay_setup import ReplayRun
-from ...run.side_by_side import refreshes
-from ...run.truth import coverage, draw_truth, shown_picture
+from ...run.measuring import Combination, Truth, coverage, draw_truth, refreshes, shown_picture
+from ...run.run import ReplayRun
 from ...scenes import load_scene
 from .experiment import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, PictureRun, StreamRun
 
@@ -91,8 +89,7 @@ def seam(shown: Map, truth: Map, filled: NDArray[np.bool_], warped: NDArray[np.b
     total, count = 0.0, 0
     for axis in (0, 1):
         steps = np.abs(np.diff(error, axis=axis)).mean(axis=2)
-        ends = [(slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None))]
-        first, second = ends
+        first, second = ((slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None)))
         beside = (filled[first] & warped[second]) | (warped[first] & filled[second])
         total += float(steps[beside].sum())
         count += int(beside.sum())
@@ -121,12 +118,14 @@ def false_edges(shown: Map, truth: Map) -> float | None:
 
 
 HEADSET = "flat-90"
+# The thesis mentions no antialiasing.
+_COMMON: dict[str, Any] = {"headset": HEADSET, "rate_hz": RATE_HZ, "samples": 1}
+_COMMON |= {"fill": "none", "lens": "none", "against": ""}
 # By the wall clock a shorter pass is mostly the driver's overhead.
 LEAST_WALL_MS = 1.0
 # Of a side of the least picture: what its passes take is the GPU's overhead.
 SPECK_PX = 8
 Picture = NDArray[np.uint8]
-EYES = (0, 1)
 
 
 def _of_class(number: int) -> float:
@@ -189,7 +188,11 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     path = folder / f"{moved}.csv".replace(" ", "-").replace("/", "-")
     with path.open("w", encoding="utf-8") as stream:
         write_synthetic(track, stream)
-    options, headset, scene = _options(first, how, path), load_headset(HEADSET), load_scene(first.scene)
+    width, height = (max(8, round(side * first.scale)) for side in how.size)
+    same = {name: getattr(first, name) for name in ("scene", "latency_ms", "effects", "mirrors", "guard")}
+    # The loop's own warp; those of the runs see the same frames.
+    options = RunOptions(**_COMMON, **same, trace=str(path), warp="none", size=(width, height))
+    headset, scene = load_headset(HEADSET), load_scene(first.scene)
     combinations = [
         Combination(run.warp, run.fill, build_plan_for(options.with_pair(run.warp, run.fill), headset, scene))
         for run in runs
@@ -204,51 +207,16 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
         watchers = [_Watcher(setup, run, each, how) for run, each in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
-            turn = numbers.index(number if number in numbers else number + 1)
-            seen = _Seen.of(setup, refresh, EYES[turn % len(EYES)], is_measured=number in numbers)
+            turn, is_measured = numbers.index(number if number in numbers else number + 1), number in numbers
+            eye = turn % 2
+            truth, frame = (
+                draw_truth(setup.server, refresh.inputs[eye], setup.sizes.shown, depth=is_measured),
+                refresh.frame.eyes[eye],
+            )
+            late = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
             for watcher in watchers:
-                watcher.see(seen)
+                watcher.see(refresh, eye, truth, late)
         yield from (watcher.result() for watcher in watchers)
-
-
-def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
-    width, height = (max(8, round(side * run.scale)) for side in how.size)
-    return RunOptions(
-        trace=str(trace),
-        scene=run.scene,
-        latency_ms=run.latency_ms,
-        warp="none",  # the loop's own; those of the runs see the same frames
-        fill="none",
-        effects=run.effects,
-        mirrors=run.mirrors,
-        lens="none",
-        headset=HEADSET,
-        size=(width, height),
-        rate_hz=RATE_HZ,
-        samples=1,  # the thesis mentions no antialiasing
-        guard=run.guard,
-        against="",
-    )
-
-
-@attrs.frozen(eq=False)
-class _Seen:
-    """One eye at one refresh: what all runs share."""
-
-    refresh: Refresh
-    eye: int
-    truth: Picture
-    # None where the picture is only the predecessor of a measured one.
-    truth_inverse_depth: NDArray[np.float32] | None
-    late: Picture
-    late_inverse_depth: NDArray[np.float32]
-
-    @classmethod
-    def of(cls, setup: ReplayRun, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = draw_truth(setup.server, refresh.inputs[eye], setup.sizes.shown, depth=is_measured)
-        frame = refresh.frame.eyes[eye]
-        late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
-        return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
 
 
 class _Watcher:
@@ -263,21 +231,23 @@ class _Watcher:
         self._before: Compared | None = None
         self._first: tuple[Picture, Picture] | None = None
 
-    def see(self, seen: _Seen) -> None:
-        """Run the passes for the eye; measure the picture, or keep it to compare with the next."""
-        inputs = self._setup.loop.inputs(seen.refresh, self._plan.needs)[seen.eye]
-        if seen.truth_inverse_depth is None and not self._run.flickers:
+    def see(self, refresh: Refresh, eye: int, truth: Truth, late: tuple[Picture, Map]) -> None:
+        """Run the passes for the eye; measure the picture, or keep it to compare with the next.
+
+        truth: without depth for a predecessor. late: the late frame's picture and inverse depth.
+        """
+        inputs = self._setup.loop.inputs(refresh, self._plan.needs)[eye]
+        if truth.inverse_depth is None and not self._run.flickers:
             return
         result = self._compensator.run(inputs)
         self._setup.target.gpu.timer.collect()
-        now = Compared(shown_picture(result), seen.truth, result.view)
-        if seen.truth_inverse_depth is None:
+        now = Compared(shown_picture(result), truth.picture, result.view)
+        if truth.inverse_depth is None:
             self._before = now
             return
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
-        rendered = seen.refresh.frame.eyes[seen.eye].view
-        kinds = holes_of(covered, seen.truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
+        kinds = holes_of(covered, truth.inverse_depth, result.view, refresh.frame.eyes[eye].view, late[1])
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr(now.shown, now.truth),
@@ -294,12 +264,12 @@ class _Watcher:
         }
         if self._before is not None:
             found["flicker"] = flicker(now.error, now.view, self._before.error, self._before.view)
-        if seen.late.shape == now.shown.shape and there.any():
-            truth = now.truth[there][None]
-            found["gain_db"] = psnr(now.shown[there][None], truth) - psnr(seen.late[there][None], truth)
+        if late[0].shape == now.shown.shape and there.any():
+            true = now.truth[there][None]
+            found["gain_db"] = psnr(now.shown[there][None], true) - psnr(late[0][there][None], true)
         self._figures.append(found)
         self._before = None
-        self._first = self._first or (now.shown, seen.truth)
+        self._first = self._first or (now.shown, now.truth)
         for _ in range(self._rounds):
             self._compensator.run(inputs)
             stages = self._setup.target.gpu.timer.collect()
@@ -333,29 +303,11 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
         network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
-    summary = measured(
-        RunOptions(
-            trace=run.trace,
-            scene=run.scene,
-            latency_ms=run.latency_ms,
-            warp=run.warp,
-            fill="none",
-            guard=1.0,
-            predict="none",
-            lens="none",
-            headset=HEADSET,
-            size=(width, height),
-            rate_hz=RATE_HZ,
-            samples=1,
-            start_s=2.0,
-            seconds=seconds,
-            coding=Coding(run.codec, depth=run.depth),
-            network=network,
-            against="",
-            metrics_every=10**6,
-            workers=0,
-        )
-    ).summary
+    same = {name: getattr(run, name) for name in ("trace", "scene", "latency_ms", "warp")}
+    few: dict[str, Any] = {"start_s": 2.0, "seconds": seconds, "metrics_every": 10**6, "workers": 0}
+    coding, size = Coding(run.codec, depth=run.depth), (width, height)
+    streamed: dict[str, Any] = {"guard": 1.0, "predict": "none", "size": size, "coding": coding, "network": network}
+    summary = measured(RunOptions(**_COMMON, **same, **streamed, **few)).summary
     link = summary["link"]
     per_eye, frames = link["mbit_s"] / 2, link["frames"]
     settled = frames["never_shown"] + frames["shown"]  # the rest is still under way

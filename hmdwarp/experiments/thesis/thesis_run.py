@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import base64
-import functools
-import platform
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -15,28 +13,10 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...gpu import Gpu
 from ...report import jpeg_bytes, plain, render_thesis_page
-from ...run.run_summary import machine_of
+from ..bench.bench_run import examined
 from ..sweep import ExperimentResult, Result, SweepCase, Swept, experiment
-from .experiment import (
-    QUICK_SCALE,
-    Experiment,
-    Figures,
-    Finding,
-    PictureRun,
-    RatingsRun,
-    Run,
-    StreamRun,
-    ThesisOptions,
-    Verdict,
-    experiments,
-    experiments_named,
-    is_quick,
-    settings_text,
-    share_text,
-    verdict_of,
-)
+from . import experiment as thesis
 from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
 
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
@@ -47,13 +27,13 @@ PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
 # not count.
 _ALSO = ("experiments/thesis/run_figures.py",)
 # What the published ratings of a part and latency say: the study package's, handed in.
-Ratings = Callable[[str, float], Figures]
+Ratings = Callable[[str, float], thesis.Figures]
 Progress = Callable[[int, int], None]
 Say = Callable[[str], None]
 
 
 def run_thesis(
-    options: ThesisOptions,
+    options: thesis.ThesisOptions,
     ratings: Ratings,
     progress: Progress = lambda done, total: None,
     say: Say = lambda text: None,
@@ -65,18 +45,17 @@ def run_thesis(
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
-    chosen = list(experiments_named(options.only))
+    chosen = list(thesis.experiments_named(options.only))
     if options.quick:  # the middle speed of each motion
-        middle = [tuple(cell for cell in each.cells if all(map(is_quick, cell.runs))) for each in chosen]
+        middle = [tuple(cell for cell in each.cells if all(map(thesis.is_quick, cell.runs))) for each in chosen]
         chosen = [attrs.evolve(each, cells=cells or each.cells) for each, cells in zip(chosen, middle, strict=True)]
-    how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
+    how = Thoroughness(options.eye_size, *((1, 2, thesis.QUICK_SCALE, 0.25) if options.quick else (3, 5)))
     runs = tuple(dict.fromkeys(run for each in chosen for run in each.runs()))
     # Of any experiment, not only of those chosen: what is kept serves another choice too.
-    pictured: set[Run] = {run for each in experiments() for run in each.pictures}
+    pictured: set[thesis.Run] = {run for each in thesis.experiments() for run in each.pictures}
     cases = cases_of(runs, pictured, how)
 
-    work = ThesisWork(runs, ratings)
-    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
+    with experiment(options, FILES, ThesisWork(runs, ratings), cases, progress, say) as (out, swept, described):
         made_on = swept.rows(lambda data: (data,))[0]
         figures = figures_by_run(swept.results())
         judged = [judge(each, figures) for each in chosen]
@@ -86,7 +65,7 @@ def run_thesis(
                 **{key: made_on[key] for key in ("machine", "clock")},
                 "size": list(options.eye_size),
                 "quick": options.quick,
-                "verdicts": {verdict.value: counts[verdict.value] for verdict in Verdict},
+                "verdicts": {verdict.value: counts[verdict.value] for verdict in thesis.Verdict},
                 "experiments": judged,
                 "failed": [f"{failure.name}: {failure.why}" for failure in swept.failed],
             }
@@ -101,13 +80,13 @@ def run_thesis(
 class ThesisPart:
     """What one case runs."""
 
-    run: Run
+    run: thesis.Run
     how: Thoroughness
     # Whether its pictures, or the time line of its frames, are kept.
     is_pictured: bool
 
 
-def cases_of(runs: Sequence[Run], pictured: set[Run], how: Thoroughness) -> list[SweepCase]:
+def cases_of(runs: Sequence[thesis.Run], pictured: set[thesis.Run], how: Thoroughness) -> list[SweepCase]:
     """Return a case for each run.
 
     Those that are timed are one group, as are those on the same frames. pictured: whose pictures
@@ -115,8 +94,8 @@ def cases_of(runs: Sequence[Run], pictured: set[Run], how: Thoroughness) -> list
     """
     cases = []
     for run in runs:
-        also, group = ("study/",) if isinstance(run, RatingsRun) else _ALSO, ""
-        if isinstance(run, PictureRun):  # what is timed is compared with each other
+        also, group = ("study/",) if isinstance(run, thesis.RatingsRun) else _ALSO, ""
+        if isinstance(run, thesis.PictureRun):  # what is timed is compared with each other
             group = "timed" if run.timed else repr(run.shared)
         cases.append(SweepCase.of("thesis", str(run), ThesisPart(run, how, run in pictured), also, group=group))
     places: dict[Any, int] = {}
@@ -126,8 +105,8 @@ def cases_of(runs: Sequence[Run], pictured: set[Run], how: Thoroughness) -> list
     return sorted(cases, key=lambda case: (places[case.group], places[_frames(case.what.run)]))
 
 
-def _frames(run: Run) -> Any:
-    return (run.timed, run.shared) if isinstance(run, PictureRun) else run
+def _frames(run: thesis.Run) -> Any:
+    return (run.timed, run.shared) if isinstance(run, thesis.PictureRun) else run
 
 
 @attrs.frozen
@@ -135,73 +114,67 @@ class ThesisWork:
     """Runs the cases of the thesis."""
 
     # All that are chosen: those on the same frames are looked at together.
-    runs: tuple[Run, ...]
+    runs: tuple[thesis.Run, ...]
     ratings: Ratings
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
         """Open a folder for the traces of heads."""
-        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
-            yield _Runner(self, Path(name))
-
-
-@functools.cache
-def _examined() -> dict[str, Any]:
-    """Return what this machine is, found out once in each process."""
-    with Gpu() as gpu:
-        return {"machine": {**machine_of(gpu), "host": platform.node()}, "clock": gpu.timer.clock}
-
-
-class _Runner:
-    """Runs one case after the other; what was looked at together waits for its turn."""
-
-    def __init__(self, work: ThesisWork, folder: Path) -> None:
-        self._work, self._folder = work, folder
-        self._looked: dict[Run, Looked] = {}
+        # What was looked at together waits for its turn.
+        looked: dict[thesis.Run, Looked] = {}
         # Frames on which not all could be looked at: there each is looked at by itself.
-        self._apart: set[Any] = set()
+        apart: set[Any] = set()
 
-    def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
-        part: ThesisPart = case.what
-        machine, run, files = _examined(), part.run, dict[str, bytes]()
-        if isinstance(run, PictureRun):
-            looked = self._look(run, part.how)
-            figures = looked.figures
-            if run.timed and machine["clock"] == "gpu":
-                (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, self._folder)
-                figures = beyond(figures, least.figures)
-            files = {PICTURE: jpeg_bytes(looked.picture), TRUTH: jpeg_bytes(looked.truth)}
-        elif isinstance(run, StreamRun):
-            figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
-            files = {TIMELINE: drawn.encode()}
-        elif isinstance(run, RatingsRun):
-            figures = self._work.ratings(run.part, run.latency_ms)
-        else:
-            figures = {"value": FACTS[run.fact]()}
-        return Result({**machine, "figures": figures}, files if part.is_pictured else {})
+        def look_at(run: thesis.PictureRun, how: Thoroughness) -> Looked:
+            frames = _frames(run)
+            if run not in looked:
+                together = [
+                    each for each in self.runs if isinstance(each, thesis.PictureRun) and _frames(each) == frames
+                ]
+                chosen = [run] if frames in apart else together
+                try:
+                    found: dict[thesis.Run, Looked] = {each.run: each for each in look(chosen, how, folder)}
+                except Exception:
+                    if len(chosen) == 1:
+                        raise
+                    apart.add(frames)  # one of them is at fault: the others go on
+                    return look_at(run, how)
+                looked.clear()
+                looked.update(found)
+            return looked[run]
 
-    def _look(self, run: PictureRun, how: Thoroughness) -> Looked:
-        frames = _frames(run)
-        if run not in self._looked:
-            together = [each for each in self._work.runs if isinstance(each, PictureRun) and _frames(each) == frames]
-            chosen = [run] if frames in self._apart else together
-            try:
-                self._looked = {looked.run: looked for looked in look(chosen, how, self._folder)}
-            except Exception:
-                if len(chosen) == 1:
-                    raise
-                self._apart.add(frames)  # one of them is at fault: the others go on
-                return self._look(run, how)
-        return self._looked[run]
+        def runner(case: SweepCase, step: Callable[[float], None]) -> Result:
+            part: ThesisPart = case.what
+            run, files = part.run, dict[str, bytes]()
+            about = {key: examined()[0][key] for key in ("machine", "clock")}
+            if isinstance(run, thesis.PictureRun):
+                found = look_at(run, part.how)
+                figures = found.figures
+                if run.timed and about["clock"] == "gpu":
+                    (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, folder)
+                    figures = beyond(figures, least.figures)
+                files = {PICTURE: jpeg_bytes(found.picture), TRUTH: jpeg_bytes(found.truth)}
+            elif isinstance(run, thesis.StreamRun):
+                figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
+                files = {TIMELINE: drawn.encode()}
+            elif isinstance(run, thesis.RatingsRun):
+                figures = self.ratings(run.part, run.latency_ms)
+            else:
+                figures = {"value": FACTS[run.fact]()}
+            return Result({**about, "figures": figures}, files if part.is_pictured else {})
+
+        with tempfile.TemporaryDirectory(prefix="hmdwarp-thesis-") as name:
+            folder = Path(name)
+            yield runner
 
 
-def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
+def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[thesis.Run, thesis.Figures]:
     """Return the figures of every run; times of another machine than the first's are left out."""
-    found: dict[Run, Figures] = {}
+    found: dict[thesis.Run, thesis.Figures] = {}
     timed_on: Any = None
     for case, data in results:
         run, figures = case.what.run, data["figures"]
-        if isinstance(run, PictureRun) and run.timed:
+        if isinstance(run, thesis.PictureRun) and run.timed:
             timed_on = timed_on or data["machine"]
             if data["machine"] != timed_on:
                 figures = {name: value for name, value in figures.items() if not name.endswith("_ms")}
@@ -209,7 +182,7 @@ def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> di
     return found
 
 
-def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
+def judge(experiment: thesis.Experiment, figures: Mapping[thesis.Run, thesis.Figures]) -> dict[str, Any]:
     """Return an experiment as plain data, with the number of each cell and the verdict.
 
     A cell one of whose runs failed has no number.
@@ -217,8 +190,8 @@ def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, A
     findings = []
     for cell in experiment.cells:
         known = [figures[run] for run in cell.runs if run in figures]
-        value = cell.number(known) if len(known) == len(cell.runs) else None
-        findings.append(Finding.of(cell.row, cell.column, value, experiment.rule))
+        value = thesis.number_of(cell.computed, known) if len(known) == len(cell.runs) else None
+        findings.append(thesis.Finding.of(cell.row, cell.column, value, experiment.rule))
     same = ("name", "source", "claim", "thesis", "measured", "unit", "digits", "scale", "weak")
     values = sorted(finding.value * experiment.scale for finding in findings if finding.value is not None)
     ends = dict.fromkeys(plain(value, experiment.digits) for value in (*values[:1], *values[-1:]))
@@ -226,10 +199,10 @@ def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, A
         **{name: getattr(experiment, name) for name in same},
         "rule": experiment.rule_words(),
         "ours": f"{' to '.join(ends)} {experiment.unit}".strip() if values else "",
-        "verdict": verdict_of(findings).value,
-        "holds_at": share_text(findings, True),
-        "fails_at": share_text(findings, False),
-        "unknown_at": settings_text(findings, None),
+        "verdict": thesis.verdict_of(findings).value,
+        "holds_at": thesis.share_text(findings, True),
+        "fails_at": thesis.share_text(findings, False),
+        "unknown_at": thesis.settings_text(findings, None),
         "note": experiment.note,
         "cells": [attrs.asdict(finding) for finding in findings],
     }
@@ -246,30 +219,32 @@ def csv_rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
             yield {**named, **place, "value": value, "holds": holds}
 
 
-def _pictures(chosen: Sequence[Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
+def _pictures(chosen: Sequence[thesis.Experiment], swept: Swept) -> dict[str, list[tuple[str, str]]]:
     """Return (caption, data URI or <svg> element) of each experiment's pictures, by its name."""
+    from PIL import Image
+
     done = {case.what.run: case.identity for case in swept.done}
 
-    def file(run: Run, name: str) -> Path:
+    def file(run: thesis.Run, name: str) -> Path:
         return swept.kept.file(done[run], name)
+
+    def uri(run: thesis.Run, name: str) -> str:
+        picture = Image.open(file(run, name))
+        picture.thumbnail((PAGE_WIDTH, PAGE_WIDTH), Image.Resampling.LANCZOS)
+        return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(picture))).decode()}"
 
     found: dict[str, list[tuple[str, str]]] = {}
     for each in chosen:
         known = [run for run in each.pictures if run in done]
-        pictures = [run for run in known if isinstance(run, PictureRun)]
+        pictures = [run for run in known if isinstance(run, thesis.PictureRun)]
         truths = {(run.scene, run.motion): run for run in pictures}.values()
         found[each.name] = [
-            *((run.caption, _uri(file(run, PICTURE))) for run in pictures),
-            *((f"what should be seen: {run.motion}", _uri(file(run, TRUTH))) for run in truths),
-            *((run.caption, file(run, TIMELINE).read_text("utf-8")) for run in known if isinstance(run, StreamRun)),
+            *((run.caption, uri(run, PICTURE)) for run in pictures),
+            *((f"what should be seen: {run.motion}", uri(run, TRUTH)) for run in truths),
+            *(
+                (run.caption, file(run, TIMELINE).read_text("utf-8"))
+                for run in known
+                if isinstance(run, thesis.StreamRun)
+            ),
         ]
     return found
-
-
-def _uri(path: Path) -> str:
-    """Return a picture at most PAGE_WIDTH pixels wide."""
-    from PIL import Image
-
-    picture = Image.open(path)
-    picture.thumbnail((PAGE_WIDTH, PAGE_WIDTH), Image.Resampling.LANCZOS)
-    return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(picture))).decode()}"

@@ -19,7 +19,6 @@ from .codecs import Codec, require
 from .coding import AS_VIDEO, AS_VIDEO8
 from .stream import (
     Packet,
-    Size,
     Undecodable,
     VideoDecoder,
     VideoEncoder,
@@ -30,6 +29,7 @@ from .stream import (
     two_parts,
 )
 
+Size = tuple[int, int]
 # 1/m: up to 64 per metre, which is 16 mm from the eye.
 STEP = 2.0**-10
 _NO_DEPTH = 65535

@@ -19,7 +19,7 @@ from ...colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from ...errors import MachineError
 from ...platforms import priority_kept
 from ...resources import pyav
-from .codecs import Codec, codecs
+from .codecs import LARGE, Codec, codecs
 
 Size = tuple[int, int]
 
@@ -131,7 +131,8 @@ class VideoEncoder:
         context.thread_count = codec.threads
         context.color_range, context.color_trc = _LIMITED, _SRGB
         context.colorspace = context.color_primaries = _BT709
-        context.options = {"chroma_sample_location": _CHROMA, **codec.options_for(self.size), **options}
+        large = codec.large if math.prod(self.size) > LARGE else {}
+        context.options = {"chroma_sample_location": _CHROMA, **codec.options, **large, **options}
         try:
             with priority_kept():
                 context.open()

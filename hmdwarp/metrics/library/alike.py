@@ -12,8 +12,7 @@ from ...errors import InputError, in_brief
 from ...geometry import real
 from ...gpu import Gpu
 from ..metric import Input, Metric, metrics
-from ..pair_pass import PairPass
-from ..picture_pairs import PSNR_CAP_DB, Alike, db_of, pair_of
+from ..picture_pairs import PSNR_CAP_DB, Alike, PairPass, db_of, pair_of
 
 
 def ssim(shown: ArrayLike, truth: ArrayLike) -> float:

@@ -131,9 +131,23 @@ STATED = _of_table("columns", {"read_as": "stated"})  # by --columns
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
     """Read a head trace: its `track` has the poses, `notes` what was repaired or assumed.
 
-    name_or_path: a file, or a bare name (no folder, no ending), which is looked up among the
-    shipped recordings first. options: overrides facts of the file, or adds missing ones. Errors:
-    TraceError naming file and line; UnknownNameError with the nearest known recording or format.
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A file, or a bare name (no folder, no ending), looked up among the shipped recordings first.
+    options : TraceOptions, optional
+        Overrides facts of the file, or adds missing ones.
+
+    Returns
+    -------
+    LoadedTrace
+
+    Raises
+    ------
+    TraceError
+        Naming file and line.
+    UnknownNameError
+        With the nearest known recording or format.
     """
     options = TraceOptions.checked(options, optional=True)
     text = str(name_or_path)

@@ -121,7 +121,6 @@ def _recent(track: PoseTrack, i: int) -> tuple[list[int], list[list[float]], lis
 
 
 def _cautious_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
-    """Extrapolate from each of `now_ns`, (n,)."""
     ahead_ns = min(ahead_ns, HORIZON_NS)
     instants = now_ns - np.array(_BACK_NS)[:, None]
     found = track.sample_many(instants.ravel())

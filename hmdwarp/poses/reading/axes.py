@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, unknown_name
-from ...options import Table
 from .. import quaternions
 from ..assumptions import AXES_BY, DIRECTION, Assumption, By, Fact
 from ..options import DIRECT, INVERSE
@@ -62,13 +61,11 @@ class Axes:
             raise InputError(f"--axes {self.words()}: {what}; a rotation keeps the hand, so turn one axis around")
 
     def words(self) -> str:
-        """Return them as `parse_axes` takes them, for instance "world=x,z,y head=x,-y,z"."""
         bases = ((basis[0], basis[1], -basis[2]) for basis in (self.world, self.head))
         world, head = (",".join(map(axis_word, rows)) for rows in bases)
         return f"world={world} head={head}"
 
     def label(self) -> str:
-        """Return the preset's name, or the axes themselves."""
         return f"{self.name} ({self.words()})" if self.name else self.words()
 
     def up(self) -> str:
@@ -114,12 +111,9 @@ def load_preset(name: str) -> Preset:
     """Load axes by name. Errors: UnknownNameError with the nearest known name."""
     if name not in preset_names():
         raise unknown_name("axes preset", name, preset_names())
-    data = Table(tomllib.loads((_PRESETS / f"{name}.toml").read_text(encoding="utf-8")))
-    scale = data.number("metres_per_unit") if "metres_per_unit" in data else None
-    axes = Axes(_basis(str(data.text("world"))), _basis(str(data.text("head"))), name=name, metres_per_unit=scale)
-    preset = Preset(name, data.text("summary"), axes, data.text("source"))
-    data.refuse_unread()
-    return preset
+    told = tomllib.loads((_PRESETS / f"{name}.toml").read_text(encoding="utf-8"))
+    axes = Axes(_basis(told["world"]), _basis(told["head"]), name=name, metres_per_unit=told.get("metres_per_unit"))
+    return Preset(name, told["summary"], axes, told["source"])
 
 
 def parse_axes(text: str) -> Axes:
@@ -259,7 +253,6 @@ class Evidence:
         return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
 
     def faults(self, reading: Array) -> list[str]:
-        """Return what contradicts a reading, in words."""
         up, crown, gaze = reading
         found = []
         if self.gravity.any() and up @ self.gravity < UPRIGHT:
@@ -299,8 +292,6 @@ class Evidence:
 
 @attrs.frozen(eq=False)
 class Verdict:
-    """What the motion says about axes."""
-
     faults: list[str]  # what contradicts them; empty: nothing
     better: Axes | None  # what fits best; None: nothing fits better
     also: list[str]  # presets that fit as well as `better` and differ in what motion cannot show
@@ -336,10 +327,10 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     clear, alone = top - ranked[1][0] > CLEAR and not evidence.faults(best), np.array_equal(best[1:], here[1:])
     near = [reading for score, reading in ranked if score > top - CLEAR]
     standing, agree = None, all(np.array_equal(r[:2], best[:2]) for r in near)
-    stands = float(up @ evidence.upright @ crown) >= UPRIGHT and not (
+    leans = float(up @ evidence.upright @ crown) < UPRIGHT or (
         evidence.gravity.any() and up @ evidence.gravity < UPRIGHT
     )
-    if agree and stands and not np.array_equal(best[:2], here[:2]):
+    if agree and not leans and not np.array_equal(best[:2], here[:2]):
         standing = next((axes for axes in known if any(np.array_equal(_reading_of(axes), r) for r in near)), better)
     return Verdict(faults, better, [axes.name for axes in fitting[1:]], clear, (own, top), alone, upright=standing)
 
@@ -349,8 +340,7 @@ def _reading_of(axes: Axes) -> Array:
 
 
 # What heads do: how far from the origin of a tracked place, how fast.
-_FARTHEST_M = 50.0
-_FASTEST_WALK_M_S = 12.0
+_FARTHEST_M, _FASTEST_WALK_M_S = 50.0, 12.0
 _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
 
 
@@ -446,9 +436,7 @@ def _shares(vectors: Array) -> Array:
     return squares / total if total else np.zeros(3)
 
 
-def find_jumps(
-    time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
-) -> NDArray[np.int64]:
+def find_jumps(time_ns: NDArray[np.int64], orientation: Array, position: Array | None) -> NDArray[np.int64]:
     """Return indices i whose step to row i + 1 is too far and too fast, in angle or place."""
     found = []
     for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
@@ -472,7 +460,7 @@ def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
     return [int(i) for i in np.union1d(found, changed)]
 
 
-def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
+def gravity_axis(orientation: Array) -> Array | None:
     """Return the direction in the world, (3,), that is up for the head; None if that is not clear.
 
     The axis through the ears stays level, as people turn and nod far more than they tilt: up is
@@ -514,9 +502,8 @@ class JudgedAxes:
         up = r.options.up
         is_tilt = up is not None and not any(axis in up.lower() for axis in "xyz")  # a direction in numbers
         if up is not None and not is_tilt and r.options.axes is not None:
-            raise InputError(
-                "--axes and --up both name axes: say one; beside --axes, --up may be three numbers, a tilt"
-            )
+            what = "--axes and --up both name axes: say one"
+            raise InputError(f"{what}; beside --axes, --up may be three numbers, a tilt")
         if r.options.axes not in (None, AUTO):
             self.axes, self.axes_by = parse_axes(r.options.axes), By.USER
         if up is not None and is_tilt:
@@ -525,7 +512,6 @@ class JudgedAxes:
             self.axes, self.axes_by = parse_up(up), By.USER
 
     def assumptions(self) -> tuple[Assumption, ...]:
-        """Return every fact by which rows became poses."""
         layout, options, (scale, scale_by) = self.r.layout, self.options, self.scale
         if layout.euler is not None:
             turn, option = f"angles {layout.euler.words()}", "--euler"
@@ -685,5 +671,4 @@ class JudgedAxes:
 
 
 def _tilt_of(up: Array) -> float:
-    """Return the angle of a direction (3,) from +y, in degrees."""
     return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))

@@ -26,8 +26,6 @@ from .text_table import BILLION, DAY_S, LARGEST, UNIT_NAMES, UNITS_NS, Recording
 
 @attrs.frozen(eq=False)
 class LoadedTrace:
-    """A trace and all facts about its file."""
-
     track: PoseTrack
     path: Path
     format: str
@@ -53,7 +51,6 @@ class LoadedTrace:
 
     @property
     def axes(self) -> str:
-        """Axes of the file, who says so, and what the motion shows, in words."""
         return self.track.axes
 
 
@@ -182,7 +179,6 @@ def _when(r: Recording) -> None:
 
 
 def _count_by_rate(r: Recording, rate: float) -> None:
-    """Replace the file's clock by --trace-rate."""
     n, step_ns = len(r), BILLION / rate
     if (n - 1) * step_ns > LARGEST:
         raise TraceError(f"{r.where}: {n} rows at {rate:g} Hz last over 146 years; give a higher --trace-rate")

@@ -100,7 +100,6 @@ def words(name: str) -> list[str]:
 
 
 def find_columns(names: list[str]) -> Columns:
-    """Return everything that the names say."""
     split = [words(n) for n in names]
     groups: dict[tuple[str, ...], dict[str, int]] = defaultdict(dict)
     lengths: dict[tuple[str, ...], float] = {}
@@ -157,7 +156,6 @@ def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
 
 
 def _find_clocks(told: list[tuple[int, list[str]]]) -> tuple[tuple[int, str | None], ...]:
-    """Return the columns that may be clocks, the likeliest first."""
     candidates: list[tuple[int, int, str | None]] = []
     for i, parts in told:
         unit = _TIME_UNITS.get(parts[-1]) if len(parts) > 1 else None
@@ -177,7 +175,6 @@ def owner_rank(name: str) -> int:
 
 
 def _find_vector(groups: Groups, split: list[list[str]]) -> tuple[int, ...]:
-    """Return the columns of a rotation vector, or of an axis and its angle."""
     keys = [key for key, axes in groups.items() if {"x", "y", "z"} <= set(axes) and "w" not in axes]
     free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
     angle = next(free, None)
@@ -223,7 +220,6 @@ class Made:
 
 
 def rows_text(rows: Iterable[Iterable[str]]) -> bytes:
-    """Return the text of rows of fields without commas."""
     return "".join(f"{','.join(row)}\n" for row in rows).encode()
 
 
@@ -254,7 +250,6 @@ def named_matrices(names: list[str]) -> list[Cells]:
             matrices.append((name, tuple(run[place] for place in places)))
 
     def rank(one: tuple[str, Cells]) -> tuple[bool, int, int]:
-        """Put projections, and inverses of one that may be there as well, last."""
         other = bool(set(words(one[0])) & {"projection", "proj", "view", "inverse", "inv"})
         return other, head_rank(one[0]), -len(one[1])
 

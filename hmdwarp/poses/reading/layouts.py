@@ -248,7 +248,6 @@ def stated_layout(head: Head, options: TraceOptions) -> Layout:
 
 
 def of_matrix(head: Head, cells: header.Cells, order: str | None) -> dict[str, Any]:
-    """Return how a stated matrix is read. Errors: TraceError for numbers that are no rotation."""
     found = _arranged(head, cells, order)
     if found is None:
         last = ", nor 0,0,0,1 in the last row or column" if len(cells) == 16 else ""
@@ -284,7 +283,6 @@ def _arranged(head: Head, cells: header.Cells, order: str | None) -> dict[str, A
 
 
 def _sniff_ticks(head: Head) -> int:
-    """Recognise stamps of 18 digits."""
     time = head.column("timestamp") if head.names else 0
     stamp = head.rows[0][time] if time is not None and time < head.width else ""
     if not (len(stamp) == 18 and are_digits(stamp)):

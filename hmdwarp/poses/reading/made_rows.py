@@ -13,6 +13,7 @@ import re
 import struct
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -39,10 +40,9 @@ def table_of_json(path: Path, raw: bytes) -> Made | None:
     """Return comma-separated rows for JSON lines, or for a document with a list of records.
 
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
-    a rotation its q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
-    poses (a header, a schema, events) are left out; records that are values of an object are poses
-    as well, by their keys. None where the bytes are no JSON. Errors: DocumentError, as parse_json;
-    TraceError for JSON without records.
+    a rotation q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
+    poses are left out; values of an object may be poses, by their keys. None where the bytes are no
+    JSON. Errors: DocumentError, as parse_json; TraceError for JSON without records.
     """
     try:
         text = raw.decode("utf-8-sig")
@@ -105,12 +105,9 @@ def _browser_heads(document: Any) -> Iterator[list[str]]:
 
 def _records(document: Any) -> list[Any]:
     """Return the longest list of objects or of lists in a document, named if it has names."""
-
-    def likelihood(records: list[Any]) -> tuple[bool, int, int]:
-        first = _flat(records[-1])  # the first may be a header
-        return _has_pose(first), len(records), len(first)
-
-    found = max(_lists(document), key=likelihood, default=[])
+    flat = ((records, _flat(records[-1])) for records in _lists(document))  # the first may be a header
+    ranked = [((_has_pose(last), len(records), len(last)), records) for records, last in flat]
+    found = max(ranked, key=itemgetter(0), default=((), []))[1]
     if found and isinstance(found[0], list) and _are_names(found[0]):
         return [dict(zip(found[0], record, strict=False)) for record in found[1:] if isinstance(record, list)]
     return found
@@ -200,9 +197,8 @@ _LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
 # FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
 _ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
 _ROTATORS = {"p", "y", "r"}, {"pitch", "yaw", "roll"}
-_NAMELESS = Defect(
-    "cells-nameless", "no header names its vectors", "three numbers taken as the position, four as the rotation"
-)
+_TAKEN = "three numbers taken as the position, four as the rotation"
+_NAMELESS = Defect("cells-nameless", "no header names its vectors", _TAKEN)
 
 
 def cells_reader(start: bytes) -> Callable[[Path, str], Made | None] | None:
@@ -250,7 +246,6 @@ def _is_row(line: str) -> bool:
 
 
 def _cells(line: str, separator: str | None) -> Iterator[str]:
-    """Yield the cells of a line; brackets and quotes hold theirs together."""
     depth, quoted, begin = 0, False, 0
     for i, sign in enumerate(line):
         quoted ^= sign == '"'
@@ -264,7 +259,6 @@ def _cells(line: str, separator: str | None) -> Iterator[str]:
 
 
 def _parts(cell: str) -> list[tuple[str, str]]:
-    """Return label and number of each part; a cell of one value is a part without a label."""
     bare = cell.strip().strip('"').strip()
     if re.fullmatch(r"[-+]?[0-9]*,[0-9]+", bare):
         return [("", bare.replace(",", "."))]
@@ -281,7 +275,6 @@ def _parts(cell: str) -> list[tuple[str, str]]:
 
 
 def _header_name(cell: str) -> tuple[str, str]:
-    """Return a column's name, and the letters that it lists: Rotation (x, y, z, w)."""
     bare = cell.strip().strip('"').strip("# ")
     letters = re.search(r"[(\[{]((?:\s*[A-Za-z]\s*[,;\s])+\s*[A-Za-z])\s*[)\]}]$", bare)
     if letters is None:
@@ -310,7 +303,6 @@ _QUALISYS_FACTS |= dict.fromkeys(("order_by", "scale_by"), By.FORMAT)
 
 
 def _qualisys_made(path: Path, text: str) -> Made:
-    """Return a row for each body in each frame. Errors: TraceError for other data than 6D."""
     lines = [line.rstrip("\r\n\t").split("\t") for line in text.splitlines()]
     begin = next((i for i, row in enumerate(lines) if "Rot[0]" in row), None)
     about = {row[0]: row[1:] for row in lines[:begin]}
@@ -339,7 +331,6 @@ _BODIES = ("rigidbody", "bone", "skeletonbone")
 
 
 def _motive_made(path: Path, text: str) -> Made:
-    """Return a row for each body that is tracked in a frame. Errors: TraceError."""
     lines = list(csv.reader(text.splitlines()))
     begin = next((i for i, row in enumerate(lines) if row[:1] == ["Frame"]), None)
     if begin is None or begin < 4:
@@ -380,7 +371,6 @@ _DIRECTIONS = {
 
 
 def _bids_made(path: Path, text: str) -> Made:
-    """Return a row for each tracked point in each sample. Errors: TraceError."""
     stem, beside = str(path).removesuffix(_ENDING), path.with_name(path.name.removesuffix(_ENDING) + "_channels.tsv")
     if not beside.exists():
         raise TraceError(f"{path}: BIDS describes its columns in {beside.name}, which is not beside it")
@@ -465,19 +455,15 @@ def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | Non
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
 COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 # Name and number of parameters of each camera model, by its number in binary files.
-_MODELS = [
-    *(("SIMPLE_PINHOLE", 3), ("PINHOLE", 4), ("SIMPLE_RADIAL", 4), ("RADIAL", 5), ("OPENCV", 8)),
-    *(("OPENCV_FISHEYE", 8), ("FULL_OPENCV", 12), ("FOV", 5), ("SIMPLE_RADIAL_FISHEYE", 4)),
-    *(("RADIAL_FISHEYE", 5), ("THIN_PRISM_FISHEYE", 12)),
-]
-_POSE, _CAMERA, _COUNT = "<i7di", "<iiQQ", "<Q"
-_POINT_BYTES = 24
+_MODELS = [("SIMPLE_PINHOLE", 3), ("PINHOLE", 4), ("SIMPLE_RADIAL", 4), ("RADIAL", 5), ("OPENCV", 8)]
+_MODELS += [("OPENCV_FISHEYE", 8), ("FULL_OPENCV", 12), ("FOV", 5), ("SIMPLE_RADIAL_FISHEYE", 4)]
+_MODELS += [("RADIAL_FISHEYE", 5), ("THIN_PRISM_FISHEYE", 12)]
+_POSE, _CAMERA, _COUNT, _POINT_BYTES = "<i7di", "<iiQQ", "<Q", 24
+_MODEL = attrs.evolve(LIST, error=TraceError)
 
 
 @attrs.frozen(eq=False)
 class ColmapImage:
-    """An image and the pose of its camera."""
-
     where: str
     name: str
     camera_id: int
@@ -486,14 +472,11 @@ class ColmapImage:
 
     @property
     def position(self) -> NDArray[np.float64]:
-        """(3,) of the camera in the world."""
         return np.asarray(-self.rotation @ np.array(self.pose[4:]))
 
 
 @attrs.frozen
 class ColmapCamera:
-    """A camera of a model."""
-
     where: str
     model: str
     size: tuple[int, int]  # (w, h)
@@ -502,7 +485,7 @@ class ColmapCamera:
 
 def read_images(path: Path) -> list[ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
-    rows = _images_in_binary(path) if path.suffix == ".bin" else _images_in_text(path, _bytes(path))
+    rows = _images_in_binary(path) if path.suffix == ".bin" else _images_in_text(path, content_of(path, _MODEL))
     return sorted(rows, key=lambda image: image.name)
 
 
@@ -535,7 +518,7 @@ def _images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
 
 
 def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
-    raw = _bytes(path)
+    raw = content_of(path, _MODEL)
     stream = io.BytesIO(raw)
     for number in range(*_unpacked(path, stream, _COUNT)):
         _, *pose, camera_id = _unpacked(path, stream, _POSE)
@@ -543,9 +526,7 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
         stream.read(1)
         yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
         points = _POINT_BYTES * _unpacked(path, stream, _COUNT)[0]
-        stream.seek(min(points, len(raw)), io.SEEK_CUR)  # of 2^64 no file has the bytes
-        if stream.tell() > len(raw):
-            raise _cut(path)
+        _unpacked(path, stream, f"{min(points, len(raw))}x")  # of 2^64 no file has the bytes
 
 
 def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapImage:
@@ -559,7 +540,7 @@ def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapIm
 
 
 def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
-    for number, line in enumerate(_lines(path, _bytes(path)), 1):
+    for number, line in enumerate(_lines(path, content_of(path, _MODEL)), 1):
         words = line.split()
         if not words or words[0].startswith("#"):
             continue
@@ -572,7 +553,7 @@ def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
 
 
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
-    stream = io.BytesIO(_bytes(path))
+    stream = io.BytesIO(content_of(path, _MODEL))
     for number in range(*_unpacked(path, stream, _COUNT)):
         key, model, wide, high = _unpacked(path, stream, _CAMERA)
         if not 0 <= model < len(_MODELS):
@@ -584,16 +565,8 @@ def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
 def _unpacked(path: Path, stream: io.BytesIO, form: str) -> tuple[Any, ...]:
     data = stream.read(struct.calcsize(form))
     if len(data) < struct.calcsize(form):
-        raise _cut(path)
+        raise TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
     return struct.unpack(form, data)
-
-
-def _cut(path: Path) -> TraceError:
-    return TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
-
-
-def _bytes(path: Path) -> bytes:
-    return content_of(path, attrs.evolve(LIST, error=TraceError))
 
 
 def _lines(path: Path, raw: bytes) -> list[str]:

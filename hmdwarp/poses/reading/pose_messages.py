@@ -26,6 +26,7 @@ from .header import Made
 COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 _TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _FIELDS, _LISTS = {name: text.split() for name, text in _TABLE["fields"].items()}, _TABLE["lists"]
+WITH_POSES = {*_FIELDS, *_LISTS}  # types of messages
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
@@ -35,20 +36,13 @@ _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", 
 StampedPose = tuple[int, str, str, tuple[float, ...]]
 
 
-def has_poses(name: str) -> bool:
-    """Return whether messages of a type have a pose, such as nav_msgs/Odometry."""
-    return name in _FIELDS or name in _LISTS
-
-
 def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
-    """Yield the poses of a message of a type that has them."""
     if name in _LISTS:
         for transform in message.transforms:
             yield from poses_in(_LISTS[name], transform)
         return
-    stamp, parent, child, position, orientation = (
-        "" if path == "-" else operator.attrgetter(path)(message) for path in _FIELDS[name]
-    )
+    found = ("" if path == "-" else operator.attrgetter(path)(message) for path in _FIELDS[name])
+    stamp, parent, child, position, orientation = found
     numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
     whole, rest = next(pair for pair in _TABLE["stamps"].values() if all(hasattr(stamp, part) for part in pair))
     stamp_ns = int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
@@ -82,7 +76,6 @@ class PoseMessages:
         raise NotImplementedError
 
     def table(self) -> Made:
-        """Return every pose in the order of logging. Errors: TraceError without any."""
         rows, children, frames = [], dict[str, str](), dict[str, str]()  # frame -> the one it is in; topic -> frame
         for topic, logged_ns, (stamped_ns, parent, child, numbers) in self.poses():
             if child:
@@ -189,9 +182,9 @@ class McapPoses(PoseMessages):
         if channel.id not in self._decoders:
             name = "" if schema is None else schema.name.replace("/msg/", "/")
             coded, decode = channel.message_encoding, None
-            if has_poses(name) and coded == "json":
+            if name in WITH_POSES and coded == "json":
                 decode = lambda data: _by_name(parse_json(data))  # noqa: E731
-            elif has_poses(name):
+            elif name in WITH_POSES:
                 decode = next(filter(None, (f.decoder_for(coded, schema) for f in self._factories)), None)
             if decode is None:
                 self.held[channel.topic] = f"{name or 'no schema'}, {coded}"
@@ -205,7 +198,6 @@ _RECORD, _CHUNK, _CHUNK_HEAD = struct.Struct("<BQ"), 6, 32 + 8 + 8 + 18
 
 
 def _by_name(value: Any) -> Any:
-    """Return JSON with attributes in place of keys."""
     if isinstance(value, dict):
         return SimpleNamespace(**{key: _by_name(one) for key, one in value.items()})
     return [_by_name(one) for one in value] if isinstance(value, list) else value
@@ -225,6 +217,9 @@ def bag_at(path: Path) -> Path | None:
         return path
     found = [place for place in path.glob("*") if place.suffix in ENDINGS or (place / _METADATA).exists()]
     return found[0] if len(found) == 1 else None
+
+
+Logged = tuple[str, int, Any]  # topic, time in ns and message
 
 
 class Bag:
@@ -252,16 +247,13 @@ class Bag:
         # Type by topic, as ROS 1 names it: sensor_msgs/Image.
         self.topics = {each.topic: each.msgtype.replace("/msg/", "/") for each in self._reader.connections}
 
-    def messages(
-        self, topics: Collection[str], first_ns: int | None = None, last_ns: int | None = None
-    ) -> Iterator[tuple[str, int, Any]]:
+    def messages(self, topics: Collection[str], first_ns: Any = None, last_ns: Any = None) -> Iterator[Logged]:
         """Yield topic, time of logging in ns and message, of the instants from first to last."""
         chosen = [connection for connection in self._reader.connections if connection.topic in topics]
         stop_ns = None if last_ns is None else last_ns + 1
         try:
-            for connection, time_ns, raw in (
-                self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
-            ):
+            found = self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
+            for connection, time_ns, raw in found:
                 if not isinstance(time_ns, int):  # any column of SQLite may hold text
                     raise ValueError(f"a message at {time_ns!r}")  # noqa: TRY301 (said as the reader's own)
                 yield connection.topic, time_ns, self._reader.deserialize(raw, connection.msgtype)
@@ -315,25 +307,17 @@ class _Bounded:
 
 def _bound_unpacking() -> None:
     """Have rosbags unpack no more than most_unpacked; it would take what there is."""
-    first, second, mcap = (
-        import_extra(f"rosbags.{name}", "rosbags", BAGS_EXTRA)
-        for name in ("rosbag1.reader", "rosbag2.reader", "rosbag2.storage_mcap")
-    )
+    names = ("rosbag1.reader", "rosbag2.reader", "rosbag2.storage_mcap")
+    first, second, mcap = (import_extra(f"rosbags.{name}", "rosbags", BAGS_EXTRA) for name in names)
     lz4, zstd = import_extra("lz4.frame", "lz4", BAGS_EXTRA), vars(second)["zstd"]
     if isinstance(zstd, SimpleNamespace):
         return
-    first.decompressors["bz2"] = lambda data: unpacked(bz2.BZ2Decompressor(), data)
-
-    def of_lz4(data: bytes) -> bytes:
-        return unpacked(lz4.LZ4FrameDecompressor(), data)
-
-    def of_zstd(data: bytes) -> bytes:
-        return unpacked(zstd.ZstdDecompressor(), data)
-
-    first.decompressors["lz4"] = of_lz4
-    mcap.DECOMPRESSORS.update(lz4=lambda data, _: of_lz4(data), zstd=lambda data, _: of_zstd(data))
+    makers = {"bz2": bz2.BZ2Decompressor, "lz4": lz4.LZ4FrameDecompressor, "zstd": zstd.ZstdDecompressor}
+    bounded = {name: lambda data, *_, make=make: unpacked(make(), data) for name, make in makers.items()}
+    first.decompressors.update({name: bounded[name] for name in ("bz2", "lz4")})
+    mcap.DECOMPRESSORS.update({name: bounded[name] for name in ("lz4", "zstd")})
     vars(second)["zstd"] = SimpleNamespace(
-        decompress=of_zstd, open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
+        decompress=bounded["zstd"], open=lambda file, mode: _Bounded(file, zstd.open(file, mode))
     )
 
 
@@ -347,7 +331,6 @@ def _check_plain(path: Path) -> None:
 
 
 def stamp_ns(stamp: Any) -> int:
-    """Return the nanoseconds of a stamp."""
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
@@ -360,7 +343,7 @@ class BagPoses(PoseMessages):
 
     def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
         bag = Bag(self.path)
-        self.held = {topic: name for topic, name in bag.topics.items() if not has_poses(name)}
+        self.held = {topic: name for topic, name in bag.topics.items() if name not in WITH_POSES}
         for topic, logged_ns, message in bag.messages(bag.topics.keys() - self.held.keys()):
             for pose in poses_in(bag.topics[topic], message):
                 yield topic, logged_ns, pose

@@ -114,7 +114,6 @@ class Head:
         return np.array(good, dtype=np.float64).reshape(-1, len(columns))
 
     def column(self, name: str) -> int | None:
-        """Return the index of the column called exactly `name`."""
         return self.names.index(name) if self.names and name in self.names else None
 
     def describe(self) -> str:
@@ -124,7 +123,6 @@ class Head:
 
 
 def split(text: str, separator: str | None) -> list[str]:
-    """Return the fields of one line without blanks and quotes around them."""
     return [f.strip().strip('"').strip() for f in text.split(separator)]
 
 
@@ -301,7 +299,6 @@ class Recording:
 
     @property
     def where(self) -> str:
-        """The file, as errors name it."""
         return str(self.head.path)
 
     def keep(self, which: NDArray[np.bool_] | slice) -> None:
@@ -513,7 +510,6 @@ class RowReader:
         self._add(np.array(lines, dtype=np.int32), values, stamps, device)
 
     def _parse_line(self, text: str) -> tuple[list[float], tuple[int, int, bool, int], bytes]:
-        """Return the numbers, the time and the device of a line. Errors: ValueError."""
         layout, fields = self.layout, split(text, self.head.separator)
         if len(fields) == self._width + 1 and fields[-1] == "":
             fields.pop()
@@ -611,7 +607,6 @@ class Stamps:
         return len(self.whole)
 
     def text(self) -> str:
-        """Return the first stamp as a decimal number."""
         parts = f"{int(self.billionths[0]):09d}".rstrip("0")
         return f"{int(self.whole[0])}{'.' if parts else ''}{parts}"
 
@@ -630,7 +625,6 @@ def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
 
 
 def stamps_of(parsed: list[tuple[int, int, bool, int]]) -> Stamps:
-    """Return stamps of what `parse_one` gives."""
     whole, parts, decimals = (np.array([stamp[k] for stamp in parsed], dtype=np.int64) for k in (0, 1, 3))
     return Stamps(whole, parts, any(stamp[2] for stamp in parsed), decimals.astype(np.int8))
 

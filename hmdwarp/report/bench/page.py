@@ -199,8 +199,7 @@ def bench_page(data: Mapping[str, Any], crops: Sequence[Sequence[Crops]] = ()) -
         kind="bench",
         title=f"hmdwarp bench: {' '.join(title)}",
         heading=title,
-        facts=[page.fact(label, text) for label, text in facts if text]
-        + [page.fact("", text) for text in common(rows)],
+        facts=[page.fact(label, text) for label, text in facts if text],
         command=data.get("command") or "",
         sections=(
             choice

@@ -106,7 +106,6 @@ _POSES = ("at", "start", "pose", "viewpoint")  # keys of a place, or of a place 
 
 
 def stored_scene(name: str, table: dict[str, Any]) -> Scene:
-    """Return the scene of a table."""
     textures, meshes = textures_named(*table["textures"]), list[Mesh]()
     arrays: Arrays = {}
     if (path := _FOLDER / f"{name}.glb.xz").is_file():
@@ -130,7 +129,6 @@ def stored_scene(name: str, table: dict[str, Any]) -> Scene:
 
 
 def moving(table: dict[str, Any], inputs: InputLog, arrays: Arrays) -> dict[str, Any]:
-    """Return the bodies and lamps of a table; what reacts does so to these inputs."""
     bodies = {name: _made(name, said, arrays, inputs) for name, said in table.get("bodies", {}).items()}
     lamps = []
     for name, said in table.get("lamps", {}).items():

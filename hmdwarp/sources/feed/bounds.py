@@ -16,8 +16,6 @@ class OutOfBounds(ValueError):
 
 @attrs.frozen
 class Bound:
-    """What one number of a message may be."""
-
     what: str
     least: float
     most: float

@@ -71,10 +71,6 @@ class Alignment:
         return jumped
 
     @property
-    def is_known(self) -> bool:
-        return bool(self._kept)
-
-    @property
     def _by_round_trip(self) -> list[Exchange]:
         return sorted(self._kept, key=lambda one: one.round_trip_ns)
 
@@ -100,7 +96,6 @@ class Alignment:
         return slope if abs(slope) <= MOST_DRIFT else None
 
     def summary(self) -> dict[str, float | int | None]:
-        """Return what summary.json has of the clocks; a drift of None is not known."""
         known: dict[str, float | int | None] = {}
         if self._kept:
             known = {"offset_ms": self.offset_ns / 1e6, "drift_ppm": self.drift and self.drift * 1e6}
@@ -122,12 +117,7 @@ class Arrival:
 
 
 class Caller:
-    """One client of a server, with a thread of its own so that arrivals are noted as they happen.
-
-    A server that goes away, or silent, is called again until it is back; requests without a
-    connection are dropped. server_key: its public key, to encrypt. Errors: InputError for an
-    address that is none; MachineError without the library.
-    """
+    """One client of a server, with a thread of its own, that calls again what goes away."""
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
         self._zmq: Any = sockets.zmq_module()
@@ -156,6 +146,8 @@ class Caller:
         if server_key:
             socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
             socket.curve_serverkey = server_key
+        failed = "EVENT_HANDSHAKE_FAILED_NO_DETAIL", "EVENT_HANDSHAKE_FAILED_PROTOCOL"
+        self._no_handshakes = sum(getattr(self._zmq, name) for name in failed)
         told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
         events = socket.get_monitor_socket(told)
         try:
@@ -246,10 +238,6 @@ class Caller:
             events.close(0)
             socket.close(0)
             orders.close(0)
-
-    @property
-    def _no_handshakes(self) -> int:
-        return int(self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
 
     def _cut_if_silent(self, now_ns: int) -> None:
         hearing = self._hearing

@@ -31,7 +31,6 @@ _MOST_WAITING = 2  # frames that wait for a client: the one that is under way, a
 _MOST_CLIENTS = 64
 _LOOK_MS = 2  # what a frame waits for may come at any time, but tells nobody
 _STUCK_NS = 1_000_000_000  # frames that wait longer than this for their client make room for others'
-_NEVER_NS = 1 << 63  # when a frame waits that does not
 # Lines of one kind and address, and all lines, in a second.
 _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
@@ -47,8 +46,7 @@ class _Waiting:
 class _Client:
     name: str
     received_ns: int
-    # None where the system does not say.
-    connection: Connection | None
+    connection: Connection | None  # None where the system does not say
     newest: int = 0
     ask: tuple[Ask, int] | None = None
     passed_over: int = 0
@@ -58,11 +56,6 @@ class _Client:
     @property
     def address(self) -> str:
         return self.connection.address if self.connection is not None else ""
-
-    def note(self, ask: Ask, now_ns: int) -> None:
-        self.received_ns, self.newest = now_ns, ask.number
-        self.passed_over += self.ask is not None
-        self.ask = ask, now_ns
 
 
 @attrs.frozen(eq=False)
@@ -122,10 +115,8 @@ class Listener:
     ) -> None:
         where = sockets.address_of(address, "--listen", serves=True)
         if not (sockets.is_local(where) or secret or pair or is_open):
-            raise InputError(
-                f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "
-                "or --token-file FILE, or --open to let anybody in"
-            )
+            hint = "give --key-pair NAME or --token-file FILE, or --open to let anybody in"
+            raise InputError(f"--listen {address}: beyond this machine it wants a key pair or a shared secret: {hint}")
         self._zmq: Any = sockets.zmq_module()
         self._token, self._log, self._is_encrypted = message.token_of(secret), _Log(say), pair is not None
         self.places = sockets.Places(self._log.say, per_address)  # for the web's door beside it
@@ -139,13 +130,8 @@ class Listener:
         self._socket = self._context.socket(self._zmq.ROUTER)
         # Frames of any size are given without a copy, so that it is known when they have left.
         self._socket.copy_threshold = 0
-        own = sockets.CALLS | {
-            "RCVHWM": 0,
-            "SNDHWM": 64,
-            "RCVBUF": sockets.KERNEL_BYTES,
-            "MAXMSGSIZE": message.LARGEST_ASK + sockets.SEAL_BYTES,
-        }
-        own |= {"ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0, "IPV6": "[" in where}
+        own = sockets.CALLS | {"RCVHWM": 0, "SNDHWM": 64, "RCVBUF": sockets.KERNEL_BYTES, "IPV6": "[" in where}
+        own |= {"MAXMSGSIZE": message.LARGEST_ASK + sockets.SEAL_BYTES, "ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0}
         sockets.set_options(self._zmq, self._socket, sockets.LINK | own)
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
@@ -199,10 +185,22 @@ class Listener:
             return False
         self._left = [one for one in self._left if not one.tracker.done]
         waiting = [*self._left, *(one for each in self._clients.values() for one in each.waiting)]
-        if sum(one.bytes for one in waiting) + size > MOST_OF_ALL:
-            self._make_room(who)
-            return False
-        return True
+        if sum(one.bytes for one in waiting) + size <= MOST_OF_ALL:
+            return True
+        # Whoever has the oldest frame, of the address that holds most; not who asks.
+        held_by: Counter[str] = Counter()
+        for other, each in self._clients.items():
+            held_by[each.address] += self._held(other)
+        since = {other: each.waiting[0].since_ns for other, each in self._clients.items() if each.waiting}
+        before_ns, most = time.monotonic_ns() - _STUCK_NS, max(held_by.values())
+        stuck = [
+            (since_ns, other)
+            for other, since_ns in since.items()
+            if other != who and held_by[self._clients[other].address] == most and since_ns < before_ns
+        ]
+        if stuck:
+            self._cut(min(stuck)[1], "cut, as its frames wait and leave no room for others'")
+        return False
 
     def _held(self, who: bytes) -> int:
         client = self._clients[who]
@@ -214,24 +212,6 @@ class Listener:
                 break
             waiting.popleft()
         return sum(one.bytes for one in waiting)
-
-    def _make_room(self, who: bytes) -> None:
-        """Cut whoever has the oldest frame, of the address that holds most; not who asks."""
-        held: Counter[str] = Counter()
-        for other, client in self._clients.items():
-            held[client.address] += self._held(other)
-        now_ns, most = time.monotonic_ns(), max(held.values())
-        stuck = [
-            (self._since(other), other)
-            for other, client in self._clients.items()
-            if other != who and held[client.address] == most and now_ns - self._since(other) > _STUCK_NS
-        ]
-        if stuck:
-            self._cut(min(stuck)[1], "cut, as its frames wait and leave no room for others'")
-
-    def _since(self, who: bytes) -> int:
-        waiting = self._clients[who].waiting
-        return waiting[0].since_ns if waiting else _NEVER_NS
 
     def _cut(self, who: bytes, why: str) -> None:
         if (connection := self._clients[who].connection) is not None:
@@ -261,17 +241,17 @@ class Listener:
         try:
             ask = message.decode(parts[0])
         except message.BadRequest as error:
-            self._send(who, encode(Refusal(error.number, str(error))))
+            self._send(who, Refusal(error.number, str(error)))
             raise
         if not isinstance(ask, Ask):
             raise Malformed("a message for clients: expected a request")
         if not hmac.compare_digest(ask.token, self._token):
-            self._send(who, encode(Refusal(ask.number, "the token is not the server's")))
+            self._send(who, Refusal(ask.number, "the token is not the server's"))
             raise Malformed("another token than the server's")
         client = self._clients.get(who)
         if client is None:
             if len(self._clients) >= _MOST_CLIENTS:
-                self._send(who, encode(Refusal(ask.number, f"{_MOST_CLIENTS} clients are here already")))
+                self._send(who, Refusal(ask.number, f"{_MOST_CLIENTS} clients are here already"))
                 raise Malformed(f"a client too many: there are {_MOST_CLIENTS}")
             self._count += 1
             client = self._clients[who] = _Client(f"client {self._count}", now_ns, connection)
@@ -281,7 +261,8 @@ class Listener:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
         if client.ask is None:
             client.spent_ns = max(client.spent_ns, self._begun_ns)  # who did not ask has saved up nothing
-        client.note(ask, now_ns)
+        client.passed_over += client.ask is not None  # what it replaces was never drawn
+        client.received_ns, client.newest, client.ask = now_ns, ask.number, (ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
 
@@ -314,10 +295,10 @@ class Listener:
         who = asked.client
         if who not in self._clients or not self._has_room(who, frame.bytes):
             return False
-        return self._send(who, message.copied(frame))
+        return self._send(who, frame)
 
     def leave_out(self, asked: Asked) -> None:
-        self._send(asked.client, encode(message.Unchanged(asked.ask.number)))
+        self._send(asked.client, message.Unchanged(asked.ask.number))
 
     def tell(self, asked: Asked, what: str) -> None:
         if asked.client in self._clients:
@@ -329,9 +310,10 @@ class Listener:
         if asked.client in self._clients:  # else it has gone meanwhile
             client = self._clients[asked.client]
             self._log.say("refused", client.address, f"{client.name}: refused: {why}")
-            self._send(asked.client, encode(Refusal(asked.ask.number, why)))
+            self._send(asked.client, Refusal(asked.ask.number, why))
 
-    def _send(self, who: bytes, data: message.Data) -> bool:
+    def _send(self, who: bytes, what: message.Message) -> bool:
+        data = message.copied(what) if isinstance(what, FrameMessage) else encode(what)
         try:
             tracker = self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False, track=True)
         except self._zmq.Again:
@@ -409,7 +391,13 @@ def serve(
 
 @contextmanager
 def serving(render: Render, listen: str = "127.0.0.1:*", **who: Any) -> Iterator[str]:
-    """Serve in a thread while the block runs; gives the address. Errors: as serve, at the end."""
+    """Serve in a thread while the block runs; gives the address for `--connect`.
+
+    Parameters
+    ----------
+    render, listen, who
+        As for serve. What render raises is raised at the end of the block.
+    """
     is_over = threading.Event()
     with closing(_listener(listen, **who)) as listener, ThreadPoolExecutor(1) as thread:
         running = thread.submit(_run, listener, render, lambda: not is_over.is_set())

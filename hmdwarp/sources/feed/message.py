@@ -1,8 +1,4 @@
-"""The messages of the feed, as docs/feed.md has them: little-endian, every length checked.
-
-Whatever bytes come in, decoding returns a message or raises Malformed, and holds no more memory
-than they do; parts that are packed stay so.
-"""
+"""The messages of the feed, see docs/feed.md: any bytes decode to a message or raise Malformed."""
 
 from __future__ import annotations
 
@@ -128,18 +124,15 @@ class Ask:
     time_ns: int  # of the scene: what moves is drawn where it is then
     head_ns: int  # for which the head pose is; later than time_ns if it was predicted
     received: int  # the newest frame that the client has, 0 for none
-    # (w, h) of one eye.
-    size: Size
+    size: Size  # (w, h) of one eye
     head: Pose
     views: tuple[View, ...]
-    # SHA-256 of the shared secret; zeros for none.
-    token: bytes = _NO_TOKEN
+    token: bytes = _NO_TOKEN  # SHA-256 of the shared secret; zeros for none
     wish: Wish = Wish()
     anew: bool = False  # whether the pictures must be decodable without any before
     wanted: Wanted | None = None  # layers that the client reads besides colour and depth; None for nothing
     session: Session | None = None  # only where the server's frames have said that they may have it
-    # Likewise: pictures come coarser away from the views' gaze, on the grid in layer "foveated".
-    fovea: Fovea | None = None
+    fovea: Fovea | None = None  # likewise: coarser away from the views' gaze, on the grid in layer "foveated"
     inputs: tuple[InputEvent, ...] = ()  # what people did until the instant to draw; likewise
 
 
@@ -147,8 +140,7 @@ class Ask:
 class DepthCodes:
     """Inverse depth in 16 bits: a code times the step, in 1/m; 65535 where nothing was drawn."""
 
-    # (h, w) uint16, top row first; 0 is infinitely far.
-    codes: NDArray[np.uint16]
+    codes: NDArray[np.uint16]  # (h, w) uint16, top row first; 0 is infinitely far
     step: float
 
     @property
@@ -176,8 +168,7 @@ class FrameMessage:
 
     number: int
     asked_ns: int  # as the request had it, on the client's clock
-    # On the server's clock.
-    received_ns: int
+    received_ns: int  # on the server's clock, as the next
     sent_ns: int
     render_ns: int
     time_ns: int
@@ -191,18 +182,14 @@ class FrameMessage:
     colour: int = RGBA16F
     depth: int = INVERSE_DEPTH
     coded_size: Size = (0, 0)
-    # Of coded pictures: whether this one can be decoded without those before, and its place: the
-    # next one's is 1 more.
-    begins: bool = True
-    place: int = 0
+    begins: bool = True  # of coded pictures: whether this one can be decoded without those before
+    place: int = 0  # the next one's is 1 more
     layers: tuple[Layers, ...] = ()  # further layers of each eye; () for none
     takes_hidden: bool = False  # whether the server leaves out what requests say is hidden of their views
-    # Whether requests may have a session, and the last 16 bits of the id that its began with.
-    takes_session: bool = False
-    began: int = 0
-    # Whether requests may have a fovea; the client's: the grid of each eye's foveated pictures.
-    takes_fovea: bool = False
-    grids: tuple[FoveaGrid, ...] = ()
+    takes_session: bool = False  # whether requests may have a session
+    began: int = 0  # the last 16 bits of the id that it began with
+    takes_fovea: bool = False  # whether requests may have a fovea
+    grids: tuple[FoveaGrid, ...] = ()  # the client's, of each eye's foveated pictures
     takes_inputs: bool = False  # whether requests may have inputs: what is drawn reacts to them
 
     @property
@@ -255,8 +242,6 @@ class Refusal:
 
 @attrs.frozen
 class Unchanged:
-    """A request that is answered by no frame, as nothing has changed since the last one."""
-
     number: int
 
 
@@ -265,7 +250,6 @@ Piece = bytes | NDArray[Any]  # of a message: bytes, or an array whose bytes fol
 
 
 def request_bytes(eyes: int) -> int:
-    """Return the bytes of a request for so many eyes that wishes for no further layers."""
     return _HEAD.size + _ASK.size + _POSE.size + eyes * _EYE.size
 
 
@@ -490,10 +474,8 @@ def _frame(data: Data) -> FrameMessage:
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
     if colour not in (*COLOURS, NONE) or depth not in (*DEPTHS, NONE):
-        raise Malformed(
-            f"formats {colour} and {depth}: expected {RGBA16F} to {COLOURS[-1]} for colour, {INVERSE_DEPTH} to "
-            f"{DEPTHS[-1]} for depth, {NONE} for none"
-        )
+        why = f"{INVERSE_DEPTH} to {DEPTHS[-1]} for depth, {NONE} for none"
+        raise Malformed(f"formats {colour} and {depth}: expected {RGBA16F} to {COLOURS[-1]} for colour, {why}")
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
     lengths = [_LENGTHS.unpack_from(data, at + eye * _LENGTHS.size) for eye in range(eyes)]

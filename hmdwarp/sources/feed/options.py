@@ -1,7 +1,6 @@
-"""Options of a client of the feed, the secret it shares with its server, and a server's key pair.
+"""Options of a client of the feed, the secret it shares with its server, a server's key pair.
 
-CURVE encrypts both ways, and only who has the public key gets in. Source: ZeroMQ RFC 26 (CurveZMQ),
-Bernstein's CurveCP and Curve25519.
+Source: ZeroMQ RFC 26 (CurveZMQ), Bernstein's CurveCP and Curve25519.
 """
 
 from __future__ import annotations
@@ -53,9 +52,8 @@ class FeedOptions(Declared):
 
     def __attrs_post_init__(self) -> None:
         if self.added_latency_ms and not self.connect:
-            raise InputError(
-                f"--added-latency {self.added_latency_ms:g} ms: it is for --connect; say --latency, or name the server"
-            )
+            hint = "it is for --connect; say --latency, or name the server"
+            raise InputError(f"--added-latency {self.added_latency_ms:g} ms: {hint}")
         for name, value in (
             ("--server-key", self.server_key),
             ("--token-file", self.token_file),
@@ -66,7 +64,6 @@ class FeedOptions(Declared):
 
 
 def secret_in(path: Path | None) -> str:
-    """Return the secret in a file, "" for none. Errors: InputError."""
     if path is None:
         return ""
     text = text_in(path, SECRET).strip()
@@ -106,7 +103,6 @@ def key_pair(name: Path) -> tuple[KeyPair, bool]:
 
 
 def public_key(path: Path | None) -> bytes:
-    """Return the server's public key in its file, b"" for none. Errors: InputError."""
     return b"" if path is None else _keys_in(path, f"--server-key {path}")[0]
 
 

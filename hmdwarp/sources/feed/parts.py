@@ -27,13 +27,8 @@ _SETTINGS, _SETTING = struct.Struct("<HH"), struct.Struct("<d")
 HEAD = struct.Struct("<16sBBBxIII")  # name of a layer, eye, format, whether it is packed, width, height, bytes
 # By number of the format: how numbers are stored, and how many there are a pixel, or in one place
 # of a table.
-FORMATS: dict[int, tuple[np.dtype, int]] = {
-    1: (np.dtype("<f2"), 4),
-    2: (np.dtype("<f4"), 1),
-    3: (np.dtype("<u2"), 1),
-    4: (np.dtype("<f8"), 1),
-    5: (np.dtype("u1"), 1),
-}
+_KINDS = (("<f2", 4), ("<f4", 1), ("<u2", 1), ("<f8", 1), ("u1", 1))
+FORMATS = dict(enumerate(((np.dtype(kind), count) for kind, count in _KINDS), 1))
 TABLE, BYTES = 4, 5
 _NAME = re.compile(rb"([a-z_]{1,16})\0*")
 _LEVEL = 1
@@ -48,9 +43,8 @@ class Wanted:
     """Which further layers a client reads, and the shown picture, whose size some of them have."""
 
     layers: tuple[tuple[str, int | Rows], ...]  # name of each, and how much of it: a number, or rows of settings
-    # (w, h) of the shown picture, and the field of view of each eye's.
-    size: Size
-    fovs: tuple[Fov, ...]
+    size: Size  # (w, h) of the shown picture
+    fovs: tuple[Fov, ...]  # of each eye's
 
 
 @attrs.frozen(eq=False)
@@ -84,7 +78,6 @@ def packed(numbers: Array) -> Packed:
 
 
 def format_of(numbers: Array) -> int:
-    """Return the format of (h, w), or (h, w, channels), numbers. Errors: ValueError."""
     for found, (kind, channels) in FORMATS.items():
         if numbers.dtype == kind and numbers.shape[2:] == ((channels,) if channels > 1 else ()):
             return found
@@ -139,7 +132,6 @@ def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tu
 
 
 def fov_of(left: float, right: float, down: float, up: float) -> Fov:
-    """Return the field of view of a message. Errors: OutOfBounds; InputError."""
     bounds.EXTENT.check(right - left, up - down)
     return Fov(left, right, down, up)
 

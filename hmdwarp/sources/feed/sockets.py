@@ -1,8 +1,7 @@
 """What both ends know of the library: addresses, and connections that hold little.
 
-The library bounds messages, not the parts of one: a message without an end is never handed over and
-never dropped. So what each connection has sent is compared, by the operating system's count, with
-what came out as whole messages.
+The library bounds messages, not the parts of one, so what each connection has sent is compared, by
+the operating system's count, with what came out as whole messages.
 """
 
 from __future__ import annotations
@@ -49,15 +48,8 @@ SILENCE_NS, LOOK_NS = 1_500_000_000, 100_000_000
 # is called, over a connection that has ended while as many messages as RCVHWM allows waited. So
 # there is no RCVHWM: who sends more than may wait is cut by the system's count.
 CALLS = {"HEARTBEAT_IVL": 500, "HEARTBEAT_TIMEOUT": 60_000}
-LINK = {
-    "LINGER": 0,
-    "HANDSHAKE_IVL": SILENT_NS // 1_000_000,
-    "TCP_KEEPALIVE": 1,
-    "TCP_KEEPALIVE_IDLE": 5,
-    "TCP_KEEPALIVE_INTVL": 1,
-    "TCP_KEEPALIVE_CNT": 5,
-    "TCP_MAXRT": SILENT_NS // 1_000_000,
-}
+LINK = {"LINGER": 0, "HANDSHAKE_IVL": SILENT_NS // 1_000_000, "TCP_MAXRT": SILENT_NS // 1_000_000}
+LINK |= {"TCP_KEEPALIVE": 1, "TCP_KEEPALIVE_IDLE": 5, "TCP_KEEPALIVE_INTVL": 1, "TCP_KEEPALIVE_CNT": 5}
 KERNEL_BYTES = 1 << 14  # buffer of the kernel for each connection
 _EVERY_MS, _MOST_EVENTS = 20, 4096
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
@@ -75,7 +67,6 @@ def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
 
 
 def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
-    """Return the parts of a socket's next message, [] where there is none."""
     parts: list[Any] = []
     with contextlib.suppress(zmq.Again):
         parts = one.recv_multipart(zmq.NOBLOCK, copy=copy)
@@ -127,7 +118,6 @@ class Wire:
         return cls(descriptor, (found.st_dev, found.st_ino))
 
     def handle(self) -> socket.socket:
-        """Return another handle of the connection. Errors: OSError where it is closed."""
         descriptor = os.dup(self.descriptor)
         try:
             if Wire.of(descriptor).opens != self.opens:
@@ -160,8 +150,6 @@ class Connection:
 
 @attrs.define(eq=False)
 class Places:
-    """What the feed's door and the web's share; a page is at both and counts at the feed's."""
-
     # Takes a kind, an address, and a line, of which so many a second are written.
     note: Callable[[str, str, str], None] = lambda kind, address, text: None
     per_address: int = MOST_OF_ADDRESS
@@ -176,11 +164,7 @@ class Places:
 
 
 class Connections:
-    """Cut connections that send without end, are silent, or too many, from a thread of its own.
-
-    Where there are too many, an idle one makes room: one that has never made a valid request first,
-    then one at the web's door. Endless messages are found on Linux.
-    """
+    """Cut connections that send without end, are silent, or too many; an idle one first."""
 
     def __init__(self, zmq: Any, router: Any, places: Places) -> None:
         self._zmq, self._places = zmq, places

@@ -1,8 +1,4 @@
-"""Repairs: one file each, registered by name; each mends depth as cameras give it, before a warp.
-
-A camera leaves pixels without depth, mixes near and far at silhouettes, and may hold its depth a
-few pixels off its colour.
-"""
+"""Repairs, by name: each mends depth as cameras give it (holes, mixed edges), before a warp."""
 
 from __future__ import annotations
 
@@ -17,20 +13,16 @@ from ...errors import InputError, in_brief
 from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
-repairs: Registry[type[Repair]] = Registry(
-    "repair",
-    __name__,
-    columns="needs settings=Settings source",
-    modules=dict.fromkeys(("complete", "edges", "none"), "edges"),
-)
+_MODULES = dict.fromkeys(("complete", "edges", "none"), "edges")
+_COLUMNS = "needs settings=Settings source"
+repairs: Registry[type[Repair]] = Registry("repair", __name__, columns=_COLUMNS, modules=_MODULES)
 
 
 def parse_repairs(text: str) -> RepairChain:
     """Parse 'edges+complete', with 'name:key=value,..'. Errors: UnknownNameError, InputError."""
     if not isinstance(text, str):
-        raise InputError(
-            f"repair is {in_brief(text)}: expected a name: {', '.join(repairs.names())}, or several with +"
-        )
+        why = f"{', '.join(repairs.names())}, or several with +"
+        raise InputError(f"repair is {in_brief(text)}: expected a name: {why}")
     chain = tuple(parse_choice(repairs, part.strip()) for part in text.split("+"))
     if len(chain) > 1 and not all(choice.entry.is_pass for choice in chain):
         raise InputError(f"repair '{text}': 'none' in a chain means nothing; leave it out")
@@ -51,11 +43,6 @@ class MeasuredDepth:
 
     inverse_depth: Pixels  # 1/m along -z; 0 is infinitely far, NaN is no depth
     confidence: Pixels  # 1 as measured, less where it is a guess, 0 where there is no depth
-
-    @classmethod
-    def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
-        inverse = np.asarray(inverse_depth, np.float32)
-        return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
 
 
 class Repair(ABC):
@@ -78,14 +65,13 @@ class Repair(ABC):
 
 @attrs.frozen
 class RepairChain:
-    """Repairs, one after the other; without any, depth stays as it was."""
-
     steps: tuple[Repair, ...] = ()
     text: str = "none"  # the shortest text that makes the same chain
 
     def run(self, colour: Pixels, inverse_depth: NDArray[Any]) -> MeasuredDepth:
         """Return the repaired depth of colour (h, w, 3) sRGB 0 to 1 and (h, w) 1/m or NaN."""
-        depth = MeasuredDepth.measured(inverse_depth)
+        inverse = np.asarray(inverse_depth, np.float32)
+        depth = MeasuredDepth(inverse, (~np.isnan(inverse)).astype(np.float32))
         for step in self.steps:
             depth = step.run(colour, depth)
         known = (depth.inverse_depth >= 0) & (depth.confidence > 0)

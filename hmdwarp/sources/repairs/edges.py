@@ -33,12 +33,7 @@ class EdgesSettings(SurfaceSettings):
 
 @repairs.register
 class Edges(Repair):
-    """Line depth up with colour, and remove flying pixels.
-
-    Depth is moved as a whole, by whole pixels, to where its jumps meet the most contrast of colour,
-    if that place stands out. A pixel between two surfaces, nearer than the one on its one side and
-    farther than the one on the other, is on neither: it loses its depth.
-    """
+    """Line depth up with colour where its jumps meet contrast, and remove flying pixels."""
 
     name = "edges"
     summary = "depth moves to where its silhouettes meet those of the colour; depth between two surfaces is taken out"
@@ -101,8 +96,15 @@ def _moved(values: Pixels, down: int, right: int, empty: float) -> Pixels:
 
 def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
     """Return pixels farther than a neighbour, one or two away, and nearer than the opposite one."""
+    beside = np.zeros(inverse.shape, bool)  # of a jump of depth along a row or a column
+    for axis in (0, 1):
+        there, marks = np.moveaxis(inverse, axis, 0), np.moveaxis(beside, axis, 0)
+        for distance in range(1, _REACH + 1):
+            jumps = settings.apart(there[distance:], there[:-distance])
+            marks[distance:] |= jumps
+            marks[:-distance] |= jumps
     around = np.pad(inverse, _REACH, constant_values=np.nan)
-    at = np.flatnonzero(np.pad(_beside_jumps(inverse, settings), _REACH))
+    at = np.flatnonzero(np.pad(beside, _REACH))
     depths, wide = around.ravel(), around.shape[1]
     here = depths[at]
     nearest_beside, found = settings.nearest_beside(here), np.zeros(len(at), bool)
@@ -115,18 +117,6 @@ def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bo
     flying = np.zeros(depths.shape, bool)
     flying[at[found]] = True
     return flying.reshape(around.shape)[_REACH:-_REACH, _REACH:-_REACH]
-
-
-def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
-    found = np.zeros(inverse.shape, bool)
-    for axis in (0, 1):
-        for distance in range(1, _REACH + 1):
-            there = np.moveaxis(inverse, axis, 0)
-            jumps = settings.apart(there[distance:], there[:-distance])
-            marks = np.moveaxis(found, axis, 0)
-            marks[distance:] |= jumps
-            marks[:-distance] |= jumps
-    return found
 
 
 @repairs.register
@@ -228,7 +218,14 @@ def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: 
         weights.append(np.where(found, alike / (distance * distance), np.float32(0)))
         distances.append(distance)
     values, weight, away = np.stack(proposed), np.stack(weights), np.stack(distances)
-    best = _most_supported(values, weight, settings)
+    support = weight.copy()  # of each proposal, by those of the same surface
+    for index in range(len(values)):
+        for other in range(index + 1, len(values)):
+            same = ~settings.apart(values[index], values[other])
+            support[index] += same * weight[other]
+            support[other] += same * weight[index]
+    support[weight == 0] = -1
+    best = np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
     belongs = ~settings.apart(values, best) & (weight > 0)
     share, total = (weight * belongs).sum(axis=0), weight.sum(axis=0)
     nearest = np.where(belongs, away, np.inf).min(axis=0) * np.float32(pixel / settings.reach)
@@ -238,18 +235,6 @@ def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: 
     depths, sureness = depths.copy(), confidence.ravel()
     depths[gaps], sureness[gaps] = guess, sure
     return depths.reshape(inverse.shape), sureness.reshape(inverse.shape)
-
-
-def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) -> Pixels:
-    support = weight.copy()
-    for index in range(len(values)):
-        for other in range(index + 1, len(values)):
-            same = ~settings.apart(values[index], values[other])
-            support[index] += same * weight[other]
-            support[other] += same * weight[index]
-    support[weight == 0] = -1
-    best: Pixels = np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
-    return best
 
 
 def _nearest_known(known: NDArray[np.bool_], gaps: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:
@@ -275,11 +260,7 @@ def _up_and_down(
     known: NDArray[np.bool_], rows: NDArray[np.intp], columns: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the row of the first known pixel above and below each place, -1 for none."""
-    above, below = _last_known(known), len(known) - 1 - _last_known(known[::-1])[::-1]
-    found = below[rows, columns]
-    return above[rows, columns], np.where(found < len(known), found, -1)
-
-
-def _last_known(known: NDArray[np.bool_]) -> NDArray[np.intp]:
     line = np.arange(len(known), dtype=np.int32)[:, None]
-    return np.maximum.accumulate(np.where(known, line, np.int32(-1)), axis=0)
+    above, under = (np.maximum.accumulate(np.where(one, line, np.int32(-1)), axis=0) for one in (known, known[::-1]))
+    found = (len(known) - 1 - under[::-1])[rows, columns]
+    return above[rows, columns], np.where(found < len(known), found, -1)

@@ -6,7 +6,7 @@ import io
 import math
 import re
 import reprlib
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
@@ -94,27 +94,27 @@ class Camera:
         return self.fy < 0
 
 
+def floats_in(words: Iterable[str]) -> list[float]:
+    """Return the numbers in words, none where one is something else."""
+    try:
+        return [float(word.encode("ascii")) for word in words]
+    except ValueError:
+        return []
+
+
 def parse_intrinsics(text: str) -> Camera:
     """Return the camera of 'FX,FY,CX,CY'. Errors: InputError."""
-    try:
-        numbers = [float(part.encode("ascii")) for part in text.split(",")]
-    except ValueError:
-        numbers = []
+    numbers = floats_in(text.split(","))
     if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or 0 in numbers[:2] or numbers[0] < 0:
-        raise InputError(
-            f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; a negative FY says "
-            "that the camera's y points up"
-        )
+        hint = "a negative FY says that the camera's y points up"
+        raise InputError(f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; {hint}")
     return Camera.of(numbers)
 
 
 def parse_projection(text: str) -> Camera:
     """Return the camera of a 4x4 matrix of OpenGL, WebXR, Unity, OpenVR. Errors: InputError."""
     try:
-        numbers = [float(part) for part in text.replace(",", " ").split()]
-    except ValueError:
-        numbers = []
-    try:
+        numbers = floats_in(text.replace(",", " ").split())
         return Camera(1, 1, 0, 0, projected=Fov.from_projection(numbers))
     except InputError as error:
         raise InputError(f"--projection '{text}': {error}") from error
@@ -123,10 +123,8 @@ def parse_projection(text: str) -> Camera:
 def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -> Camera | None:
     """Return the camera that a JSON object describes, None where it has no intrinsics.
 
-    Known are `intrinsics` (fx, fy, cx, cy), a matrix by any of the names in MATRICES, nested or
-    flat, by rows or by columns, `fx` .. `cy`, and `fl_x` .. `cy` and `camera_angle_x` of
-    nerfstudio. centre: of the first pixel, unless `centre` says so.
-    Errors: InputError, which names a lens distortion.
+    Known: `intrinsics`, a matrix of MATRICES, by rows or columns, `fx` .. `cy`, `fl_x` .. and
+    `camera_angle_x`. centre: of the first pixel. Errors: InputError, also for lens distortion.
     """
     refuse_distortion(where, data)
     sides = [
@@ -151,9 +149,8 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     else:
         return None
     if not fx > 0 or fy == 0:
-        raise InputError(
-            f"{where}: focal lengths fx {fx:g}, fy {fy:g}: expected fx above 0 and fy other than 0, in pixels"
-        )
+        expected = "expected fx above 0 and fy other than 0, in pixels"
+        raise InputError(f"{where}: focal lengths fx {fx:g}, fy {fy:g}: {expected}")
     return Camera(fx, fy, cx, cy, size, centre)
 
 
@@ -192,7 +189,6 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
 
 
 def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
-    """Raise InputError, with its name and value, for a lens that is no pinhole."""
     model = str(data.get("camera_model") or data.get("model") or "PINHOLE").upper()
     if model not in _PLAIN_MODELS:
         raise InputError(f"{where}: camera model {model}; expected a pinhole without distortion: {_UNDISTORT}")
@@ -229,14 +225,12 @@ def numbers_of(where: str | Path, key: str, value: Any, count: int) -> tuple[flo
     return tuple(number_of(where, key, entry) for entry in value)
 
 
+_INF = math.inf
+Where = str | Path  # a file, or a place in one
+
+
 def number_of(
-    where: str | Path,
-    key: str,
-    value: Any,
-    expected: str = "a finite number",
-    *,
-    above: float = -math.inf,
-    most: float = math.inf,
+    where: Where, key: str, value: Any, expected: str = "a finite number", *, above: float = -_INF, most: float = _INF
 ) -> float:
     """Return a finite number in this range. expected: the range in words. Errors: InputError."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
@@ -246,70 +240,11 @@ def number_of(
 
 
 def seconds_of(where: str | Path, key: str, value: Any) -> float:
-    """Return an instant in seconds that 64 bits of nanoseconds hold. Errors: InputError."""
     return number_of(where, key, value, "seconds, -9e9 to 9e9", above=-9e9, most=9e9)
 
 
 def scale_of(where: str | Path, value: Any) -> float:
     return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
-
-
-Matrix = NDArray[np.float64]
-LAST = (0.0, 0.0, 0.0, 1.0)
-_NOTHING = 1e-12
-_WITHIN = 1e-3
-
-
-def square_of(where: str, value: Any) -> Matrix:
-    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
-    try:
-        found = np.array(value, np.float64)
-    except (TypeError, ValueError):
-        found = np.empty(0)
-    if found.shape == (12,):
-        found = found.reshape(3, 4)
-        if not turns(found[:, :3]) and turns(found.reshape(4, 3)[:3]):
-            found = found.reshape(4, 3)
-    found = found.reshape(4, 4) if found.shape == (16,) else found
-    if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
-        raise InputError(
-            f"{where}: {reprlib.repr(value)}; expected a matrix of 4 rows of 4 finite numbers, nested or flat"
-        )
-    whole = np.diag(np.ones(4))
-    whole[: found.shape[0], : found.shape[1]] = found
-    return whole
-
-
-def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assumption]:
-    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
-    below, beside = (
-        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
-        for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])
-    )
-    rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
-    if len(rows) and len(columns):
-        raise InputError(
-            f"{where}: matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
-        )
-    order = "by columns" if len(columns) else "by rows"
-    by = By.FILE if len(rows) or len(columns) else By.FORMAT
-    turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)
-    return turned, Assumption(POSE, f"world from camera, matrices {order}", by)
-
-
-def turns(matrix: Matrix) -> bool:
-    """Return whether three rows are those of a rotation, within what a file rounds."""
-    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
-
-
-def shared_scale(matrices: Sequence[Matrix]) -> float:
-    """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
-    scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
-    if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
-        return 1.0
-    scale = float(np.median(scales))
-    is_shared = np.abs(scales / scale - 1).max() <= _WITHIN
-    return scale if is_shared and abs(scale - 1) > _WITHIN / 2 else 1.0
 
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}
@@ -397,10 +332,19 @@ def assumptions_of(
 def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None) -> FrameFile:
     """Return the files of a frame, read and checked.
 
-    path: FRAME.npz with everything; or colour as a picture or EXR file. depth: of a picture, by
-    default the file beside it, or an EXR file's own Z. camera: JSON with fov or intrinsics,
-    position_m, orientation_xyzw, and maybe depth_scale and encoding; by default NAME.json beside.
-    Errors: InputError naming the file and its fault; MachineError for EXR without its package.
+    Parameters
+    ----------
+    path : path
+        FRAME.npz with everything, or colour as a picture or EXR file.
+    depth : path, optional
+        Depth of a picture; by default the file beside it, or an EXR file's own Z.
+    camera : path, optional
+        JSON with fov or intrinsics, position_m, orientation_xyzw; by default NAME.json beside.
+
+    Raises
+    ------
+    InputError
+        Naming the file and its fault.
     """
     found = find_frame(path, depth, camera)
     _ = found.view, found.colour, found.depth_scale  # what is wrong is found here, not at the first use
@@ -424,10 +368,8 @@ def find_frame(
             plain = {name: one.tolist() if name in (INTRINSICS, "centre") else one for name, one in facts.items()}
             read = partial(_from_npz, path, lambda data: (data["colour"], data["depth_m"]))
             return FrameFile(path, path, {**shared, **plain}, size, read)
-        raise InputError(
-            f"{path}: not an .npz file, nor a picture with depth; expected NumPy's .npz form, as numpy.savez writes "
-            f"it, or one of {', '.join((*PICTURES, EXR))}"
-        )
+        expected = f"expected NumPy's .npz form, as numpy.savez writes it, or one of {', '.join((*PICTURES, EXR))}"
+        raise InputError(f"{path}: not an .npz file, nor a picture with depth; {expected}")
     size, beside, where = size_of(path), path.with_suffix(JSON), camera
     if where is None and beside.exists():
         where = beside
@@ -456,9 +398,8 @@ def _pictures(path: Path, depth: Path | None) -> Arrays:
     names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
     depth = depth or next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
     if depth is None:
-        raise InputError(
-            f"{path}: no depth beside it{channels}: name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
-        )
+        hint = f"name it by --depth, or call it {names[0]} (16 bits, EXR or {NPY})"
+        raise InputError(f"{path}: no depth beside it{channels}: {hint}")
     return colour, fitted_depth(read_depth(depth), colour, depth)
 
 
@@ -496,7 +437,19 @@ def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
 
 
 def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
-    """Return the view of a POSE.json. size: (w, h) that intrinsics are for. Errors: InputError."""
+    """Return the view of a POSE.json: position_m, orientation_xyzw, fov or intrinsics.
+
+    Parameters
+    ----------
+    path : path
+    size : tuple of int
+        (w, h) pixels of the intrinsics, unless width and height say it.
+
+    Raises
+    ------
+    InputError
+        For a file without them.
+    """
     path = as_path(path)
     data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))
@@ -508,9 +461,8 @@ def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -
     missing = [key for key in wanted if key not in found and not (key == "fov" and INTRINSICS in found)]
     if missing:
         names = ", ".join(f"fov or {INTRINSICS}" if key == "fov" else key for key in wanted)
-        raise InputError(
-            f"{path}: no {', '.join(missing)} in it; found {', '.join(found) or 'nothing'}; expected {names}"
-        )
+        why = f"found {', '.join(found) or 'nothing'}; expected {names}"
+        raise InputError(f"{path}: no {', '.join(missing)} in it; {why}")
 
 
 def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
@@ -518,10 +470,8 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
     position, orientation = (_numbers(path, key, data[key], count) for key, count in _POSE.items())
     length = float(np.linalg.norm(orientation))
     if not abs(length - 1) <= UNIT_WITHIN:
-        raise InputError(
-            f"{path}: orientation_xyzw has length {length:.4g}; expected 1 within {UNIT_WITHIN:g}, x y z w: divide it "
-            "by its length if it is a rotation"
-        )
+        expected = f"expected 1 within {UNIT_WITHIN:g}, x y z w: divide it by its length if it is a rotation"
+        raise InputError(f"{path}: orientation_xyzw has length {length:.4g}; {expected}")
     try:
         pose = Pose(position, orientation)
         pose.check_near(str(path))
@@ -530,10 +480,8 @@ def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:
         camera = camera_of(path, data)
         assert camera is not None  # there are intrinsics
         if camera.is_y_up:
-            raise InputError(
-                f"{path}: fy is {camera.fy:g}; expected above 0: position_m and orientation_xyzw are those of "
-                "OpenXR, which has y up already"
-            )
+            why = "position_m and orientation_xyzw are those of OpenXR, which has y up already"
+            raise InputError(f"{path}: fy is {camera.fy:g}; expected above 0: {why}")
         return View(pose, camera.fov(size, str(path)))
     except InputError as error:
         raise InputError(f"{path}: {error}" if str(path) not in str(error) else str(error)) from error

@@ -28,7 +28,6 @@ _fact = partial(option, study=DISPLAY)
 
 
 def repair_field() -> Any:
-    """Return the field for what mends depth; parse_repairs reads its text."""
     return _fact(
         "none",
         f"Mend missing and wrong depth before the warp: {names_in('sources/repairs')}, or several with +.",

@@ -28,21 +28,39 @@ Size = tuple[int, int]
 
 
 def read_colour(path: Path) -> NDArray[Any]:
-    """Return (h, w, 3) sRGB bytes, or light of EXR; (h, w, 4) with alpha. Errors: InputError."""
+    """Return the colour of a picture.
+
+    Returns
+    -------
+    array
+        (h, w, 3), or (h, w, 4) with alpha: uint8 sRGB, or float32 linear light of EXR.
+
+    Raises
+    ------
+    InputError
+        For what is no colour picture.
+    """
     path = as_path(path)
     if path.suffix.lower() == EXR:
         return read_exr(path).colour()
     with _opened(path) as picture:
         if picture.mode in _DEEP:
             raise InputError(f"{path}: one channel of mode {picture.mode}, as depth has it; expected a colour picture")
-        return np.asarray(_loaded(path, picture).convert("RGBA" if picture.has_transparency_data else "RGB"))
+        return np.asarray(picture.convert("RGBA" if picture.has_transparency_data else "RGB"))
 
 
 def read_depth(path: Path) -> NDArray[Any]:
-    """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour.
+    """Return the depth of a picture, in its own units.
 
-    A PGM states its largest value: where that is of whole bits, as of a sensor, pixels that have it
-    measure nothing and become 65535. A PNG of 12 bits states nothing: its 4095 stays.
+    Returns
+    -------
+    array
+        (h, w) integers or floats. The largest of a PGM's own bits measures nothing: 65535.
+
+    Raises
+    ------
+    InputError
+        For what is no depth.
     """
     path = as_path(path)
     suffix = path.suffix.lower()
@@ -55,11 +73,9 @@ def read_depth(path: Path) -> NDArray[Any]:
         return _npy(path)
     with _opened(path) as picture:
         if picture.mode not in _DEEP:
-            raise InputError(
-                f"{path}: a picture of mode {picture.mode}, 8 bits a channel; expected depth in one channel of 16 bits "
-                "or floats"
-            )
-        values, most = np.asarray(_loaded(path, picture)), 0
+            expected = "expected depth in one channel of 16 bits or floats"
+            raise InputError(f"{path}: a picture of mode {picture.mode}, 8 bits a channel; {expected}")
+        values, most = np.asarray(picture), 0
         if picture.format == "PPM":  # the fourth word is the largest value that a PGM states
             with opened(path, PICTURE_FILE) as file:
                 head = (line.partition(b"#")[0].split() for line in file.read(1000).splitlines())
@@ -89,10 +105,8 @@ def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> ND
     if (high, wide) == (rows, columns):
         return depth
     if abs(wide / high - columns / rows) > 0.01 * wide / high:
-        raise InputError(
-            f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, of another shape: expected depth that "
-            "is registered to the colour"
-        )
+        why = "of another shape: expected depth that is registered to the colour"
+        raise InputError(f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, {why}")
     row, column = (((np.arange(n) + 0.5) * m / n).astype(int) for n, m in ((high, rows), (wide, columns)))
     return np.asarray(depth[row[:, None], column])
 
@@ -107,18 +121,12 @@ def _opened(path: Path) -> Iterator[Any]:
         except Image.DecompressionBombError as error:
             raise InputError(f"{path}: too large a picture ({error})") from error
         except (OSError, ValueError, SyntaxError) as error:
-            raise InputError(
-                f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
-            ) from error
-        yield picture
-
-
-def _loaded(path: Path, picture: Any) -> Any:
-    try:
-        picture.load()
-    except (OSError, ValueError, SyntaxError, IndexError) as error:
-        raise InputError(f"{path}: a damaged picture ({error})") from error
-    return picture
+            expected = f"expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
+            raise InputError(f"{path}: not a picture that can be read; {expected}") from error
+        try:
+            yield picture
+        except (OSError, ValueError, SyntaxError, IndexError) as error:
+            raise InputError(f"{path}: a damaged picture ({error})") from error
 
 
 def _npy(path: Path) -> NDArray[Any]:
@@ -137,8 +145,6 @@ def _npy(path: Path) -> NDArray[Any]:
 
 
 class VideoPictures:
-    """The pictures of a video file. Errors: InputError for what is no video."""
-
     def __init__(self, path: Path) -> None:
         self.path = path
         self._lock = threading.Lock()
@@ -228,7 +234,6 @@ class ExrPicture:
         return [key for key in found if key[0] == self.views[0]] or found
 
     def colour(self) -> NDArray[np.float32]:
-        """Return (h, w, 3) linear light, or (h, w, 4) with coverage. Errors: InputError."""
         if len(found := self._of_colour()) != 1:
             several = ", ".join(self._layers()[key]["R"].removesuffix(".R") for key in found)
             raise InputError(
@@ -255,17 +260,14 @@ class ExrPicture:
                 elif is_z or _last(layer) == "z" or len(self.channels) == 1 and name in _SOLE:
                     found.append((1, layer, of, name))
         if found and view and not (same := [one for one in found if one[2] == view]):
-            raise InputError(
-                f"{self.path}: colour of the view {view}, depth of another ({', '.join(one[3] for one in found)}); "
-                "expected both of one"
-            )
+            why = f"depth of another ({', '.join(one[3] for one in found)}); expected both of one"
+            raise InputError(f"{self.path}: colour of the view {view}, {why}")
         found = same if found and view else found
         named = [one for one in found if one[0] == min(found)[0]]
         named = [one for one in named if one[1].rpartition(".")[0] == beside.rpartition(".")[0]] or named
         if any((self.channels[one[3]] != self.channels[named[0][3]]).any() for one in named[1:]):
-            raise InputError(
-                f"{self.path}: depth in several channels ({', '.join(one[3] for one in named)}); expected one"
-            )
+            why = f"depth in several channels ({', '.join(one[3] for one in named)}); expected one"
+            raise InputError(f"{self.path}: {why}")
         if not named:
             return None
         depth = self.channels[named[0][3]]

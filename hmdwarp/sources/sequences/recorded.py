@@ -39,7 +39,7 @@ class RecordedFrame:
     pose: Pose  # world_from_eye in the axes of OpenXR
     fov: Fov
     size: tuple[int, int]  # (w, h) in pixels
-    _read: Callable[[], Pictures] = attrs.field(repr=False)
+    read: Callable[[], Pictures] = attrs.field(repr=False)  # colour and depth_m, from the file; raises InputError
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
     hidden: Hidden | None = None  # what a lens hides of it, None for nothing
@@ -47,10 +47,6 @@ class RecordedFrame:
     @property
     def view(self) -> View:
         return View(self.pose, self.fov, hidden=self.hidden)
-
-    def read(self) -> Pictures:
-        """Return colour and depth_m, read from the file. Errors: InputError."""
-        return self._read()
 
     def rim(self) -> int:
         """Return how many outermost pixels hold one colour, as rectification leaves; 0 for none."""
@@ -71,7 +67,7 @@ class RecordedFrame:
         inner = np.s_[pixels : pixels + size[1], pixels : pixels + size[0]]
 
         def read() -> Pictures:
-            colour, depth_m = self._read()
+            colour, depth_m = self.read()
             return np.ascontiguousarray(colour[inner]), np.ascontiguousarray(depth_m[inner])
 
         fov = Fov.from_tangents((left + x, right - x, down + y, up - y))
@@ -79,7 +75,7 @@ class RecordedFrame:
 
     def far_without_depth(self) -> RecordedFrame:
         def read() -> Pictures:
-            colour, depth_m = self._read()
+            colour, depth_m = self.read()
             return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)
 
         return attrs.evolve(self, read=read)
@@ -87,12 +83,12 @@ class RecordedFrame:
     @property
     def colour(self) -> NDArray[np.uint8]:
         """(h, w, 3) uint8 sRGB, row 0 at the top; read at each access."""
-        return self._read()[0]
+        return self.read()[0]
 
     @property
     def depth_m(self) -> NDArray[np.float32]:
         """(h, w) metres along -z; 0 or NaN is no depth, inf infinitely far; read at each access."""
-        return self._read()[1]
+        return self.read()[1]
 
 
 @attrs.frozen(eq=False)
@@ -123,7 +119,6 @@ class Sequence:
         return f"<Sequence '{self.name}', {self.layout}: {len(self)} frames of {wide}x{high} in {seconds:.2f} s>"
 
     def with_no_depth(self, meaning: str) -> Sequence:
-        """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""
         if meaning != FAR:
             return self
         fact = Assumption(NO_DEPTH, "infinitely far", By.USER, "--no-depth")
@@ -152,7 +147,6 @@ class Sequence:
         return attrs.evolve(self, frames=frames, right=self.right and self.right.masked(mask))
 
     def cropped(self, pixels: int) -> Sequence:
-        """Return the sequence without the outermost pixels of its frames. Errors: InputError."""
         if not pixels:
             return self
         note = f"The {pixels} outermost pixels of each picture are left out."
@@ -232,11 +226,10 @@ def depth_notes(sequence: Sequence) -> list[str]:
     )
     notes = []
     if empty := [depth for depth in depths if not (depth > 0).any()]:
-        behind = " It is below 0: expected metres along -z, which are above."
-        notes.append(
-            f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
-            + (behind if any((depth < 0).any() for depth in empty) else "")
-        )
+        below = any((depth < 0).any() for depth in empty)
+        why = " It is below 0: expected metres along -z, which are above." if below else ""
+        looked_at = f"{len(empty)} of {len(depths)} frames looked at"
+        notes.append(f"{looked_at} have no depth at all: warps by depth show nothing of them.{why}")
     notes += about_largest(raw) + ([] if is_far else about_sky(depths))
     notes += about_unit(depths, moved_m, "--depth-scale {:g}", raw)
     left, right, down, up = sequence.frames[0].fov.tangents.tolist()
@@ -266,57 +259,41 @@ def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
     below = sum(int((depth > most - most // _BELOW).sum()) for depth in whole) - count
     if most & (most + 1) or most < _LEAST_MOST or count < max(below, _LEAST_SHARE * pixels):
         return []
-    return [
-        f"{are} {most.bit_length()} bits, and hardly any is a little less: they are taken as depth. If the sensor "
-        "saturates there, write 0 for them."
-    ]
+    advice = "they are taken as depth. If the sensor saturates there, write 0 for them."
+    return [f"{are} {most.bit_length()} bits, and hardly any is a little less: {advice}"]
 
 
 def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
     """Return a note where large regions without depth, in metres, reach the border as sky does."""
     share = max(map(_sky, depths), default=0.0)
-    if not share:
-        return []
-    return [
-        f"A region without depth of {100 * share:.0f} % of the picture reaches its border. If that is sky, written as "
-        "no depth, state it by --no-depth far: it is a hole otherwise, which a fill covers with what is near."
-    ]
+    found = f"A region without depth of {100 * share:.0f} % of the picture reaches its border."
+    hint = "state it by --no-depth far: it is a hole otherwise, which a fill covers with what is near."
+    return [f"{found} If that is sky, written as no depth, {hint}"] if share else []
 
 
 def about_unit(
     depths: Several[NDArray[np.floating]], moved_m: float, option: str, raw: Several[NDArray[Any]] = ()
 ) -> list[str]:
-    """Return a note on depth that is hardly in metres: far, a depth buffer's values, or tiny.
-
-    depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
-    raw: depths as files have them, where they do.
-    """
+    """Return a note on depth (metres; raw as in files) that is hardly metres. option: a format."""
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
     if len(known) and moved_m and known.min() < known.max() <= 1:
-        middle = float(np.median(known))
-        side = "above" if middle > _STANDARD else "below"
+        middle, spans = float(np.median(known)), f"Depth goes from {known.min():.3g} to {known.max():.3g}"
         floats = [one[np.isfinite(one)] for one in raw if one.dtype.kind == "f"]
         as_read = max((float(one.max(initial=0)) for one in floats), default=0.0)
         if middle < _REVERSED and as_read > 1:
-            return [
-                f"Depth goes from {known.min():.3g} to {known.max():.3g} m by the scale that is stated, and up to "
-                f"{as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
-            ]
-        if middle > _STANDARD or middle < _REVERSED:
-            planes = f"near, far{', reversed_z=True' if middle < _REVERSED else ''}"
-            return [
-                f"Depth goes from {known.min():.3g} to {known.max():.3g}, half of it {side} {middle:.3g}: so are the "
-                f"values of a depth buffer, not metres. If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, "
-                f"{planes}) has metres; 'hmdwarp check' finds near and far."
-            ]
+            read = f"up to {as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
+            return [f"{spans} m by the scale that is stated, and {read}"]
+        if not _REVERSED <= middle <= _STANDARD:
+            side, more = ("above", "") if middle > _STANDARD else ("below", ", reversed_z=True")
+            metres = f"If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, far{more}) has metres"
+            why = f"half of it {side} {middle:.3g}: so are the values of a depth buffer, not metres. {metres}"
+            return [f"{spans}, {why}; 'hmdwarp check' finds near and far."]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
     if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:
         return []
     readings = [f"{option.format(unit)} takes it as {name}: {near * unit:.3g} m" for name, unit in _UNITS.items()]
-    return [
-        f"The nearest surface is {near:.4g} m away, while the eye moves by {moved_m:.2g} m, so that hardly anything "
-        f"shifts against anything else. If depth is in another unit, {'; '.join(readings)}."
-    ]
+    moves = f"while the eye moves by {moved_m:.2g} m, so that hardly anything shifts against anything else."
+    return [f"The nearest surface is {near:.4g} m away, {moves} If depth is in another unit, {'; '.join(readings)}."]
 
 
 def _sky(depth: NDArray[np.floating]) -> float:

@@ -62,34 +62,21 @@ class Server(Renderer):
         self._colour, self._depth = self.own(colour), None  # type: ScenePasses, ScenePasses | None
         self._parts: dict[tuple[Hashable, str], Part] = {}  # by client and name; None for those that all share
         self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
-        self._context = DrawContext(
-            gpu,
-            scene,
-            self.textures,
-            self._framebuffers,
-            self._colour,
-            self.acquire,
-            self._draw,
-            self._passes_for,
-            self._draw_colour,
-            self.of_another,
-        )
+        resources = gpu, scene, self.textures, self._framebuffers, self._colour
+        draws = self.acquire, self._draw, self._passes_for, self._draw_colour, self.of_another
+        self._context = DrawContext(*resources, *draws)
 
     def of_another(self, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
         """Return a server of another scene that draws as this one does; who makes it closes it."""
         return Server(self.gpu, scene, lighting=lighting, samples=self.samples, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
-        """Draw the whole picture of `view` in (w, h) pixels at `time_ns`. Errors: InputError."""
         return self._draw(view, size, Drawing(view, size, time_ns), into)
 
-    def _draw(
-        self, view: View, size: Size, drawing: Drawing, into: Target | None = None, chosen: list[Part] | None = None
-    ) -> EyeImage:
+    def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.colour.size, size)
-        chosen = self._parts_for(drawing) if chosen is None else chosen
-        passes, colour, depth = self._passes_for(drawing, chosen), target.colour, target.inverse_depth
+        passes, colour, depth = self._passes_for(drawing), target.colour, target.inverse_depth
         if self._several is None:
             passes.draw(view, self._framebuffers.over(colour, depth), drawing.time_ns)
         else:
@@ -97,7 +84,7 @@ class Server(Renderer):
             # Parts compare depth at the centres of pixels, and test against its buffer.
             self._depth_passes().draw(view, self._framebuffers.over(depth), drawing.time_ns)
         eye = EyeImage(view, colour, depth, drawn_ns=drawing.time_ns)
-        for part in chosen:
+        for part in self._parts_for(drawing):
             eye = part.add(eye, drawing)
         return eye
 
@@ -113,15 +100,11 @@ class Server(Renderer):
             self._depth = self.own(passes)
         return self._depth
 
-    def _passes_for(self, drawing: Drawing, chosen: list[Part] | None = None) -> ScenePasses:
-        """Return the passes of the plain surfaces, lit as the picture's layers say."""
-        for part in self._parts_for(drawing) if chosen is None else chosen:
-            if (passes := part.passes_for(drawing)) is not None:
-                return passes
-        return self._colour
+    def _passes_for(self, drawing: Drawing) -> ScenePasses:
+        made = (part.passes_for(drawing) for part in self._parts_for(drawing))
+        return next((passes for passes in made if passes is not None), self._colour)
 
     def _parts_for(self, drawing: Drawing) -> list[Part]:
-        """Return the parts that occur in the scene or draw a needed layer, of its client."""
         client, needs = drawing.client, drawing.needs
         chosen = self._chosen.get((client, needs))
         if chosen is None:
@@ -187,28 +170,22 @@ class Server(Renderer):
         client: Hashable = None,
         pictures: bool = True,
     ) -> Frame:
-        """Draw all eyes, as draw_frame, where the caller has added the guard band.
-
-        views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
-        shown picture. client: whose frames went before, where layers build on them.
-        """
+        """Draw all eyes as draw_frame does, guard band added; shown, shown_size: without it."""
         seen = [attrs.evolve(view, fov=fov, hidden=None) for view, fov in zip(views, shown, strict=True)]
-        drawings = [
-            Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched, age_ns, client) for view in seen
-        ]
+        what = drawn_ns, needs, shown_size, self._marched, age_ns, client
+        drawings = [Drawing(view, shown_size, *what) for view in seen]
         return self._draw_all(views, size, drawings, pictures=pictures)
 
     def _draw_all(
         self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool | None
     ) -> Frame:
-        chosen, drawn_ns = self._parts_for(drawings[0]), drawings[0].time_ns
+        drawn_ns, eyes = drawings[0].time_ns, []
         shared: dict[str, Any] = {}
-        for part in chosen:
+        for part in self._parts_for(drawings[0]):
             shared |= part.of_frame(views, drawings[0])
-        eyes = []
         for view, drawing in zip(views, drawings, strict=True):
             if pictures:
-                eyes.append(self._draw(view, size, drawing, None, chosen))
+                eyes.append(self._draw(view, size, drawing))
                 continue
             target, empty = self.acquire(size), frozenset(PICTURE)
             if pictures is not None:
@@ -219,9 +196,6 @@ class Server(Renderer):
     def clear(self, into: Target) -> None:
         self._framebuffers.over(into.colour).clear()
         self._framebuffers.over(into.inverse_depth).clear(red=-1.0)
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         for (of_client, _), part in self._parts.items():
@@ -252,6 +226,5 @@ class Server(Renderer):
 
 def _check_same_size(target: Size, picture: Size) -> None:
     if tuple(target) != tuple(picture):
-        raise InputError(
-            f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: they must be the same"
-        )
+        why = "they must be the same"
+        raise InputError(f"target is {target[0]}x{target[1]} pixels, the picture {picture[0]}x{picture[1]}: {why}")

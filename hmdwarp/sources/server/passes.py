@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import math
 from abc import ABC, abstractmethod
-from collections import OrderedDict
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -24,7 +23,7 @@ from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, Texture, blocking, chunks_
 from ..array_passes import Owner
 
 NEAR_M = 0.02  # closer than an eye comes to anything but its own lens
-_IDENTITY = np.eye(4)
+_IDENTITY, _LAST = np.eye(4), (0, 0, -1, 0)
 
 Array = NDArray[np.float64]
 
@@ -38,34 +37,23 @@ def eye_from_scene(view: View, origin_m: Array) -> Array:
 
 
 @functools.lru_cache(maxsize=64)  # few fields of view, used at every frame
-def clip_from_eye(fov: Fov, near_m: float = NEAR_M) -> Array:
-    """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
+def _of_fov(fov: Fov) -> tuple[Array, Array]:
     left, right, down, up = fov.tangents
-    return _read_only(
-        [
-            [2 / (right - left), 0, (right + left) / (right - left), 0],
-            [0, 2 / (up - down), (up + down) / (up - down), 0],
-            [0, 0, -1, -2 * near_m],
-            [0, 0, -1, 0],
-        ]
-    )
+    wide, high, across, along = right - left, up - down, right + left, up + down
+    clip = np.array([[2 / wide, 0, across / wide, 0], [0, 2 / high, along / high, 0], [0, 0, -1, -2 * NEAR_M], _LAST])
+    eye_from_ndc = np.array([[wide / 2, 0, across / 2], [0, high / 2, along / 2], [0, 0, -1]])
+    clip.flags.writeable = eye_from_ndc.flags.writeable = False
+    return clip, eye_from_ndc
+
+
+def clip_from_eye(fov: Fov) -> Array:
+    """Return the read-only 4x4 projection with an infinite far plane; w is metres along -z."""
+    return _of_fov(fov)[0]
 
 
 def world_from_ndc(view: View) -> Array:
     """Return 3x3: device coordinates (x, y, 1) to a direction of length 1 along -z."""
-    return view.pose.rotation_matrix @ _eye_from_ndc(view.fov)
-
-
-@functools.lru_cache(maxsize=64)
-def _eye_from_ndc(fov: Fov) -> Array:
-    left, right, down, up = fov.tangents
-    return _read_only([[(right - left) / 2, 0, (right + left) / 2], [0, (up - down) / 2, (up + down) / 2], [0, 0, -1]])
-
-
-def _read_only(rows: list[list[float]]) -> Array:
-    array = np.array(rows)
-    array.flags.writeable = False
-    return array
+    return view.pose.rotation_matrix @ _of_fov(view.fov)[1]
 
 
 def boxes_of(centres: Array, half_sizes: Array) -> Array:
@@ -74,7 +62,6 @@ def boxes_of(centres: Array, half_sizes: Array) -> Array:
 
 
 def boxes_around(low: Array, high: Array) -> Array:
-    """Return (7, n) boxes between (n, 3) corners."""
     return boxes_of((low + high) / 2, (high - low) / 2)
 
 
@@ -87,16 +74,24 @@ def side_planes(clip: Array) -> Array:
 
 
 def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np.bool_]:
-    """Return which boxes may reach into `clip` (4x4 clip_from_scene).
-
-    slack: (5, n) how far each may lie outside each plane. A box is culled only if it lies wholly
-    behind one of the four sides or the near plane; some boxes near the corners pass needlessly.
-    """
+    """Return which boxes may reach into `clip` (4x4), with slack (5, n) outside each plane."""
     planes = side_planes(clip)
-    inside: NDArray[np.bool_] = (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(
-        axis=0
-    ) >= 0
+    within = np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack
+    inside: NDArray[np.bool_] = within.min(axis=0) >= 0
     return inside
+
+
+def may_be_seen(
+    centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
+) -> NDArray[np.bool_]:
+    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
+    # How far outside each plane of the view a visible box may be, (5, n). Of a point p:
+    # |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the view's.
+    clip = clip_from_eye(view.fov)
+    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
+    reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1) + np.linalg.norm(halves, axis=1)
+    slack = steep[:, None] * (radians * reach + metres)
+    return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
@@ -161,51 +156,30 @@ TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
 TURN_RAD = 2 * 1.05 * TURN_STEP
 EYE_OFF_M = math.sqrt(3) / 2 * EYE_STEP_M
 KEPT = 64
-_Cell = tuple[Any, ...]  # whole steps of the quaternion, then of the eye; the field of view
 
 
-@attrs.define
 class Visibility:
     """The draws of static chunks, computed once for all views of a cell, so reproducible."""
 
-    _chunks: Chunks
-    _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)
+    def __init__(self, chunks: Chunks) -> None:
+        self._draws = functools.lru_cache(KEPT)(functools.partial(_draws_of_cell, chunks))
 
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draws for an eye: quaternion xyzw to the chunks' space, (3,) metres in it."""
-        x, y, z, w = turn if turn[3] >= 0 else (-turn[0], -turn[1], -turn[2], -turn[3])
-        a, b, c = eye.tolist()
-        per_turn, per_m = 1 / TURN_STEP, 1 / EYE_STEP_M
-        whole = (round(x * per_turn), round(y * per_turn), round(z * per_turn), round(w * per_turn))
-        key = (*whole, round(a * per_m), round(b * per_m), round(c * per_m), fov)
-        draws = self._known.get(key)
-        if draws is None:
-            draws = self._known[key] = self._compute(key)
-            if len(self._known) > KEPT:
-                self._known.popitem(last=False)
-        return draws
+        sign = 1 if turn[3] >= 0 else -1
+        x, y, z, w = (round(sign * part / TURN_STEP) for part in turn)
+        a, b, c = (round(part / EYE_STEP_M) for part in eye.tolist())
+        return self._draws(x, y, z, w, a, b, c, fov)
 
-    def _compute(self, key: _Cell) -> Draws:
-        turn, eye, fov = np.array(key[:4]) * TURN_STEP, np.array(key[4:7]) * EYE_STEP_M, key[7]
-        middle = Pose(eye, turn)
-        eye_from_here = np.eye(4)
-        eye_from_here[:3, :3] = middle.rotation_matrix.T
-        eye_from_here[:3, 3] = -eye_from_here[:3, :3] @ eye
-        boxes, clip = self._chunks.boxes, clip_from_eye(fov)
-        # How far outside each plane of the middle view a visible box may be, (5, n). Of a point p:
-        # |n . (R (p - e) - R' (p - e'))| <= |n| (|R - R'| |p - e'| + |e - e'|), e' the middle's.
-        reach = np.sqrt(((boxes[:3] - eye[:, None]) ** 2).sum(axis=0)) + np.sqrt((boxes[4:] ** 2).sum(axis=0))
-        steep = np.sqrt((side_planes(clip)[:, :3] ** 2).sum(axis=1))
-        slack = steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
-        return draws_of(self._chunks, visible(boxes, clip @ eye_from_here, slack), eye)
+
+def _draws_of_cell(chunks: Chunks, *cell: Any) -> Draws:
+    turn, eye, boxes = np.array(cell[:4]) * TURN_STEP, np.array(cell[4:7]) * EYE_STEP_M, chunks.boxes
+    middle = View(Pose(eye, turn), cell[7])
+    seen = may_be_seen(boxes[:3].T, boxes[4:].T, middle, np.zeros(3), EYE_OFF_M, TURN_RAD)
+    return draws_of(chunks, seen, eye)
 
 
 SRGB8_ALPHA8 = 0x8C43
-
-
-def emits(scene: Scene) -> bool:
-    """Return whether a texture of the scene emits, so that its surfaces need EMISSION."""
-    return any(texture.emission is not None for texture in scene.textures)
 
 
 @attrs.frozen(eq=False)
@@ -265,7 +239,6 @@ class SceneTextures:
         return self._shines.get(index) or Shine(self._made[-1])
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
-        """Replace the image of one texture by another of the same size."""
         self._made[index].write(_texels(image))
         self._made[index].build_mipmaps()
         self.revision += 1
@@ -376,7 +349,7 @@ class Place:
     eye: NDArray[np.float64]  # (3,) metres
 
 
-class Moving(ABC):
+class Moving(Owner, ABC):
     layer: ClassVar[str]  # the layer that describes its motion: the client of a frame with that layer moves it
     buffers: SceneBuffers  # its triangles
 
@@ -392,16 +365,13 @@ class Moving(ABC):
         """Return the 4x4 that takes its positions to the scene's axes at an instant."""
         return STAYS
 
-    def close(self) -> None:
-        self.buffers.close()
-
 
 class MovingBody(Moving):
     layer = "ids"
 
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
-        self.buffers = SceneBuffers(gpu, meshes, textures)
+        self.buffers = self.own(SceneBuffers(gpu, meshes, textures))
         self._body, self._origin_m = scene.bodies[self.number - 1], scene.origin_m
 
     def set_time(self, time_ns: int) -> None:
@@ -418,12 +388,10 @@ class MovingBody(Moving):
 
 
 class DeformingMesh(Moving):
-    """One mesh whose vertices move by themselves: uploaded again for each instant that is drawn."""
-
     layer = "velocity"
 
     def __init__(self, gpu: Gpu, scene: Scene, mesh: Mesh, textures: SceneTextures) -> None:
-        self.buffers = SceneBuffers(gpu, [mesh], textures)
+        self.buffers = self.own(SceneBuffers(gpu, [mesh], textures))
         assert mesh.deformation is not None
         self.mesh, self._deformation, self._origin_m = mesh, mesh.deformation, scene.origin_m
         self._set_ns: int | None = None
@@ -450,9 +418,8 @@ class DeformingMesh(Moving):
 def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
     array = np.ascontiguousarray(values, np.float32)
     if array.shape != mesh.positions.shape:
-        raise SceneError(
-            f"mesh '{mesh.name}': its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
-        )
+        why = f"its deformation gives {what} of shape {array.shape}, expected {mesh.positions.shape}"
+        raise SceneError(f"mesh '{mesh.name}': {why}")
     if not np.isfinite(array).all():
         raise SceneError(f"mesh '{mesh.name}': its deformation gives {what} that are not finite numbers")
     return array
@@ -613,7 +580,7 @@ class ScenePasses(Owner):
         # What colours are made of; data in their place have none.
         self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
-        lit, self._emits = self._lit_defines(), self._coloured and emits(scene)
+        lit, self._emits = self._lit_defines(), self._coloured and any(one.emission for one in scene.textures)
         self._is_lit, shining = bool(lit), {"EMISSION": 1} if self._emits else {}
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
@@ -636,7 +603,6 @@ class ScenePasses(Owner):
 
     @property
     def revision(self) -> int:
-        """Counts changes of what is drawn, apart from textures."""
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
@@ -652,7 +618,10 @@ class ScenePasses(Owner):
         if uniforms:
             self._surface.uniforms.set(**uniforms)
             self._background.uniforms.set(**uniforms)
-        self._set_background(view)
+        if self._colour:
+            sky = self.scene.background
+            light = {"zenith": sky.zenith, "horizon": sky.horizon, "ground": sky.ground}
+            self._background.uniforms.set(world_from_ndc=self._world_from_ndc(view), **light)
         for drawing in self.moving:
             drawing.set_time(time_ns)
         if self.lighting is not None:
@@ -675,7 +644,7 @@ class ScenePasses(Owner):
                 else:
                     draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), seen_from.eye)
                 uniforms_of_surface = self._surface.uniforms if self._coloured else None
-                draw_chunks(gl, vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
+                draw_chunks(vertices, buffers, draws, uniforms_of_surface, emits=self._emits)
             self._draw_background()
             gl.depth_func = "<"
         onto.viewport = (0, 0, *onto.size)
@@ -690,6 +659,9 @@ class ScenePasses(Owner):
     def _world_from_ndc(self, view: View) -> Array:
         return world_from_ndc(view)
 
+    def _world_from_ndc(self, view: View) -> Array:
+        return world_from_ndc(view)
+
     def _set_background(self, view: View) -> None:
         if self._colour:
             sky = self.scene.background
@@ -698,15 +670,10 @@ class ScenePasses(Owner):
 
 
 def draw_chunks(
-    gl: moderngl.Context,
-    vertices: moderngl.VertexArray,
-    buffers: SceneBuffers,
-    draws: Draws,
-    uniforms: Uniforms | None,
-    *,
-    emits: bool,
+    vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws, uniforms: Uniforms | None, *, emits: bool
 ) -> None:
     """Draw chunks. uniforms: where textures are sampled, on unit 0. emits: emission too."""
+    gl = vertices.ctx
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]
@@ -740,7 +707,7 @@ def draw_moving(
     draw.uniforms.set(clip_from_scene=clip)
     chunks = one.buffers.chunks
     draws = draws_of(chunks, visible(chunks.boxes, clip), place.eye)
-    draw_chunks(gl, vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
+    draw_chunks(vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

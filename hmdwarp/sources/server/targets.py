@@ -57,11 +57,10 @@ class LastUsed(dict[K, V]):
         idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
         self._used.clear()
         found: list[tuple[K, V]] = []
-        left = sum(idle.values())
-        for key, size in idle.items():
-            if left <= MOST_IDLE_BYTES and len(idle) - len(found) <= MOST_IDLE:
+        for key in list(idle):
+            if sum(idle.values()) <= MOST_IDLE_BYTES and len(idle) <= MOST_IDLE:
                 break
-            left -= size
+            del idle[key]
             found.append((key, self.pop(key)))
         return found
 
@@ -98,22 +97,10 @@ class Target:
 
 
 class TargetPool:
-    """Targets of one size and kind. Errors: InputError for a size of 0 or beyond the GL limit.
+    """Targets of one size and kind; those IDLE_AFTER hand-outs did not need are freed."""
 
-    A burst of frames that are late together makes many; those that IDLE_AFTER hand-outs in a row
-    did not need are freed.
-    """
-
-    def __init__(
-        self,
-        gpu: Gpu,
-        size: Size,
-        kind: Kind = COLOUR,
-        *,
-        depth: bool = True,
-        forget: Forget = lambda texture: None,
-    ) -> None:
-        self._gpu, self._size, self._kinds, self._forget = gpu, size, (kind, SCALAR) if depth else (kind,), forget
+    def __init__(self, gpu: Gpu, size: Size, kinds: Sequence[Kind], forget: Forget) -> None:
+        self._gpu, self._size, self._kinds, self._forget = gpu, size, kinds, forget
         # The last one is handed out first, so what is not needed stays at the beginning.
         self._free: list[Target] = []
         self.out: dict[moderngl.Texture, Target] = {}  # those that are in use, by their colour texture
@@ -130,10 +117,8 @@ class TargetPool:
         return len(self.out) + len(self._free)
 
     def acquire(self) -> Target:
-        if self._free:
-            target = self._free.pop()
-        else:
-            target = Target(*(allocate(self._gpu.gl, self._size, kind) for kind in self._kinds))
+        made = None if self._free else [allocate(self._gpu.gl, self._size, kind) for kind in self._kinds]
+        target = Target(*made) if made else self._free.pop()
         self.out[target.colour] = target
         self._handed, self._most_out = self._handed + 1, max(self._most_out, len(self.out))
         if self._handed == IDLE_AFTER:
@@ -173,8 +158,7 @@ class Renderer(Owner):
 
     samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
     draw_frame: Callable[..., Frame]  # returns a frame with all eyes, and the needed layers, see Server.draw_frame
-    # Draws inverse depth alone, where the client has the geometry, see Server.draw_depth.
-    draw_depth: Callable[..., moderngl.Texture]
+    draw_depth: Callable[..., moderngl.Texture]  # draws inverse depth alone, see Server.draw_depth
 
     def __init__(self, gpu: Gpu, scene: Scene, forget: Forget = lambda texture: None) -> None:
         self.gpu, self.scene, self._forget = gpu, scene, forget
@@ -198,11 +182,7 @@ class Renderer(Owner):
     def truth_facts(
         self, shown: Sequence[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool
     ) -> tuple[dict[str, Any], str]:
-        """Return what summary.json says of the truth, and a sentence on it; "" for a scene's own.
-
-        shown: instant and head of each refresh. missing: pictures without a truth. own_head:
-        whether the head is that of the frames.
-        """
+        """Return what summary.json says of the truth, and a sentence, "" for a scene's own."""
         return {}, ""
 
     def content(self, time_ns: int) -> object:
@@ -211,6 +191,7 @@ class Renderer(Owner):
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Take note of whether a frame arrived, which the server hears at that instant."""
+        self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         """Take note of whether a client's frame with these layers arrived."""
@@ -248,9 +229,8 @@ class Renderer(Owner):
 
     def pool(self, size: Size, kind: Kind = COLOUR, *, depth: bool = True) -> TargetPool:
         """Return the targets of that size and kind, with or without inverse depth."""
-        return self._pools.made(
-            (size, kind, depth), lambda: TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
-        )
+        kinds = (kind, SCALAR) if depth else (kind,)
+        return self._pools.made((size, kinds), lambda: TargetPool(self.gpu, size, kinds, self._forget))
 
     def take_back(self) -> None:
         """Take back every target that is out: of a frame that could not be drawn to its end."""
@@ -271,8 +251,9 @@ class Renderer(Owner):
 
     def close(self) -> None:
         super().close()
-        for pool in (*self._pools.values(), *self._uploads.values(), *self._given.values()):
-            pool.close()
+        made: list[Any] = [*self._pools.values(), *self._uploads.values(), *self._given.values()]
+        for one in made:
+            one.close()
 
 
 class Framebuffers:
@@ -311,7 +292,6 @@ class Framebuffers:
         self._depth.made(size, lambda: self._gl.depth_renderbuffer(size))
 
     def trim(self) -> None:
-        """Free depth buffers as Renderer.trim() frees targets, and the framebuffers with them."""
         for size, depth in self._depth.trimmed(lambda size, _: _DEPTH_BYTES * size[0] * size[1]):
             for texture in {held[0] for held, _ in self._made.values() if held[0].size == size}:
                 self.forget(texture)

@@ -15,7 +15,7 @@ from replays import contents, run
 from report.bench_samples import a_bench
 
 from hmdwarp.experiments.bench import BenchOptions, bench, read
-from hmdwarp.experiments.bench.bench_rows import NAMES
+from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES, QualityPool
 from hmdwarp.report import OutputFolder, validate_summary
@@ -89,8 +89,8 @@ def test_rows_are_summaries_and_more_and_the_table_says_the_same(full):
 
 def test_only_times_change(full, tmp_path, monkeypatch):
     """Measured in other processes, and in batches so small that each warp runs alone."""
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.GPU_BATCH_BYTES", 1)
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.MEMORY_PART", 0.0)
+    monkeypatch.setattr("hmdwarp.run.measuring.GPU_BATCH_BYTES", 1)
+    monkeypatch.setattr("hmdwarp.run.measuring.MEMORY_PART", 0.0)
     again = bench(attrs.evolve(SMALL, out=tmp_path, workers=2))
     assert untimed(again.data["rows"]) == untimed(full[1].data["rows"])
 
@@ -151,7 +151,7 @@ def test_crops_are_of_the_best_of_each_warp_where_it_is_worst_and_where_typical(
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
     (tmp_path / "file").write_bytes(b"")
-    monkeypatch.setattr("hmdwarp.experiments.bench.bench_run.set_up_replay", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("hmdwarp.experiments.bench.cases.set_up_replay", lambda *_: pytest.fail("it ran"))
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()

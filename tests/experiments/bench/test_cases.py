@@ -14,9 +14,11 @@ from replays import small
 from hmdwarp.client import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.bench import BenchOptions, cases_of, combinations_of
+from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.cases import (
     WITH_COMPLETE_FILLS,
+    cases_of,
+    combinations_of,
     common_start_s,
     notes_on_warps,
     pairs_of,
@@ -27,8 +29,7 @@ from hmdwarp.frames import Needs, Others
 from hmdwarp.options import Choice
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
-from hmdwarp.run.combinations import OUTSIDE, batches, frames_used, instants_of, missing
-from hmdwarp.run.side_by_side import refreshes
+from hmdwarp.run.measuring import OUTSIDE, batches, frames_used, instants_of, missing, refreshes
 from hmdwarp.scenes import load_scene
 
 

@@ -14,7 +14,7 @@ from commands import hmdwarp
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.experiments.bench import MergeOptions, bench, merge
-from hmdwarp.experiments.bench.bench_rows import NAMES
+from hmdwarp.experiments.bench.bench_run import NAMES
 from hmdwarp.metrics import BOUND, block_means, blocks_apart, blocks_text
 from hmdwarp.report.bench.rows import COLUMNS, cases
 

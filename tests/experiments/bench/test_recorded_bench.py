@@ -6,7 +6,8 @@ import pytest
 from recorded_folders import taken, write_npz
 
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.experiments.bench import BenchOptions, bench, combinations_of
+from hmdwarp.experiments.bench import BenchOptions, bench
+from hmdwarp.experiments.bench.cases import combinations_of
 from hmdwarp.image import usable_warps
 from hmdwarp.pipeline.recorded_source import RecordingSource
 from hmdwarp.sources import sequences

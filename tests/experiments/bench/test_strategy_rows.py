@@ -10,15 +10,15 @@ from replays import replayed, scene_for
 
 from hmdwarp.client.strategies import has_own_link, strategies
 from hmdwarp.errors import PlanError
-from hmdwarp.experiments.bench import bench, combinations_of
-from hmdwarp.experiments.bench.cases import common_start_s
+from hmdwarp.experiments.bench import bench
+from hmdwarp.experiments.bench.cases import combinations_of, common_start_s
 from hmdwarp.experiments.bench.options import FILLS
 from hmdwarp.link import CHANGES
 from hmdwarp.metrics import QUALITY
 from hmdwarp.pipeline.options import DEFAULT_FILL, DEFAULT_WARP
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions
-from hmdwarp.run.combinations import batches
+from hmdwarp.run.measuring import batches
 from hmdwarp.scenes import load_scene
 
 from .test_bench_cases import TINY

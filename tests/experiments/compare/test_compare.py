@@ -21,7 +21,8 @@ from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
-from hmdwarp.experiments.bench import CompareOptions, client_bytes, compare, decoded_mpx_s, start_bytes, unfit
+from hmdwarp.experiments.bench import CompareOptions, compare
+from hmdwarp.experiments.bench.compare_run import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
 from hmdwarp.experiments.bench.suites import cost_text, suites
 from hmdwarp.frames import EyeSizes

@@ -50,7 +50,7 @@ def test_wrong_cluster_addresses_are_refused(text):
 
 def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("hmdwarp.experiments.sweep.cluster.CONNECT_S", 0.2)
+    monkeypatch.setattr("hmdwarp.experiments.sweep.sweep_case.CONNECT_S", 0.2)
     with pytest.raises(MachineError, match="no Dask scheduler there"):
         sweep(tmp_path, 1, cluster="127.0.0.1:1")
 

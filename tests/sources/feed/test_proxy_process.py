@@ -35,7 +35,7 @@ def test_a_client_without_depth_gets_the_picture_for_its_head_and_its_delay_has_
         options = small(feed=FeedOptions(connect=between.address), warp="none", rate_hz=10.0, seconds=1.0, samples=1)
         shown, took_ms = [], []
         with (
-            patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)),
+            patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
             set_up_replay(options, alone=True) as setup,
         ):
             for _, instant_ns in setup.schedule.numbered():
@@ -80,7 +80,7 @@ def acting(gpu, tmp_path, where: str):
     options = {"scene": "playroom", "warp": "none", "size": (48, 40), "rate_hz": 20.0, "trace": str(head)}
     options |= {"input": str(acts), "start_s": 0.5, "seconds": 60.0, "feed": FeedOptions(connect=where)}
     with (
-        patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)),
+        patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)),
         set_up_replay(small(**options), alone=True) as setup,
     ):
         yield setup

@@ -60,7 +60,7 @@ def ready(gpu, strategy: str, **more):
     usual |= {"size": (48, 41), "rate_hz": RATE_HZ, "seconds": SECONDS, "start_s": 1.0}
     network = more.pop("network", {})
     options = RunOptions.of({"strategy": strategy, **network}, **usual | {"out": Path("nowhere")} | more)
-    with patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)), set_up_replay(options, alone=True) as setup:
+    with patch("hmdwarp.run.run.Gpu", lambda: nullcontext(gpu)), set_up_replay(options, alone=True) as setup:
         yield setup
 
 

@@ -9,7 +9,7 @@ from replays import each_refresh, small
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.sources.server.parts.layers import LEAST_M, EyeMotion, chosen, moved, seen
+from hmdwarp.sources.server.parts.views import LEAST_M, EyeMotion, chosen, moved, seen
 
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
 SIZE = (120, 96)

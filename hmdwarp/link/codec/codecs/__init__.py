@@ -39,10 +39,6 @@ class Codec:
         """Whether nothing is coded: frames arrive as they were drawn."""
         return not self.encoder
 
-    def options_for(self, size: tuple[int, int]) -> dict[str, str]:
-        """Return the options for pictures of (w, h)."""
-        return {**self.options, **(self.large if size[0] * size[1] > LARGE else {})}
-
     def check(self) -> None:
         """Check that it runs here. Errors: MachineError if PyAV lacks its encoder or decoder."""
         if not self.is_none:
@@ -56,7 +52,6 @@ def require(what: str, name: str, mode: Literal["r", "w"]) -> None:
     Errors: MachineError if this PyAV lacks it.
     """
     av = pyav()
-
     try:
         av.Codec(name, mode)
     except (ValueError, av.FFmpegError) as error:

@@ -16,6 +16,7 @@ import itertools
 import math
 import os
 import re
+import reprlib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Rows
@@ -38,7 +39,7 @@ from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ....registry import Registry
 from .. import recorded
-from ..frame_files import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
+from ..frame_files import Camera, Size, camera_of, floats_in, read_json, scale_of
 from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence
@@ -77,8 +78,6 @@ class SequenceReader:
 
 @attrs.frozen(eq=False)
 class Layout(SequenceReader):
-    """A layout whose function adds its frames to a Folder. Made by `layout`."""
-
     name: str
     summary: str
     add_frames: Callable[[Folder], None]
@@ -118,11 +117,9 @@ def layout(
 ) -> Callable[[Callable[[Folder], None]], Callable[[Folder], None]]:
     """Register a function as a layout.
 
-    holds: a score, 0 to 100, and the patterns of files that must all be there; or a function that
-    returns the score of a path. world: right, up and forward of the world, for a camera that looks
-    along +z with y down; axes: world and camera, for any other. intrinsics .. clock: what each of
-    FACTS is without a file or option that states it, and who says so (by default the format).
-    more: further fields of Layout.
+    holds: a score, 0 to 100, and patterns of files that must all be there; or a function of a path.
+    world: right, up and forward, for a camera that looks along +z with y down; axes: any other.
+    intrinsics .. clock: each of FACTS unless a file or option states it, and who says so.
     """
     by, unit, camera = more.get("by", By.FORMAT), more.get("unit"), more.get("camera")
     placed = axes or f"world={world} head={OPTICAL}"
@@ -166,11 +163,65 @@ def of_camera(where: Path, pictures: list[Path], wanted: str | None) -> list[Pat
     worded = [set(numbers) for name, numbers in named.items() if re.search("[A-Za-z]", name.replace("N", "", 1))]
     is_rig = len(worded) > 1 and 2 * len(set.intersection(*worded)) >= max(map(len, worded)) > 1
     if is_rig or wanted is not None:
-        raise InputError(
-            f"{where}: --frames-camera is {wanted or 'not given'}; expected what one of the cameras alone has in its "
-            f"names: {', '.join(sorted(named)[:6])}"
-        )
+        expected = f"expected what one of the cameras alone has in its names: {', '.join(sorted(named)[:6])}"
+        raise InputError(f"{where}: --frames-camera is {wanted or 'not given'}; {expected}")
     return pictures
+
+
+Matrix = NDArray[np.float64]
+LAST = (0.0, 0.0, 0.0, 1.0)
+_NOTHING = 1e-12
+_WITHIN = 1e-3
+
+
+def square_of(where: str, value: Any) -> Matrix:
+    """Return 4x4 of 4x4, 3x4, 4x3 or 12 or 16 numbers, as written. Errors: InputError."""
+    try:
+        found = np.array(value, np.float64)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape == (12,):
+        found = found.reshape(3, 4)
+        if not turns(found[:, :3]) and turns(found.reshape(4, 3)[:3]):
+            found = found.reshape(4, 3)
+    found = found.reshape(4, 4) if found.shape == (16,) else found
+    if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
+        expected = "expected a matrix of 4 rows of 4 finite numbers, nested or flat"
+        raise InputError(f"{where}: {reprlib.repr(value)}; {expected}")
+    whole = np.diag(np.ones(4))
+    whole[: found.shape[0], : found.shape[1]] = found
+    return whole
+
+
+def by_rows(where: str, matrices: Rows[Matrix]) -> tuple[list[Matrix], Assumption]:
+    """Return a file's matrices by rows, and who says they are: 0, 0, 0, 1. Errors: InputError."""
+    below, beside = (
+        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
+        for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])
+    )
+    rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
+    if len(rows) and len(columns):
+        why = f"matrix {rows[0]} is written by rows and matrix {columns[0]} by columns; expected one way for all"
+        raise InputError(f"{where}: {why}")
+    order = "by columns" if len(columns) else "by rows"
+    by = By.FILE if len(rows) or len(columns) else By.FORMAT
+    turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)
+    return turned, Assumption(recorded.POSE, f"world from camera, matrices {order}", by)
+
+
+def turns(matrix: Matrix) -> bool:
+    """Return whether three rows are those of a rotation, within what a file rounds."""
+    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
+
+
+def shared_scale(matrices: Rows[Matrix]) -> float:
+    """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
+    scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
+    if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
+        return 1.0
+    scale = float(np.median(scales))
+    is_shared = np.abs(scales / scale - 1).max() <= _WITHIN
+    return scale if is_shared and abs(scale - 1) > _WITHIN / 2 else 1.0
 
 
 @attrs.frozen(eq=False)
@@ -228,10 +279,8 @@ class Folder:
                 f'{CAMERA} there: {{"intrinsics": [fx, fy, cx, cy], "depth_scale": 0.001}}'
             )
         if scale is None:
-            raise InputError(
-                f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
-                "millimetres, 0.0002 for TUM RGB-D)"
-            )
+            hint = "give --depth-scale, the metres per unit (0.001 for millimetres, 0.0002 for TUM RGB-D)"
+            raise InputError(f"{folder}: nothing says the unit of its depth: {hint}")
         self.camera, self.scale = found, float(scale)
         camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
         self.say(found, camera_by, scale_by)
@@ -242,7 +291,6 @@ class Folder:
         self.only_for = known.only_for
 
     def say(self, camera: Camera, camera_by: By, scale_by: By) -> None:
-        """State the camera and the scale, with who says them."""
         self.facts.append(Assumption(recorded.INTRINSICS, camera.text, camera_by, "--intrinsics"))
         self.facts.append(Assumption(recorded.DEPTH_SCALE, _scale_text(self.scale), scale_by, "--depth-scale"))
 
@@ -261,7 +309,6 @@ class Folder:
             self.notes.append(f"{count} frames were left out: {why}.")
 
     def clock(self, value: str = "", by: By = By.DEFAULT) -> None:
-        """State how frames have their instants: by default by the rate."""
         value = value or f"{self.rate_hz:g} frames per second"
         self.facts.append(Assumption(recorded.CLOCK, value, by, "--frames-rate"))
 
@@ -313,12 +360,7 @@ class Folder:
         )
 
     def poses(self, matrices: Iterable[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False) -> list[Pose]:
-        """Return world_from_eye of all matrices of a file, each with its place; state how they are.
-
-        inverse: the matrices are from world to camera. unit: metres of a position's. A scale that
-        all have is that of the world over the camera: positions are divided by it. Errors:
-        InputError.
-        """
+        """Return world_from_eye of a file's matrices, a scale they share divided out."""
         given = list(matrices)
         turned, fact = by_rows(given[0][0] if given else "", [square_of(where, one) for where, one in given])
         if inverse:
@@ -337,14 +379,11 @@ class Folder:
         """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than that."""
         turn = matrix[:3, :3]
         if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
-            raise InputError(
-                f"{where}: the matrix does more than turn and move; expected a right-handed rotation, and a scale only "
-                "where all have the same"
-            )
+            expected = "expected a right-handed rotation, and a scale only where all have the same"
+            raise InputError(f"{where}: the matrix does more than turn and move; {expected}")
         return pose_of(self.axes, matrix[:3, 3] * unit, turn)
 
     def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
-        """Return world_from_eye of files of a matrix each; not those of inf or NaN."""
         whole = {at: matrix for at, path in files.items() if np.isfinite(matrix := matrix_in(path)).all()}
         return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
 
@@ -440,11 +479,7 @@ class Row:
     words: list[str]
 
     def floats(self, count: int, begin: int = 0, *, whole: bool = True) -> list[float]:
-        """Return so many numbers. whole: there are no others. Errors: InputError with the line."""
-        try:
-            values = [float(word) for word in (self.words if whole else self.words[: begin + count])]
-        except ValueError:
-            values = []
+        values = floats_in(self.words if whole else self.words[: begin + count])
         if len(values) != begin + count or not np.isfinite(values).all():
             raise self.wrong(f"{begin + count} finite numbers")
         return values[begin:]
@@ -484,10 +519,9 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
     """Return the matrix of (size, size) numbers in a file, maybe inf. Errors: InputError."""
     found = []
     for row in rows_of(path):
-        try:
-            found.append([float(word) for word in row.words])
-        except ValueError:
-            raise row.wrong(f"{size} numbers") from None
+        found.append(floats_in(row.words))
+        if not found[-1]:
+            raise row.wrong(f"{size} numbers")
     if [len(row) for row in found] != [size] * size:
         raise InputError(f"{path}: {len(found)} lines; expected a matrix, {size} lines of {size} numbers")
     return np.array(found)
@@ -508,31 +542,26 @@ _NAMED = 6  # files of a folder that no reader knows
 
 
 def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -> Sequence:
-    """Return the recorded sequence of a folder, or of a file in it (transforms.json).
+    """Return the recorded sequence of a folder; pixels are read later, frame by frame.
 
-    options: overrides facts of the files, or adds missing ones. Pixels are read later, frame by
-    frame. Errors: InputError for what no reader knows, for files that are missing or damaged, for
-    facts that are missing (intrinsics, depth scale), and for lens distortion, by its name.
+    Parameters
+    ----------
+    path : path
+        Of the folder, or of a file in it (transforms.json, a bag).
+    options : SequenceOptions, optional
+        Overrides facts of the files, or adds missing ones.
+
+    Raises
+    ------
+    InputError
+        For what no reader knows, damaged or missing files, missing facts, and lens distortion.
     """
     options, place = SequenceOptions.checked(options, optional=True), as_path(path)
     if not place.exists():
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
     if place.is_dir():
         enter(place)
-    if options.layout is not None:
-        return _read(readers.get(options.layout), place, options)
-    chances = {reader.name: reader.fits(place) for reader in readers}
-    best = max(chances, key=lambda name: chances[name])
-    if not chances[best]:
-        known = ", ".join(readers.names())
-        raise InputError(
-            f"{place} ({_content(place)}): no layout of recorded frames that is known: expected one of {known}; "
-            "'hmdwarp list layouts' says what each holds"
-        )
-    return _read(readers.get(best), place, options)
-
-
-def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequence:
+    reader = _reader_of(place) if options.layout is None else readers.get(options.layout)
     for name in ("frames_axes", "frames_camera", "frames_topics"):
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
@@ -543,25 +572,27 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
         raise InputError(f"{path}: noise_floor_db is {floor_db!r}; expected a positive number of dB")
     sequence = attrs.evolve(reader.read(place, options), noise_floor_db=floor_db)
     if (place / RIGHT).is_dir():
-        sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
+        right = reader.read(place / RIGHT, options)
+        times = [[frame.time_ns for frame in side.frames] for side in (sequence, right)]
+        if times[0] != times[1] or sequence.frames[0].size != right.frames[0].size:
+            what = "instants" if times[0] != times[1] else "pixels"
+            raise InputError(f"{right.path}: frames of other {what} than those of {sequence.path}; expected the same")
+        sequence = attrs.evolve(sequence, right=right)
     mask = options.hidden or place / MASK
     if options.hidden or mask.is_file():
         sequence = sequence.masked(mask)
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
 
 
-def _right(left: Sequence, right: Sequence) -> Sequence:
-    for name, one, other in (
-        ("instants", [frame.time_ns for frame in left.frames], [frame.time_ns for frame in right.frames]),
-        ("pixels", [left.frames[0].size], [right.frames[0].size]),
-    ):
-        if one != other:
-            raise InputError(f"{right.path}: frames of other {name} than those of {left.path}; expected the same")
-    return right
-
-
-def _content(place: Path) -> str:
-    if not place.is_dir():
-        return "a file"
-    names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
-    return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"
+def _reader_of(place: Path) -> SequenceReader:
+    chances = {reader.name: reader.fits(place) for reader in readers}
+    best = max(chances, key=lambda name: chances[name])
+    if chances[best]:
+        return readers.get(best)
+    held = "a file"
+    if place.is_dir():
+        names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
+        more = " .." if len(names) > _NAMED else ""
+        held = f"holds {', '.join(names[:_NAMED])}{more}" if names else "an empty folder"
+    expected = f"expected one of {', '.join(readers.names())}; 'hmdwarp list layouts' says what each holds"
+    raise InputError(f"{place} ({held}): no layout of recorded frames that is known: {expected}")

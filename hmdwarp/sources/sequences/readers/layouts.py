@@ -6,7 +6,7 @@ import io
 import re
 import reprlib
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from decimal import Decimal, InvalidOperation
 from functools import partial
@@ -56,7 +56,12 @@ def tum(at: Folder) -> None:
     at.state(FREIBURG3 if "freiburg3" in name else ADVISED, own=own, by=by)
     at.only_for = None if own else VGA
     trace = load_trace(at.path / "groundtruth.txt", TraceOptions(format="tum", axes=at.axes.words()))
-    colours, depths = (sorted(map(_listed, at.rows(file))) for file in ("rgb.txt", "depth.txt"))
+    lists = []
+    for rows in (at.rows("rgb.txt"), at.rows("depth.txt")):
+        if wrong := next((row for row in rows if len(row.words) != 2), None):
+            raise wrong.wrong("seconds and the name of a file")
+        lists.append(sorted((row.nanoseconds(), row.words[1]) for row in rows))
+    colours, depths = lists
     at.track, times, lost = trace.track, np.array([time_ns for time_ns, _ in depths]), 0
     if colours and depths:
         at.clocks = {"rgb.txt": (colours[0][0], colours[-1][0]), "depth.txt": (depths[0][0], depths[-1][0])}
@@ -82,12 +87,6 @@ def tum(at: Folder) -> None:
 def _span(trace: LoadedTrace) -> tuple[int, int]:
     track = trace.track
     return track.epoch_ns + track.start_ns, track.epoch_ns + track.end_ns
-
-
-def _listed(row: Row) -> tuple[int, str]:
-    if len(row.words) != 2:
-        raise row.wrong("seconds and the name of a file")
-    return row.nanoseconds(), row.words[1]
 
 
 @layout(
@@ -118,7 +117,7 @@ def redwood(at: Folder) -> None:
     file = _log(at.path)
     if file is None:
         raise InputError(f"{at.path}: no trajectory.log; expected {at.layout.summary}")
-    own, scale = None, None
+    own = scale = None
     if named := at.first("camera_intrinsic.json", "intrinsic.json", "camera_primesense.json"):
         stated = read_json(named)
         own, scale = camera_of(named, stated), stated.get("depth_scale")
@@ -135,8 +134,7 @@ def redwood(at: Folder) -> None:
         if len(head.words) not in (1, 2, 3) or not are_digits(head.words[0].lstrip("-")):
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), (head.where, [row.floats(4) for row in matrix])))
-    numbers = [number for number, _ in found]
-    whole = list(range(len(files)))
+    numbers, whole = [number for number, _ in found], list(range(len(files)))
     if len(found) == len(files) and [number - numbers[0] for number in numbers] in (whole, [0] * len(whole)):
         numbers = whole
     elif len(set(numbers)) < len(numbers) or not all(0 <= number < len(files) for number in numbers):
@@ -147,9 +145,9 @@ def redwood(at: Folder) -> None:
 
 
 def _log(path: Path) -> Path | None:
-    named = [path / name for name in ("trajectory.log", "scene/trajectory.log") if (path / name).exists()]
-    others = list(path.glob("*.log"))
-    return named[0] if named else others[0] if len(others) == 1 else None
+    named = [file for name in ("trajectory.log", "scene/trajectory.log") if (file := path / name).exists()]
+    found = named[:1] or list(path.glob("*.log"))
+    return found[0] if len(found) == 1 else None
 
 
 def _fits_numbered(path: Path) -> int:
@@ -294,11 +292,8 @@ def stray_scanner(at: Folder) -> None:
     for number, row in enumerate(rows):
         pose = row.pose(at.axes, 2, whole=False)
         if (depth := depths.get(int(float(row.words[1])))) is not None:
-            more = {"camera": cameras[number]} if own else {}
-            at.add(
-                Path(f"rgb.mp4 {number}"), depth, number, pose, row.nanoseconds(),
-                picture=partial(video.picture, number), **more,
-            )  # fmt: skip
+            more = {"picture": partial(video.picture, number)} | ({"camera": cameras[number]} if own else {})
+            at.add(Path(f"rgb.mp4 {number}"), depth, number, pose, row.nanoseconds(), **more)
     at.left_out(len(rows), "no depth")
 
 
@@ -388,15 +383,13 @@ def _traces(path: Path) -> list[Path]:
     clock=Assumption(CLOCK, "names of pictures on the trace's clock, else a pose for each", By.FILE),
 )  # fmt: skip
 def traced(at: Folder) -> None:
-    """Pictures whose names are instants on the clock of a trace, or that have a pose each."""
     files = at.paired(at.folder(*_TRACED_DEPTHS))
     at.state(unit=1.0 if read_depth(files[0][1]).dtype.kind == "f" else None, own=_camera_beside(at))
     found = _traces(at.path)
     if len(found) != 1:
         names = ", ".join(file.name for file in found) or "no file of poses"
-        raise InputError(
-            f"{at.path}: {names}; expected one head trace, called {_NAMES[0]}.csv, .txt or as its format has it"
-        )
+        expected = f"expected one head trace, called {_NAMES[0]}.csv, .txt or as its format has it"
+        raise InputError(f"{at.path}: {names}; {expected}")
     reading, head = TraceOptions(axes=at.options.frames_axes), read_head(found[0])
     if find_format(head, reading).layout(head, reading).time is None:
         reading = attrs.evolve(reading, rate=at.options.frames_rate_hz or RATE_HZ)
@@ -420,7 +413,6 @@ def traced(at: Folder) -> None:
 
 
 def _instants(at: Folder, files: list[tuple[Path, Path]], trace: LoadedTrace) -> tuple[list[int], str]:
-    """Return the instant of each picture on the trace's clock, and how that is known."""
     track, whole = trace.track, []
     for colour, _ in files:
         with suppress(InvalidOperation):
@@ -478,8 +470,7 @@ def seven_scenes(at: Folder) -> None:
     """Source: Shotton et al. 2013, Scene coordinate regression forests (its page); 3DMatch."""
     if inner := _sequences_in(at.path):
         raise InputError(f"{at.path}: holds the sequences {', '.join(inner)}: name one of these folders")
-    own, depth_camera, scale = None, None, None
-    # What files there or above state.
+    own = depth_camera = scale = None
     info, file = at.first("info.txt", "_info.txt", above=True), at.first(_MATRIX, above=True)
     text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
     if info is not None and "m_calibrationColorIntrinsic" in text:
@@ -498,22 +489,15 @@ def _add_matching(at: Folder, colour: str, depth: str, pose: str, depth_camera: 
     whole = sorted(colours.keys() & depths.keys() & poses.keys())
     for number in whole:
         at.add(colours[number], depths[number], number, poses[number])
-    if whole:
-        sizes = size_of(colours[whole[0]]), size_of(depths[whole[0]])
-        at.fit = _through_cameras(*sizes, at.camera, depth_camera)
     at.left_out(len(colours), "no depth, or no pose of finite numbers")
-
-
-def _through_cameras(
-    size: Size, of_depth: Size, camera: Camera, depth_camera: Camera | None
-) -> Callable[..., NDArray[Any]]:
-    """Return what takes depth of another camera in the same place to the colour's pixels."""
+    is_same = bool(whole) and size_of(colours[whole[0]]) == size_of(depths[whole[0]])
 
     def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
-        if size == of_depth and (high, wide) != (rows, columns):
+        """Return depth of another camera in the same place at the colour's pixels."""
+        (high, wide), (rows, columns), camera = colour.shape[:2], depth.shape, at.camera
+        if is_same and (high, wide) != (rows, columns):
             raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
-        if size == of_depth or depth_camera is None:
+        if is_same or depth_camera is None:
             return fitted_depth(depth, colour, where)
         row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
         column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
@@ -521,7 +505,7 @@ def _through_cameras(
         inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
         return np.asarray(np.where(inside, found, found.dtype.type(0)))
 
-    return through
+    at.fit = through
 
 
 def _refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:
@@ -533,10 +517,7 @@ def _of_info(file: Path, text: str) -> tuple[Camera | None, Camera | None, float
     values = {key.strip(): value.split() for key, _, value in (line.partition("=") for line in text.splitlines())}
 
     def numbers(key: str, *counts: int) -> list[float]:
-        try:
-            found = [float(word) for word in values.get(key, [])]
-        except ValueError:
-            found = []
+        found = _files.floats_in(values.get(key, []))
         if len(found) not in counts or not np.isfinite(found).all():
             said = " ".join(values.get(key, [])) or "missing"
             raise InputError(f"{file}: {key} is {said}; expected {counts[0]} numbers")
@@ -783,9 +764,8 @@ def nerfstudio(at: Folder) -> None:
     if not whole:
         other = dict.fromkeys(key for entry in entries for key in entry if "depth" in key.lower())
         named = f": {', '.join(other)} is not read, {' or '.join(_DEPTH_KEYS[:2])} is" if other else ""
-        raise InputError(
-            f"{file}: none of its {len(entries)} frames has a depth_file_path; expected depth for a warp{named}"
-        )
+        expected = f"expected depth for a warp{named}"
+        raise InputError(f"{file}: none of its {len(entries)} frames has a depth_file_path; {expected}")
     every = {key: value for part in (data, *whole) for key, value in part.items()}
     at.notes = _files.unread_notes(file, every, _READ_KEYS)
     if len(whole) < len(entries):
@@ -809,9 +789,8 @@ def nerfstudio(at: Folder) -> None:
         facts = {**data, **entry}
         own = at.options.camera or camera_of(where, facts, _CENTRE)
         if own is None:
-            raise InputError(
-                f"{where}: no fl_x and no camera_angle_x; expected intrinsics in the file, or --intrinsics"
-            )
+            expected = "expected intrinsics in the file, or --intrinsics"
+            raise InputError(f"{where}: no fl_x and no camera_angle_x; {expected}")
         if own.is_y_up:
             raise InputError(f"{where}: fy is {own.fy:g}; expected above 0, as nerfstudio has it")
         colour, depth = (_picture(file, where, name) for name in (facts.get("file_path"), _depth_key(facts)))
@@ -838,11 +817,7 @@ def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | N
 
 
 def _times(at: Folder, wheres: list[str], whole: list[Mapping[str, Any]]) -> list[int]:
-    """Return the instants of all frames, and state how they are known.
-
-    timestamp is in seconds. time is a share of the whole recording, from 0 to 1, in data sets of
-    moving scenes, or a count, which then have the default rate; any other is taken for seconds.
-    """
+    """Return the instants of all frames: timestamp in seconds; time a share, a count or seconds."""
     rated = at.options.frames_rate_hz is not None
     key = next((key for key in ("timestamp", "time") if whole[0].get(key) is not None), "")
     counted = [at.instant_ns(number) for number in range(len(whole))]
@@ -885,9 +860,8 @@ def folder(at: Folder) -> None:
     stated = [frame for frame in found if frame.facts.keys() & {"time_ns", "time_s"}]
     if stated and len(stated) < len(found):
         lacking = next(frame for frame in found if frame not in stated)
-        raise InputError(
-            f"{lacking.where}: no time_s, which {stated[0].where.name} has; expected it in all frames or in none"
-        )
+        expected = "expected it in all frames or in none"
+        raise InputError(f"{lacking.where}: no time_s, which {stated[0].where.name} has; {expected}")
     own = [_time_ns(frame) for frame in stated] if at.options.frames_rate_hz is None else []
     times = [time - min(own) for time in own] or [at.instant_ns(number) for number in range(len(found))]
     at.frames = [_own_frame(at, one, time_ns) for one, time_ns in zip(found, times, strict=True)]
@@ -918,10 +892,8 @@ def _own_frame(at: Folder, found: FrameFile, time_ns: int) -> RecordedFrame:
     def read() -> Pictures:
         colour, depth = found.arrays()
         if depth.dtype.kind != "f" and scale is None:
-            raise InputError(
-                f"{found.path}: depth is {depth.dtype}, of unknown unit: give --depth-scale, the metres per unit, or "
-                f"depth_scale in {CAMERA}"
-            )
+            hint = f"give --depth-scale, the metres per unit, or depth_scale in {CAMERA}"
+            raise InputError(f"{found.path}: depth is {depth.dtype}, of unknown unit: {hint}")
         is_light, wrong = colour.dtype == np.uint8 or colour.dtype.kind == "f", ""
         if not is_light or colour.ndim != 3 or colour.shape[2] not in (3, 4):
             wrong = f"colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats"

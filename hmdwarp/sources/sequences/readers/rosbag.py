@@ -16,10 +16,10 @@ from ....errors import InputError
 from ....poses import Origin, PoseTrack
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
-from ..frame_files import Camera, Matrix, refuse_distortion
+from ..frame_files import Camera, refuse_distortion
 from ..picture_files import fitted_depth
 from ..recorded import POSE, Pictures, RecordedFrame, as_pictures, in_metres
-from . import Folder, layout
+from . import Folder, Matrix, layout
 
 _OPTICAL_FROM_BODY = np.array([[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 _IMAGES = ("sensor_msgs/Image", "sensor_msgs/CompressedImage")
@@ -29,16 +29,9 @@ _PARTS = ("colour", "depth", "info", "pose")
 _NAMING = ",".join(f"{part}=TOPIC" for part in _PARTS)
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
 # Bytes a pixel, and which of its channels are red, green and blue.
-_COLOURS = {
-    "rgb8": (3, (0, 1, 2)),
-    "bgr8": (3, (2, 1, 0)),
-    "8UC3": (3, (2, 1, 0)),
-    "rgba8": (4, (0, 1, 2)),
-    "bgra8": (4, (2, 1, 0)),
-    "8UC4": (4, (2, 1, 0)),
-    "mono8": (1, (0, 0, 0)),
-    "8UC1": (1, (0, 0, 0)),
-}
+_RGB, _BGR = (0, 1, 2), (2, 1, 0)
+_COLOURS = {"rgb8": (3, _RGB), "bgr8": (3, _BGR), "8UC3": (3, _BGR), "mono8": (1, (0, 0, 0)), "8UC1": (1, (0, 0, 0))}
+_COLOURS |= {"rgba8": (4, _RGB), "bgra8": (4, _BGR), "8UC4": (4, _BGR)}
 _DEPTHS = {"16UC1": ("u2", 0.001), "mono16": ("u2", 0.001), "32FC1": ("f4", 1.0)}  # type and metres per unit
 _COMPRESSED_DEPTH = "compressedDepth"
 _HEADER = 12  # bytes before the PNG of a compressed depth
@@ -60,11 +53,7 @@ def rosbag(at: Folder) -> None:
     if place is None:
         raise InputError(f"{at.path}: no bag, or several; expected {at.layout.summary}")
     bag = Bag(place)
-    moving: list[Any] = []
-    still: list[Any] = []
-    for topic, _, message in bag.messages([name for name, kind in bag.topics.items() if kind in _TF]):
-        (still if topic.endswith("tf_static") else moving).extend(message.transforms)
-    tree, by = _Transforms(moving, still), By.USER if at.options.frames_topics else By.DEFAULT
+    tree, by = _Transforms(bag), By.USER if at.options.frames_topics else By.DEFAULT
     topics = _topics(at.path, bag, tree, at.options.frames_topics)
     colours, depths = (_stamped(bag, topics[part]) for part in ("colour", "depth"))
     scale = _DEPTHS[_encoding_of(bag.message(topics["depth"], depths[0].logged_ns, depths[0].number))][1]
@@ -127,10 +116,8 @@ def _topics(path: Path, bag: Bag, tree: _Transforms, stated: str | None) -> dict
     registered = [name for name in fitting if frames[name] == frames[colour]]
     depth = named.get("depth") or _one(path, "depth", registered or fitting, pictures)
     if frames[colour] != frames[depth]:
-        raise InputError(
-            f"{path}: {depth} is in frame '{frames[depth]}', {colour} in '{frames[colour]}'; expected depth that is "
-            "registered to the colour (aligned_depth_to_color, depth_registered)"
-        )
+        expected = "expected depth that is registered to the colour (aligned_depth_to_color, depth_registered)"
+        raise InputError(f"{path}: {depth} is in frame '{frames[depth]}', {colour} in '{frames[colour]}'; {expected}")
     infos = [name for name, kind in bag.topics.items() if kind == _INFO]
     beside = colour.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
     info = named.get("info") or (beside if beside in infos else infos[0] if len(infos) == 1 else "")
@@ -202,6 +189,11 @@ def _poses(
     return at, said, {topic: (min(instants), max(instants))}
 
 
+def _pictures(colour: Callable[[], Any], depth: Callable[[], Any], where: str, scale: float) -> Pictures:
+    picture = np.ascontiguousarray(colour())
+    return as_pictures(picture, in_metres(fitted_depth(depth(), picture, where), scale))
+
+
 def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     """Return (h, w, 3) uint8 sRGB, or (h, w) depth in its own unit. Errors: InputError."""
     where = f"{bag.path}, {topic} at {picture.time_ns} ns"
@@ -227,10 +219,8 @@ def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     kind = np.dtype("u1" if count else _DEPTHS[encoding][0]).newbyteorder(">" if message.is_bigendian else "<")
     width = message.width * max(count, 1) * kind.itemsize
     if message.step < width or len(data) < message.step * message.height:
-        raise InputError(
-            f"{where}: {len(data)} bytes in rows of {message.step}; expected {message.width}x{message.height} pixels "
-            f"of {encoding}"
-        )
+        expected = f"expected {message.width}x{message.height} pixels of {encoding}"
+        raise InputError(f"{where}: {len(data)} bytes in rows of {message.step}; {expected}")
     rows = data[: message.step * message.height].reshape(message.height, message.step)[:, :width]
     values = np.ascontiguousarray(rows).view(kind)
     if not count:
@@ -238,13 +228,7 @@ def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
     return values.reshape(message.height, message.width, count)[..., list(channels)]
 
 
-def _pictures(colour: Callable[[], Any], depth: Callable[[], Any], where: str, scale: float) -> Pictures:
-    picture = np.ascontiguousarray(colour())
-    return as_pictures(picture, in_metres(fitted_depth(depth(), picture, where), scale))
-
-
 def _encoding_of(message: Any) -> str:
-    """Return a name of _COLOURS or _DEPTHS ("rgb8" for compressed colour), "" for others."""
     if hasattr(message, "encoding"):
         return str(message.encoding) if message.encoding in {*_COLOURS, *_DEPTHS} else ""
     encoding = str(message.format).partition(";")[0].strip()
@@ -263,8 +247,6 @@ def _matrix_of(position: Any, orientation: Any) -> Matrix:
 
 
 class _Motion:
-    """Samples of one frame in another, in the axes of ROS."""
-
     def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
         self._samples = dict(sorted({time_ns: _matrix_of(*pose) for time_ns, *pose in samples}.items()))
         self.times_ns = list(self._samples)
@@ -278,28 +260,24 @@ class _Motion:
     def at(self, time_ns: int) -> Matrix | None:
         """Return parent_from_child; None outside of the samples or in a gap."""
         sample = self._track.at(time_ns - self.times_ns[0])
-        if sample.origin is Origin.HELD:
-            return None
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = sample.pose.rotation_matrix, sample.pose.position_m
-        return matrix
+        return None if sample.origin is Origin.HELD else sample.pose.matrix()
 
 
 class _Transforms:
-    def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
+    def __init__(self, bag: Bag) -> None:
         samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
         self._still: dict[str, tuple[str, Matrix]] = {}
-        for is_still, transform in (*((True, one) for one in still), *((False, one) for one in moving)):
+        messages = bag.messages([name for name, kind in bag.topics.items() if kind in _TF])
+        for topic, transform in ((topic, one) for topic, _, message in messages for one in message.transforms):
             parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
             pose = transform.transform.translation, transform.transform.rotation
-            if is_still:
+            if topic.endswith("tf_static"):
                 self._still[child] = parent, _matrix_of(*pose)
             else:
                 samples.setdefault((child, parent), []).append((stamp_ns(transform.header.stamp), *pose))
         self._moving = {child: (parent, _Motion(found)) for (child, parent), found in samples.items()}
 
     def chain(self, frame: str) -> list[str]:
-        """Return a frame and those that it is in, up to the root."""
         names = [frame]
         while (edge := self._moving.get(names[-1]) or self._still.get(names[-1])) and edge[0] not in names:
             names.append(edge[0])
@@ -313,7 +291,6 @@ class _Transforms:
         return {f"/tf of {name}": (times[0], times[-1]) for name, times in moving.items()}
 
     def up_to(self, frame: str, ancestor: str, time_ns: int) -> Matrix | None:
-        """Return ancestor_from_frame; None where a transform is missing, or has no sample then."""
         names, matrix = self.chain(frame), np.eye(4)
         if ancestor not in names:
             return None

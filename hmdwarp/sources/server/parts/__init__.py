@@ -21,25 +21,19 @@ from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
 from ...array_passes import Owner
-from ..passes import ScenePasses, SceneTextures, boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from ..passes import ScenePasses, SceneTextures
 from ..targets import MOST_SETTINGS, Framebuffers, LastUsed, Renderer, Target
 
-parts: Registry[type[Part]] = Registry(
-    "part",
-    __name__,
-    modules={
-        **dict.fromkeys(("cube", "difference", "foveated", "motion"), "layers"),
-        **dict.fromkeys(("cutouts", "light", "overlay", "panels", "peeled", "transparency"), "blended"),
-        **dict.fromkeys(("scene_update", "views", "wide"), "layers"),
-    },
-)
+_VIEWS = ("cube", "difference", "foveated", "motion", "scene_update", "views", "wide")
+_BLENDED = ("cutouts", "light", "overlay", "panels", "peeled", "transparency")
+_MODULES = dict.fromkeys(_VIEWS, "views") | dict.fromkeys(_BLENDED, "blended")
+parts: Registry[type[Part]] = Registry("part", __name__, modules=_MODULES)
 
 
 @attrs.frozen(eq=False)
 class Drawing:
-    # The view as the eye has it, without guard band, and (w, h) pixels of it.
-    view: View
-    size: tuple[int, int]
+    view: View  # as the eye has it, without guard band
+    size: tuple[int, int]  # (w, h) pixels of it
     time_ns: int = 0  # the scene's clock
     needs: Needs = Needs()  # the layers to draw
     shown_size: tuple[int, int] | None = None  # (w, h) of the display's picture, where this one has another resolution
@@ -61,29 +55,20 @@ class DrawContext:
     textures: SceneTextures  # the scene's, on the GPU
     framebuffers: Framebuffers
     colour: ScenePasses  # the passes of the plain surfaces
-    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
-    # depth: with an r32f texture too.
-    acquire: Callable[..., Target]
-    # draw(view, size, drawing): draws a whole picture of another view.
-    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
-    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
-    passes_for: Callable[[Drawing], ScenePasses]
+    acquire: Callable[..., Target]  # (size, kind, depth=): freed with the frame; kind as in gpu.textures
+    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]  # draws a whole picture of another view
+    passes_for: Callable[[Drawing], ScenePasses]  # those of the plain surfaces, lit as its layers say
     # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
     draw_colour: Callable[[ScenePasses, View, moderngl.Texture, int], None]
     renderer: Callable[[Scene], Renderer]  # renderer(scene): a server of another scene; who makes it closes it
 
 
 class Part(Owner, ABC):
-    """One kind of content, added to the picture after the parts of a lower `order`.
-
-    A part is made when a scene has any of its content, or when frames need a layer whose file names
-    it in `drawn_by`: then the layer is always there, if only empty.
-    """
+    """One kind of content, made when a scene has any or frames need a layer `drawn_by` it."""
 
     name: ClassVar[str]
     order: ClassVar[int]
-    # Whether what it draws depends on the frames before: each client has its own then.
-    of_client: ClassVar[bool] = False
+    of_client: ClassVar[bool] = False  # whether it depends on the frames before: each client has its own then
 
     def __init__(self, context: DrawContext) -> None:
         self.context = context
@@ -123,7 +108,6 @@ class Part(Owner, ABC):
         return False
 
     def trim(self) -> None:
-        """Free kept targets as Renderer.trim() frees its own."""
         for _, target in self._kept.trimmed(lambda _, target: target.bytes):
             target.release(self.context.framebuffers.forget)
 
@@ -204,18 +188,6 @@ class Head:
             turned = before.pose.angle_to(now.pose)
             radians = max(radians, min(times * turned, math.pi))
         return metres, radians
-
-
-def may_be_seen(
-    centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
-) -> NDArray[np.bool_]:
-    """Return which boxes an eye may see that moves and turns so far; relative to `origin_m`."""
-    clip = clip_from_eye(view.fov)
-    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
-    reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)
-    reach += np.linalg.norm(halves, axis=1)
-    slack = steep[:, None] * (radians * reach + metres)
-    return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
 
 
 def boxes_at(

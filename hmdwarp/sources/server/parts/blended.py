@@ -6,10 +6,9 @@ occluded, by depth peeling. Source: Everitt 2001, Interactive Order-Independent 
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import moderngl
@@ -58,12 +57,16 @@ class Sheets(Owner):
         self._context, self._meshes = context, tuple(meshes)
         starts = np.cumsum([0, *(len(mesh.positions) for mesh in meshes)])
         self._vertices_of = [slice(*ends) for ends in pairwise(starts)]
-        self._triangles = np.concatenate(
-            [np.empty((0, 3), np.uint32)]
-            + [mesh.triangles + np.uint32(start) for mesh, start in zip(meshes, starts, strict=False)]
-        )
+        triangles = [mesh.triangles + np.uint32(start) for mesh, start in zip(meshes, starts, strict=False)]
+        self._triangles = np.concatenate([np.empty((0, 3), np.uint32), *triangles])
         self._mesh_of = np.repeat(np.arange(len(meshes)), [len(mesh.triangles) for mesh in meshes])
-        self._rows = _rows(self._meshes)
+        self._rows = np.zeros(int(starts[-1]), _VERTEX)
+        # Share of each colour that passes where the mesh covers, its texture apart.
+        colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
+        for index, (mesh, ends) in enumerate(zip(meshes, self._vertices_of, strict=True)):
+            transmission, rows = mesh.material.transmission, self._rows[ends]
+            rows["position"], rows["uv"], rows["mesh"] = mesh.positions, mesh.uv, index
+            rows["light"], rows["coloured"] = mesh.light * np.float32(1 - transmission), transmission * colours[index]
         # (3, m), each coordinate by itself: three times as fast as (m, 3)
         self._middles = np.ascontiguousarray(_middles(self._rows["position"].astype(np.float64), self._triangles))
         self._places = [(mesh.material.head_locked, mesh.body) for mesh in meshes]
@@ -82,14 +85,19 @@ class Sheets(Owner):
         self._order: tuple[tuple[object, ...], list[_Run], list[Array]] = ((), [], [])
 
     def program(self, fragment: str = "pane", **defines: int) -> Draw:
-        """Return the program that draws the sheets by a fragment shader of the server."""
         slots = max(1, min(len(self._textures), _SLOTS))
         return self._context.gpu.shaders.draw("server/pane.vert", f"server/{fragment}.frag", SLOTS=slots, **defines)
 
-    def colour(self, *, tests: int = 0, covers: bool = True) -> Draw:
-        """Return the program of their colour. tests, covers: see pane.frag."""
+    def colour(self, tests: int = 0, eye: EyeImage | None = None, *, covers: bool = True) -> Draw:
+        """Return the program of their colour. tests, covers: see pane.frag; eye: tested against."""
         program = self.program(TESTS=tests, COLOUR=1)
         program.uniforms.set(covers=float(covers))
+        return program if eye is None else self.tested(program, eye, tests)
+
+    def tested(self, program: Draw, eye: EyeImage, tests: int) -> Draw:
+        """Return a program that tests against the depth of an eye's picture."""
+        eye.inverse_depth.use(1)
+        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
         return program
 
     def draw(
@@ -97,21 +105,25 @@ class Sheets(Owner):
         program: Draw,
         view: View,
         time_ns: int,
-        framebuffer: moderngl.Framebuffer,
+        into: moderngl.Texture,
         blending: Blending | None,
         *,
+        empty: _Rgba | None = None,
         hidden_by_surfaces: bool = False,
     ) -> None:
         """Draw all sheets, farthest first; without blending depth, of which the nearest wins."""
         (_, runs, eye_from), gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
+        framebuffer = self._context.framebuffers.over(into)
+        if empty is not None:
+            with drawing_into(framebuffer):
+                framebuffer.clear(color=empty)
         if runs:
             clip = clip_from_eye(view.fov)
             self._kinds["clip_from_here"] = [(clip @ from_here).T for from_here in eye_from]
             self._kinds_on_gpu.write(self._kinds.tobytes())
             self._kinds_on_gpu.bind_to_storage_buffer(0)
-        flags = (moderngl.BLEND if blending else 0) | (
-            moderngl.DEPTH_TEST if hidden_by_surfaces or blending is None else 0
-        )
+        tests_depth = hidden_by_surfaces or blending is None
+        flags = (moderngl.BLEND if blending else 0) | (moderngl.DEPTH_TEST if tests_depth else 0)
         if not any(mesh.double_sided for mesh in self._meshes):
             flags |= moderngl.CULL_FACE  # sooner than the shader, which leaves out the backs of the one-sided
         framebuffer.depth_mask = blending is None
@@ -204,32 +216,13 @@ def _farthest_first(squared: Array) -> NDArray[np.intp]:
     return order
 
 
-def _rows(meshes: Sequence[Mesh]) -> NDArray[np.void]:
-    rows = np.zeros(sum(len(mesh.positions) for mesh in meshes), _VERTEX)
-    # Share of each colour that passes where the mesh covers, its texture apart.
-    colours = [np.ones_like(one.light) if one.albedo is None else np.clip(one.albedo, 0, 1) for one in meshes]
-    for name, values in (
-        ("position", [mesh.positions for mesh in meshes]),
-        ("uv", [mesh.uv for mesh in meshes]),
-        ("light", [mesh.light * np.float32(1 - mesh.material.transmission) for mesh in meshes]),
-        ("coloured", [mesh.material.transmission * shares for mesh, shares in zip(meshes, colours, strict=True)]),
-        ("mesh", [np.full((len(mesh.positions), 1), index) for index, mesh in enumerate(meshes)]),
-    ):
-        if values:
-            rows[name] = np.concatenate(values)
-    return rows
-
-
 class SheetsPart(Part):
+    has: ClassVar[Callable[[Scene, Mesh], bool]]  # whether a mesh of the scene is one of its sheets
+
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         scene = context.scene
         self._sheets = self.own(Sheets(context, [mesh for mesh in scene.meshes if self.has(scene, mesh)]))
-
-    @staticmethod
-    @abstractmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        """Return whether a mesh of the scene is one of its sheets."""
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -238,86 +231,55 @@ class SheetsPart(Part):
 
 @parts.register
 class Cutouts(SheetsPart):
-    """Drawn before all other parts, while the depth buffer is still that of the surfaces.
+    """Drawn before all other parts, against the surfaces' depth, not as part of a veil."""
 
-    As part of the veil, such a sheet seen through glass would move with the glass. Its edges are
-    blended; their depth is that of the side that covers more.
-    """
-
-    name = "cutouts"
-    order = 0
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return is_cutout(scene, mesh)
+    name, order = "cutouts", 0
+    has = staticmethod(is_cutout)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        program, over = self._sheets.colour(), self.context.framebuffers.over(eye.colour)
-        self._sheets.draw(program, eye.view, eye.drawn_ns, over, _OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
+        program = self._sheets.colour()
+        self._sheets.draw(program, eye.view, eye.drawn_ns, eye.colour, _OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
         self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
-        self._sheets.draw(self._sheets.program("cutout"), view, time_ns, self.context.framebuffers.over(into), None)
+        self._sheets.draw(self._sheets.program("cutout"), view, time_ns, into, None)
 
 
 @parts.register
 class Overlay(SheetsPart):
     """Drawn into the picture, it keeps the depth of what it covers."""
 
-    name = "overlay"
-    order = 95
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return mesh.material.head_locked
+    name, order = "overlay", 95
+    has = staticmethod(lambda _, mesh: mesh.material.head_locked)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "overlay" not in drawing.needs:
-            self._draw(eye.view, drawing.time_ns, self.context.framebuffers.over(eye.colour), _OVER_KEEPING_COVERAGE)
+            program = self._sheets.colour()
+            self._sheets.draw(program, eye.view, drawing.time_ns, eye.colour, _OVER_KEEPING_COVERAGE)
             return eye
         into = self.context.acquire(drawing.shown_size or drawing.size, depth=False).colour
-        framebuffer = self.context.framebuffers.over(into)
-        with drawing_into(framebuffer):
-            framebuffer.clear()
-        self._draw(drawing.view, drawing.time_ns, framebuffer, _OVER)
+        program = self._sheets.colour(covers=False)
+        self._sheets.draw(program, drawing.view, drawing.time_ns, into, _OVER, empty=(0.0, 0.0, 0.0, 0.0))
         return eye.having(overlay=into)
-
-    def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self._sheets.colour(covers=blending is not _OVER)
-        self._sheets.draw(program, view, time_ns, framebuffer, blending)
 
 
 @parts.register
 class Transparency(SheetsPart):
-    """Blended into the picture, sheets keep the depth of what lies behind.
+    """Blended in, sheets keep the depth behind; as a layer they are one veil at the nearest."""
 
-    As a layer, all sheets of a pixel are one veil at the depth of the nearest; one that the picture
-    occludes is left out where another is visible.
-    """
-
-    name = "transparency"
-    order = 70
-
-    @staticmethod
-    def has(scene: Scene, mesh: Mesh) -> bool:
-        return mesh.material.see_through and not is_cutout(scene, mesh)
+    name, order = "transparency", 70
+    has = staticmethod(lambda scene, mesh: mesh.material.see_through and not is_cutout(scene, mesh))
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if "transparent" in drawing.needs:
-            return eye.having(transparent=self._layer(eye))
-        eye.inverse_depth.use(1)
-        self._sheets.draw(
-            self._colour(1), eye.view, eye.drawn_ns, self.context.framebuffers.over(eye.colour), _OVER_KEEPING_COVERAGE
-        )
-        return eye
-
-    def _layer(self, eye: EyeImage) -> Transparent:
+        sheets, view, time_ns = self._sheets, eye.view, eye.drawn_ns
+        if "transparent" not in drawing.needs:
+            sheets.draw(sheets.colour(1, eye), view, time_ns, eye.colour, _OVER_KEEPING_COVERAGE)
+            return eye
         veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
         nearest = self.kept("nearest", eye.size, _TWO_DEPTHS, depth=False).colour
-        self._draw(
-            self._tested(self._sheets.program(TESTS=1, COLOUR=0), 1), eye, nearest, (-1.0, -1.0, 0.0, 0.0), _MOST
-        )
+        depths = sheets.tested(sheets.program(TESTS=1, COLOUR=0), eye, 1)
+        sheets.draw(depths, view, time_ns, nearest, _MOST, empty=(-1.0, -1.0, 0.0, 0.0))
         # Write the depth of the nearest sheet that is not hidden, else of the nearest of all.
         nearest.bind_to_image(0, read=True, write=False)
         veil.inverse_depth.bind_to_image(1, read=False, write=True)
@@ -327,30 +289,16 @@ class Transparency(SheetsPart):
         self.context.gpu.barrier()
         nearest.use(2)
         for into, through, blending in ((veil.colour, 0.0, _OVER_KEEPING_COVERAGE), (passing, 1.0, _THROUGH)):
-            self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
-        return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
-
-    def _draw(self, program: Draw, eye: EyeImage, into: moderngl.Texture, empty: _Rgba, blending: Blending) -> None:
-        framebuffer = self.context.framebuffers.over(into)
-        with drawing_into(framebuffer):
-            framebuffer.clear(color=empty)
-        eye.inverse_depth.use(1)
-        self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
-
-    def _colour(self, tests: int) -> Draw:
-        return self._tested(self._sheets.colour(tests=tests), tests)
-
-    def _tested(self, program: Draw, tests: int) -> Draw:
-        program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
-        return program
+            empty = (through, through, through, 0.0)
+            sheets.draw(sheets.colour(2, eye), view, time_ns, into, blending, empty=empty)
+        return eye.having(transparent=Transparent(Surface(veil.colour, veil.inverse_depth), passing))
 
 
 @parts.register
 class Peeled(Part):
     """Surfaces behind the picture's own, nearest first, without what the client moves."""
 
-    name = "peeled"
-    order = 100
+    name, order = "peeled", 100
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -377,8 +325,7 @@ class Peeled(Part):
 class Light(Part):
     """Drawn over the plain surfaces, before anything else is added; their depth stays the same."""
 
-    name = "light"
-    order = -1  # before cut-outs, which it would draw over
+    name, order = "light", -1  # before cut-outs, which it would draw over
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -402,8 +349,7 @@ class Light(Part):
 class Panels(Sending[PanelDelivery, "_PanelSender"]):
     """Sheets at their own places, the farthest first; in the world with a depth of their own."""
 
-    name = "panels"
-    order = 88
+    name, order = "panels", 88
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -433,7 +379,7 @@ class _DrawnPanel(Owner):
     """One panel as sheets of a scene of its own, whose origin is the panel's place."""
 
     def __init__(self, context: DrawContext, panel: Panel) -> None:
-        self.panel, self._gpu, self._framebuffers = panel, context.gpu, context.framebuffers
+        self.panel, self._gpu = panel, context.gpu
         origin = (0.0, 0.0, 0.0) if panel.head_locked else panel.pose.position_m
         of_pose = panel.pose if panel.head_locked else attrs.evolve(panel.pose, position_m=(0.0, 0.0, 0.0))
         material = Material(see_through=not panel.head_locked, head_locked=panel.head_locked)
@@ -449,21 +395,14 @@ class _DrawnPanel(Owner):
     def draw(self, eye: EyeImage) -> None:
         """Draw it over the picture of an eye, whose inverse depth is bound."""
         sheets, panel = self._sheets[self.panel.showing(eye.drawn_ns)], self.panel
-        program = sheets.colour(tests=int(panel.occluded))
-        if panel.occluded:
-            eye.inverse_depth.use(1)
-            program.uniforms.set(picture=1, keep=1 - SAME_SURFACE)
-        over = self._framebuffers.over(eye.colour)
-        sheets.draw(program, eye.view, eye.drawn_ns, over, _OVER_KEEPING_COVERAGE)
+        program = sheets.colour(int(panel.occluded), eye if panel.occluded else None)
+        sheets.draw(program, eye.view, eye.drawn_ns, eye.colour, _OVER_KEEPING_COVERAGE)
         if not panel.head_locked:
-            near = self._framebuffers.over(eye.inverse_depth)
-            sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, near, _MOST)
+            sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, eye.inverse_depth, _MOST)
             self._gpu.barrier()  # llvmpipe lets shaders read inverse depth as it was before
 
 
 class _PanelSender(Sender):
-    """The pictures of all panels that one PanelDelivery still has to send."""
-
     def __init__(self, panels: Sequence[Panel], wanted: PanelDelivery) -> None:
         self._panels, self._wanted = panels, wanted
         self._first = first_things(panels)

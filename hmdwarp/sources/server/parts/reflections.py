@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ....frames import EyeImage, Mirrored, Reflection, Surface
 from ....geometry import Fov, Mirror, Pose, View
 from ....geometry.view import mirrors_in_eye, tangents_of_pixels
-from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR, drawing_into
 from ....scenes import Scene, SceneMirror
 from ...array_passes import Owner
@@ -24,8 +23,7 @@ from . import DrawContext, Drawing, Part, parts
 class Reflections(Part):
     """Plane mirrors: the scene again, mirrored. Curved ones: a cube map around each."""
 
-    name = "reflections"
-    order = 10
+    name, order = "reflections", 10
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -100,22 +98,13 @@ class Reflections(Part):
                     behind = self.kept("behind", eye.size)
                     onto = over(behind.colour, behind.inverse_depth)
                     self._mirrored.draw_behind(one.mirror.shape, eye.view, onto, bounds, eye.drawn_ns)
-                self._store(program, behind, number, planes, bounds, seen)
-
-    def _store(
-        self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
-    ) -> None:
-        """Write the reflection in mirror `number` into `seen`; `program` makes it from `behind`."""
-        for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
-            texture.bind_to_image(unit, read=False, write=True)
-        for unit, texture in enumerate((behind.colour, behind.inverse_depth), start=2):
-            texture.bind_to_image(unit, read=True, write=False)
-        units = {"seen_colour": 0, "seen_inverse_depth": 1, "behind_colour": 2, "behind_inverse_depth": 3}
-        places = {"from": bounds[:2], "to": bounds[2:]}
-        program.uniforms.set(taken=number, **units, **places, **mirrors)
-        self.context.gpu.barrier()
-        program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
-        self.context.gpu.barrier()
+                for unit, texture in enumerate((seen.colour, seen.inverse_depth, behind.colour, behind.inverse_depth)):
+                    texture.bind_to_image(unit, read=unit > 1, write=unit < 2)
+                units = {"seen_colour": 0, "seen_inverse_depth": 1, "behind_colour": 2, "behind_inverse_depth": 3}
+                program.uniforms.set(taken=number, **units, **{"from": bounds[:2], "to": bounds[2:]}, **planes)
+                self.context.gpu.barrier()
+                program.run(bounds[2] - bounds[0], bounds[3] - bounds[1])
+                self.context.gpu.barrier()
 
 
 Array = NDArray[np.float64]
@@ -180,7 +169,6 @@ class MirroredPasses(ScenePasses):
     def draw_behind(
         self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int
     ) -> None:
-        """Draw colour and inverse depth into the pixels of `bounds`; the others are undefined."""
         self._mirror = mirror
         named, gl = tangents_of_pixels(view, framebuffer.size), self._gl
         start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])
@@ -264,16 +252,12 @@ class Ball(MirrorSurface):
         around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
         around.colour.use(0)
         around.inverse_depth.use(1)
-        self._image.uniforms.set(
-            clip_from_scene=clip_from_eye(view.fov) @ from_scene,
-            eye_from_scene=from_scene,
-            world_from_eye=view.pose.rotation_matrix,
-            face_size=float(around.size[0] // 3),
-            taken=taken,
-            around=0,
-            around_inverse_depth=1,
-            **mirrors,
-        )
+        places: dict[str, object] = {
+            "clip_from_scene": clip_from_eye(view.fov) @ from_scene,
+            "eye_from_scene": from_scene,
+        }
+        places |= {"world_from_eye": view.pose.rotation_matrix, "face_size": float(around.size[0] // 3)}
+        self._image.uniforms.set(taken=taken, around=0, around_inverse_depth=1, **places, **mirrors)
         with drawing_into(framebuffer, moderngl.CULL_FACE):
             self._curved.render(moderngl.TRIANGLES)
 

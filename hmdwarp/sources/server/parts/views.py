@@ -25,17 +25,16 @@ from ....geometry.cube import cube_size, wide_size, wide_view
 from ....gpu.textures import COLOUR, NUMBER, SCALAR, download, drawing_into, flip_rows
 from ....scenes import COARSE, FULL, HALF, Scene, partial_scene, pieces_of
 from ...array_passes import Owner
-from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving
+from ..passes import SAME_SURFACE, DeformingMesh, Moving, MovingBody, ScenePasses, draw_cube, draw_moving, may_be_seen
 from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, Renderer, display_bytes
-from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, may_be_seen, parts
+from . import NEAREST_M, DrawContext, Drawing, Head, Part, Sender, Sending, boxes_at, distances, parts
 
 
 @parts.register
 class Motion(Part):
     """Drawn after everything that goes into the picture: the depth says what a pixel shows."""
 
-    name = "motion"
-    order = 90
+    name, order = "motion", 90
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -114,8 +113,7 @@ _COARSE = 8  # the choice is made at this part of the resolution, on both axes
 class Views(Part):
     """Whole pictures from the places of chosen(), by the first eye's depth and the head's speed."""
 
-    name = "views"
-    order = 130
+    name, order = "views", 130
     of_client = True
 
     def __init__(self, context: DrawContext) -> None:
@@ -186,10 +184,8 @@ def moved(view: View, way: Array) -> View:
 def chosen(view: View, size: Size, motion: EyeMotion, count: int, depth_of: Callable[[View], Array]) -> list[Array]:
     """Return the places of `count` further pictures, relative to the eye, the most useful first.
 
-    size: (w, h) of the pictures of depth. depth_of: returns inverse depth (h, w), -1 for none, the
-    bottom row first. One after the other, each is the candidate that leaves the smallest share of
-    the expected pictures unseen by the newest picture and by those chosen before it; the nearer one
-    of equals.
+    Each is the candidate that leaves the least of the expected pictures unseen, the nearer of two.
+    depth_of: returns inverse depth of (w, h) `size`, -1 for none, the bottom row first.
     """
     expected = [(target, depth_of(target)) for way in motion.expected() for target in [moved(view, way)]]
 
@@ -209,11 +205,7 @@ def chosen(view: View, size: Size, motion: EyeMotion, count: int, depth_of: Call
 
 
 def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> NDArray[np.bool_]:
-    """Return (h, w): which pixels of a target a picture shows, by the depth of both.
-
-    held, wanted: inverse depth (h, w) of the picture and of the target, the bottom row first. A
-    point is hidden if the nearest pixel of the picture holds something clearly nearer.
-    """
+    """Return (h, w): which pixels of a target a picture shows; both with the bottom row first."""
     wide, high = size
     y, x = np.mgrid[:high, :wide]
     pixels = np.stack([x + 0.5, y + 0.5], axis=-1)
@@ -230,8 +222,7 @@ def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> ND
 class Cube(Part):
     """Colour of the six faces of geometry.cube, as sharp as the picture. Errors: InputError."""
 
-    name = "cube"
-    order = 110
+    name, order = "cube", 110
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         context = self.context
@@ -251,8 +242,7 @@ class Cube(Part):
 class Wide(Part):
     """As wide as geometry.wide says, around the view without guard band, overlay apart."""
 
-    name = "wide"
-    order = 120
+    name, order = "wide", 120
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         view, size = wide_view(drawing.view), wide_size(drawing.view.fov, drawing.size)
@@ -268,12 +258,10 @@ _KINDS = {"foveated": COLOUR, "foveated_depth": SCALAR}
 class Foveated(Part):
     """Made when the picture is complete, of colour and of inverse depth where each is needed."""
 
-    name = "foveated"
-    order = 195
+    name, order = "foveated", 195
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        needs = [drawing.needs[name] for name in _KINDS if name in drawing.needs]
-        fovea: Fovea = needs[0]
+        fovea: Fovea = next(drawing.needs[name] for name in _KINDS if name in drawing.needs)
         grid = fovea.grid(eye.view, eye.size)
         made: dict[str, Any] = {}
         for number, (name, kind) in enumerate(_KINDS.items()):
@@ -291,8 +279,7 @@ class Foveated(Part):
 
 @parts.register
 class SceneUpdate(Sending[Delivery, "_Sender"]):
-    name = "scene_update"
-    order = 200
+    name, order = "scene_update", 200
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
@@ -311,8 +298,6 @@ class SceneUpdate(Sending[Delivery, "_Sender"]):
 
 
 class _Sender(Sender):
-    """What one Delivery still has to send, and in which order."""
-
     def __init__(self, scene: Scene, delivery: Delivery) -> None:
         self._budget = delivery.budget
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
@@ -371,8 +356,7 @@ class _Sender(Sender):
 class Difference(Part):
     """Drawn when the picture is complete: the simplified scene for the same view and instant."""
 
-    name = "difference"
-    order = 190
+    name, order = "difference", 190
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
