@@ -174,10 +174,10 @@ class Store:
             return records.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """End a session with one of records.STATUSES but records.RUNNING, and renew the copy of the store.
+        """End a session with one of STATUSES but RUNNING, and renew the copy of the store.
 
-        why: in words. records.DECLINED needs "refused" in the journal; a session that is records.STOPPED before its
-        consent was given is returned as records.UNCONSENTED.
+        why: in words. DECLINED needs "refused" in the journal; a session that is STOPPED before its
+        consent was given is returned as UNCONSENTED.
         """
         if status not in records.STATUSES or status in (records.RUNNING, records.UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
