@@ -60,8 +60,8 @@ def _within(least: float, most: float, default: Any = 0.0, at: str = "", *, abov
 class RatingModel:
     """Model of the ratings on one scale, in the unit and the direction of that scale.
 
-    Of a preference it is that of what is felt of each of the two, where more is better; in JOD if
-    noise_sd is JOD_SPREAD / sqrt 2. Levels, drift and carry-over do not count in it.
+    Of a preference it is of what is felt of each of the two, more is better, in JOD if noise_sd is
+    JOD_SPREAD / sqrt 2; levels, drift and carry-over do not count in it.
     """
 
     # Latent rating by condition, or a table of them by part, where the parts differ.
@@ -406,10 +406,8 @@ PATIENCE_S = 0.5  # until a command without effect is tried again, as people do
 class Simulated:
     """Simulated participant: person_of(code) with the order of the session.
 
-    The same person answers the same, whenever and however often a question is asked: every draw
-    belongs to the person and the question, none to what was asked before. Answers are those of
-    Population(..).of([person], seed, orders=[order]).
-
+    Every draw belongs to the person and the question, none to what was asked before: the answers
+    are those of Population(..).of([person], seed, orders=[order]), however often they are asked.
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
 

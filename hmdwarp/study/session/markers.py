@@ -59,13 +59,10 @@ class MarkerStream:
     """Stream of markers, each a JSON object with its `event`; one text channel, no fixed rate.
 
     A marker's stamp is the instant it happened, converted to LSL's clock; the clocks are compared
-    anew for each marker, as they may drift. Sending takes some 20 us and never waits for a
-    receiver.
-
-    name: of the stream; its source is named by it too, so that recorders find it again after a
-    crash. about: facts for its description. is_simulated: whether the display's clock advances by
-    refreshes alone: then it is compared once, and stamps are right beside each other only.
-    Errors: as load_lsl.
+    anew for each, as they may drift. Sending takes some 20 us and never waits for a receiver.
+    name: of the stream and its source, by which recorders find it again after a crash. about: facts
+    for its description. is_simulated: whether the display's clock advances by refreshes alone: then
+    it is compared once, and stamps are right beside each other only.
     """
 
     def __init__(

@@ -45,12 +45,11 @@ def run_session(
     Whatever ends it, all answers are in the store, and a session that is not over can be resumed.
 
     say: gets the closing words, and messages from before there is a console. console: None for that
-    of the options. quiet: whether the console of lines only answers commands. on_end: gets the
-    session after the closing words, before the signal that ended it is raised once more; not where
-    an error says it all.
+    of the options; quiet: it only answers commands. on_end: gets the session after the closing
+    words, before the signal that ended it is raised once more; not where an error says it all.
 
-    Errors: InputError for wrong options, before anything is opened; MachineError for what the
-    machine lacks, and for a display that does not come back. Each says how to resume.
+    Errors, which say how to resume: InputError for wrong options, before anything is opened;
+    MachineError for what the machine lacks, and for a display that does not come back.
     """
     design = load_design(options.study)
     # Refuses a display without a head, before there is a store.
