@@ -11,8 +11,19 @@ from typing import Any
 import attrs
 
 from ...options import PAPER, PaperOptions
-from ...report import ALPHA, OutputFolder, counted, listed, p_is, pair_text, plain, signed, write_paper
-from ...report.study import csv_tables, study_page
+from ...report import (
+    ALPHA,
+    OutputFolder,
+    counted,
+    csv_tables,
+    listed,
+    p_is,
+    pair_text,
+    plain,
+    signed,
+    study_page,
+    write_paper,
+)
 from ...resources import __version__, made_with
 from ..design import SHIPPED, Family
 from ..statistics import friedman, kendalls_w
